@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -97,17 +98,20 @@ class Parameters:
                 if value not in item.metadata["options"]:
                     raise UnknownNameError(item.name, str(value), item.metadata["options"])
                 continue
+            many = np.ndim(value) > 0
             try:
-                number = np.array(value if np.ndim(value) else as_number(value), dtype=float)
+                number: Any = np.array(value, dtype=float) if many else as_number(value)
             except (TypeError, ValueError, OverflowError):
                 raise ParameterError(f"{item.name} must be a number, not {value!r}") from None
             inside, words = BOUNDS[item.metadata["bound"]]
-            for fits, what in ((np.isfinite(number), "finite"), (inside(number), words)):
-                if not np.all(fits):
-                    wrong = value if number.ndim == 0 else float(number[~fits][0])
+            finite = np.isfinite(number) if many else math.isfinite(number)
+            for fits, what in ((finite, "finite"), (inside(number), words)):
+                if not (np.all(fits) if many else fits):
+                    wrong = float(number[~fits][0]) if many else value
                     raise ParameterError(f"{item.name} must be {what}, not {wrong!r}")
-            number.flags.writeable = False
-            object.__setattr__(self, item.name, float(number) if number.ndim == 0 else number)
+            if many:
+                number.flags.writeable = False
+            object.__setattr__(self, item.name, number)
         self.validate()
 
     def validate(self) -> None:

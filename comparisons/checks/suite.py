@@ -407,9 +407,12 @@ def matches(check: Task, patterns: Iterable[str]) -> bool:
 
 
 def run_check(
-    check: Check, profile: str = "default", engine: Adapter | None = None
+    check: Check, profile: str = "default", engine: Adapter | None = None, explain: bool = True
 ) -> list[Result]:
-    """Run one check; whatever goes wrong becomes results, one for each of its quantities."""
+    """Run one check; whatever goes wrong becomes results, one for each of its quantities.
+
+    With ``explain`` they say where deviations may come from, which runs the engine again.
+    """
     if check.why_not is not None:
         return [Result(check.subject, name, "skipped", check.why_not) for name in check.quantities]
     begin = perf_counter()
@@ -425,7 +428,7 @@ def run_check(
     except CannotJudgeError as error:
         return [Result(check.subject, name, "skipped", str(error)) for name in check.quantities]
     except EngineError as error:
-        reason = with_rules(setup, f"{error.kind}: {error.message}")
+        reason = with_rules(setup if explain else None, f"{error.kind}: {error.message}")
         return check.failed(reason, error.traceback)
     except MbcheckError as error:
         return check.failed(str(error), error.traceback)
@@ -439,7 +442,9 @@ def run_check(
         if isinstance(item, Finding)
     }
     verdicts = {name: verdict for name, (verdict, _) in judgements.items()}
-    where = cause(setup, check.kind, verdicts) if "deviation" in verdicts.values() else ""
+    where = (
+        cause(setup, check.kind, verdicts) if explain and "deviation" in verdicts.values() else ""
+    )
     results = []
     for finding in findings:
         if isinstance(finding, Inconclusive):
@@ -448,7 +453,7 @@ def run_check(
         verdict, reason = judgements[finding.quantity]
         deviates = verdict == "deviation"
         reason = "; ".join(filter(None, (reason, *(f"note: {text}" for text in notes))))
-        if deviates:
+        if deviates and explain:
             reason = with_rules(setup, "; ".join(filter(None, (reason, where))))
         results.append(
             Result(

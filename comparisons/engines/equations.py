@@ -8,7 +8,7 @@ equations is *integration error*.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import partial
+from functools import lru_cache, partial
 from traceback import walk_tb
 from types import FunctionType
 from typing import Any, NamedTuple
@@ -27,8 +27,7 @@ class ModelEquations(NamedTuple):
         """Return the initial state (2 n,) of a case in the coordinates of these equations."""
         scene, own = get_scene(case.scene), {*self.scene.state_names}
         names = {*scene.state_names, *scene.initial_states}
-        values = get_scene(case.scene).completed(case.state)
-        state = dict(self.scene.embedding(self.parameters, values))
+        state = dict(embedded(self, case.scene, tuple(case.state.items())))
         # an unknown name is kept, for `Dynamics.state` to refuse
         state |= {
             name: value for name, value in case.state.items() if name in own or name not in names
@@ -41,6 +40,15 @@ class ModelEquations(NamedTuple):
     def is_exact_for(self, case: Case) -> bool:
         """Return whether these are the scene's equations with the parameters of the case."""
         return self.scene is get_scene(case.scene) and self.parameters == case.parameters
+
+
+@lru_cache(maxsize=64)
+def embedded(
+    equations: ModelEquations, scene: str, state: tuple[tuple[str, float], ...]
+) -> Mapping[str, float]:
+    """Return a state of a scene by the names of equations; that of elements is solved for."""
+    values = get_scene(scene).completed(dict(state))
+    return equations.scene.embedding(equations.parameters, values)
 
 
 def scene_equations(case: Case) -> ModelEquations:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -238,6 +238,7 @@ def default_step(case: Case, method: Method, bound: float = np.inf) -> float:
     return step if end <= 0 or end % step == 0 else end * power_of_two(step / end)
 
 
+@lru_cache(maxsize=64)
 def shortest_period(case: Case) -> float:
     """Return the shortest of the orbit's period and the natural periods [s]."""
     scene = get_scene(case.scene)

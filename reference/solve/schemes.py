@@ -11,6 +11,7 @@ import cmath
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -120,30 +121,32 @@ class ScalarEquations:
 
 def explicit_runge_kutta(equations: ScalarEquations, tableau: Tableau) -> Step:
     """Return the step function of a tableau."""
-    rows = [[(j, a) for j, a in enumerate(row) if a] for row in tableau.a]
-    nodes = [math.fsum(row) for row in tableau.a]
-    weights = [(j, b) for j, b in enumerate(tableau.b) if b]
+    stages = [(math.fsum(row), moved(row)) for row in tableau.a]
+    end = moved(tableau.b)
 
     def step(t: Any, x: list[float], h: float) -> list[float]:
         k: list[list[float]] = []
-        for row, node in zip(rows, nodes, strict=True):
-            k.append(equations.rates(t + node * h, moved(x, h, row, k)))
-        return moved(x, h, weights, k)
+        for node, begin in stages:
+            k.append(equations.rates(t + node * h, begin(x, h, k)))
+        return end(x, h, k)
 
     return step
 
 
-def moved(
-    x: list[float], h: float, weights: list[tuple[int, float]], k: list[list[float]]
-) -> list[float]:
-    """Return ``x + h sum(w k[j])`` of weights (j, w), added in their order."""
-    if not weights:
-        return x
-    (j, w), *others = weights
-    total = [w * k_i for k_i in k[j]]
-    for j, w in others:
-        total = [sum_i + w * k_i for sum_i, k_i in zip(total, k[j], strict=True)]
-    return [x_i + h * sum_i for x_i, sum_i in zip(x, total, strict=True)]
+@cache
+def moved(weights: tuple[float, ...]) -> Callable[..., list[float]]:
+    """Return the function (x, h, k) that is ``x + h sum(w_j k_j)``, added in their order.
+
+    It is written out: in small lists loops over the weights take longer than the sums.
+    """
+    terms = [(j, w) for j, w in enumerate(weights) if w]
+    if not terms:
+        return lambda x, h, k: x
+    total = " + ".join(f"{float(w)!r} * k_{j}" for j, w in terms)
+    names, rates = (", ".join(one.format(j) for j, _ in terms) for one in ("k_{}", "k[{}]"))
+    source = f"lambda x, h, k: [x_i + h * ({total}) for x_i, {names} in zip(x, {rates})]"
+    function: Callable[..., list[float]] = eval(source)
+    return function
 
 
 def semi_implicit_euler(equations: ScalarEquations, damping: Callable[..., Array]) -> Step:

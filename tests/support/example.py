@@ -37,7 +37,11 @@ def toy_class(page: Path, change: tuple[str, str] | None = None) -> Any:
 
 
 def results(
-    engine: Any, scene: str, kinds: tuple[str, ...] = LEVELS, name: str | None = None
+    engine: Any,
+    scene: str,
+    kinds: tuple[str, ...] = LEVELS,
+    name: str | None = None,
+    explain: bool = True,
 ) -> list[Result]:
     """Return what some kinds of check say of an engine in one case."""
     one = adapt("toy_engine:Toy", engine)
@@ -46,7 +50,7 @@ def results(
     for kind in kinds_of(case):
         if kind in kinds:
             for check in all_checks(kind, case, one):
-                found += run_check(check, engine=one)
+                found += run_check(check, engine=one, explain=explain)
     return found
 
 
@@ -78,7 +82,7 @@ def seen(engine: Any, scene: str, kinds: tuple[str, ...]) -> set[tuple[str, str]
         for kind in kinds_of(case)
         if kind in kinds
         for check in all_checks(kind, case, plugged)
-        if bad(run_check(check, engine=plugged))
+        if bad(run_check(check, engine=plugged, explain=False))
     }
 
 

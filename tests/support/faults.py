@@ -118,9 +118,7 @@ class Impostor(ReferenceEngine):
         self, case: Case, model: str, method: Method, step: float, times: Array
     ) -> Trajectory:
         """Integrate with the method's scheme, or without error where it has none."""
-        found = super().simulate(case, model, method, step, times)
         scheme = Setup(self.engine, case, model, method).scheme
-        values = dict(found.values)
         if scheme:
             scene, p = self.equations(case, model), case.parameters
             numbers = grid_indices(times, case.start_time, step)
@@ -128,8 +126,11 @@ class Impostor(ReferenceEngine):
             states = schemes.integrate(
                 schemes.ScalarEquations(scene, p), scheme, start, step, numbers, case.start_time
             )
-            values = scene.observe(states, p)
-        return replace(found, values=values | dict.fromkeys(VIOLATIONS, np.zeros(len(times))))
+            found = Trajectory(times, scene.observe(states, p), times, int(numbers[-1]))
+        else:
+            found = super().simulate(case, model, method, step, times)
+        closed = dict.fromkeys(VIOLATIONS, np.zeros(len(times)))
+        return replace(found, values={**found.values, **closed})
 
 
 Law = Callable[[Any, Any, Any], float]

@@ -9,6 +9,7 @@ from mbcheck.comparisons.checks.suite import KINDS, Check, checks_of, run_check
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.reference import get_scene
+from mbcheck.reference.scene import Case
 
 REFUSALS = ("not_at_rest:", "singular:", "step: with steps above")
 """Errors that say what is wrong with an engine, as good as a deviation."""
@@ -23,11 +24,13 @@ class Subject(NamedTuple):
     method: str
 
 
-def check_of(subject: Subject, kind: str, case: str) -> Check:
-    """Return the check of a subject for a kind and a case."""
+def check_of(subject: Subject, kind: str, case: str | Case) -> Check:
+    """Return the check of a subject for a kind and a case, or the one of this name."""
+    if isinstance(case, str):
+        case = get_scene(subject.scene).case(case)
     (check,) = (
         check
-        for check in checks_of(kind, get_scene(subject.scene).case(case), subject.engine)
+        for check in checks_of(kind, case, subject.engine)
         if check.model == subject.model
         and (check.method is None or check.method.name == subject.method)
     )
@@ -35,12 +38,17 @@ def check_of(subject: Subject, kind: str, case: str) -> Check:
 
 
 def results_of(
-    subject: Subject, kind: str, engine: Adapter, case: str, profile: str = "loose"
+    subject: Subject,
+    kind: str,
+    engine: Adapter,
+    case: str | Case,
+    profile: str = "loose",
+    explain: bool = False,
 ) -> list[Result]:
     """Return the results of a check for an engine that stands in for the subject's."""
     check = check_of(subject, kind, case)
     quantities = KINDS[kind].quantities(check.setup(engine))
-    return run_check(replace(check, quantities=quantities), profile, engine)
+    return run_check(replace(check, quantities=quantities), profile, engine, explain)
 
 
 def is_seen(results: list[Result]) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -70,6 +71,7 @@ def expected(
     scene = equations.scene
     derivative = scene.right_hand_side(equations.parameters)
     n, c = len(scene.coordinates), scene.coefficients(equations.parameters)
+    inertia = inertias(case, equations, names)
     places = [scene.coordinates.index(name) for name in names]
     keys = (*names, *(f"{name}_dot" for name in names))
     rows: dict[str, list[Array]] = {
@@ -79,7 +81,7 @@ def expected(
         values = dict(zip(keys, map(float, state), strict=True))
         x = equations.start(replace(case, state=values, inconsistency={}))
         rows["accelerations"].append(derivative(time, x)[n:][places])
-        rows["mass_matrix"].append(inertia(case, equations, x, names))
+        rows["mass_matrix"].append(inertia(x))
         if reactions:
             outputs = scene.outputs(x[:n], x[n:], c, np)
             for name in reactions:
@@ -87,8 +89,10 @@ def expected(
     return {name: np.array(values) for name, values in rows.items()}
 
 
-def inertia(case: Case, equations: ModelEquations, x: Array, names: tuple[str, ...]) -> Array:
-    """Return the mass matrix of some coordinates at a state (2 n,) of a claim.
+def inertias(
+    case: Case, equations: ModelEquations, names: tuple[str, ...]
+) -> Callable[[Array], Array]:
+    """Return the mass matrices of some coordinates as a function of states (2 n,) of a claim.
 
     A loop closed by other equations still has the scene's inertia. Where only some of a
     claim's coordinates are looked at, the others at rest, it follows from the energy.
@@ -98,15 +102,20 @@ def inertia(case: Case, equations: ModelEquations, x: Array, names: tuple[str, .
     else:
         scene, p = get_scene(case.scene), case.parameters
     c, n = scene.coefficients(p), len(scene.coordinates)
-    q = x[[equations.scene.coordinates.index(name) for name in scene.coordinates]]
-    if names == scene.coordinates:
-        return np.array(scene.mass_matrix(q, c), dtype=float)
+    places = [equations.scene.coordinates.index(name) for name in scene.coordinates]
     units = np.eye(n)[[scene.coordinates.index(name) for name in names]]
 
-    def kinetic(v: Array) -> float:
-        return float(scene.energy(q, v, c) - scene.energy(q, 0 * v, c))
+    def inertia(x: Array) -> Array:
+        q = x[places]
+        if names == scene.coordinates:
+            return np.array(scene.mass_matrix(q, c), dtype=float)
 
-    return np.array([[kinetic(a + b) - kinetic(a) - kinetic(b) for a in units] for b in units])
+        def kinetic(v: Array) -> float:
+            return float(scene.energy(q, v, c) - scene.energy(q, 0 * v, c))
+
+        return np.array([[kinetic(a + b) - kinetic(a) - kinetic(b) for a in units] for b in units])
+
+    return inertia
 
 
 def measure(setup: Setup) -> list[Finding | Inconclusive]:

@@ -77,7 +77,7 @@ def results(kind: str, element: str, engine: Adapter | None, profile: str) -> li
         for check in checks_of(kind, replace(case, parameters=p), "exudyn")
         if check.method is None or check.method.name == METHOD
     )
-    return run_check(check, profile, engine)
+    return run_check(check, profile, engine, explain=False)
 
 
 def seen(kind: str, fault: str) -> bool:

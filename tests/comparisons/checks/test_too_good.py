@@ -50,7 +50,7 @@ class Exact(Solved):
 
 def judged(engine: Solved, scene: str, kinds: tuple[str, ...] = KINDS) -> Any:
     """Return the results of an engine."""
-    return results(engine, scene, kinds, CASES[scene])
+    return results(engine, scene, kinds, CASES[scene], explain=False)
 
 
 @pytest.mark.parametrize("order", [1, 2, 4])

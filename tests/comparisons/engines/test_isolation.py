@@ -74,22 +74,28 @@ def test_processes_of_a_caller_with_more_threads_have_one() -> None:
 @LINUX
 def test_each_is_told_and_the_others_go_on() -> None:
     calls: list[Callable[[], Any]] = [
-        os.getpid, os.abort, hostile.spin, os.getpid, hostile.eat, hostile.leave,
+        os.getpid, os.abort, os.getpid, hostile.eat, hostile.leave,
         hostile.read_nothing, partial(int, "x"), os.getpid,
     ]  # fmt: skip
-    first, abort, spin, second, eaten, left, fault, raised, last = hold(
+    first, abort, second, eaten, left, fault, raised, last = hold(
         calls, jobs=2, seconds=SECONDS, megabytes=MEGABYTES
     )
     assert all(isinstance(pid, int) and pid != os.getpid() for pid in (first, second, last))
     assert told(abort)[0] == "crashed"
     assert "SIGABRT" in told(abort)[1]
-    assert told(spin) == ("timeout", "stopped: it had not ended after 10 s")
     assert told(eaten)[0] == "memory"
     assert "limited to 256 MB" in told(eaten)[1]
     assert told(left) == ("crashed", "the engine took its process down with it: exit code 3")
     assert "SIGSEGV (its memory was limited to 256 MB" in told(fault)[1]
     assert told(raised)[0] == "raised"
     assert "ValueError" in told(raised)[1]
+
+
+@LINUX
+def test_what_does_not_end_is_stopped_and_the_others_go_on() -> None:
+    first, spin, last = hold([os.getpid, hostile.spin, os.getpid], jobs=1, seconds=2.0)
+    assert all(isinstance(pid, int) and pid != os.getpid() for pid in (first, last))
+    assert told(spin) == ("timeout", "stopped: it had not ended after 2 s")
 
 
 def test_a_process_is_used_again_and_a_group_stays_with_it() -> None:

@@ -190,7 +190,7 @@ def spoilt(case: Case, random: np.random.Generator, factor: float) -> Seeded | N
     return None
 
 
-def judged(fault: Seeded) -> list[Result]:
+def judged(fault: Seeded, explain: bool = False) -> list[Result]:
     """Return what the checks up to a free run say, by the best method of each model."""
     results: list[Result] = []
     others = [one for one in get_scene(fault.case.scene).cases if "algebra" in one.kinds]
@@ -201,7 +201,7 @@ def judged(fault: Seeded) -> list[Result]:
                 continue
             for check in checks(kind, there):
                 if not (check.full_only or check.why_not):
-                    results += run_check(check, engine=fault.engine)
+                    results += run_check(check, engine=fault.engine, explain=explain)
     return results
 
 
@@ -225,7 +225,7 @@ def level_of(results: list[Result]) -> str:
 if __name__ == "__main__":
     for number in range(int(sys.argv[1]), int(sys.argv[1]) + int(sys.argv[2])):
         fault = seeded(number, sys.argv[3:] or PLANE)
-        results = judged(fault)
+        results = judged(fault, explain=True)
         level = level_of(results)
         word = "MISSED" if not level else "named" if level in fault.levels else "ELSEWHERE"
         print(f"{number} {fault.case.scene}/{fault.case.name} {fault.what}: {word} {level}")

@@ -344,4 +344,4 @@ class Beam:
 
 def product(a: Array, b: Array, k: int) -> Any:
     """Return coefficient k of products of power series."""
-    return np.sum(a[: k + 1] * b[k::-1], axis=0)
+    return np.add.reduce(a[: k + 1] * b[k::-1])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import pytest
@@ -59,6 +60,9 @@ MISTAKES: dict[str, tuple[Callable[[Any], Any], tuple[str, ...], str]] = {
 }
 
 
+told_of = partial(results_of, explain=True)
+
+
 def causes(results: list[Result]) -> set[str]:
     """Return what is named of the results that deviate, "" where nothing is."""
     return {item.cause or "" for item in results if item.verdict == "deviation"}
@@ -71,7 +75,7 @@ def causes(results: list[Result]) -> set[str]:
 def test_a_mistake_is_named_by_every_kind_that_sees_it(subject: Subject, name: str) -> None:
     make, kinds, words = MISTAKES[name]
     for kind in kinds:
-        found = results_of(subject, kind, make(ENGINES[subject.engine]()), CASES[subject.scene])
+        found = told_of(subject, kind, make(ENGINES[subject.engine]()), CASES[subject.scene])
         (said,) = causes(found)
         assert said.startswith(words), kind
         assert all(item.reason.count(said) == 1 for item in found if item.cause)
@@ -87,15 +91,15 @@ def test_of_a_beam_exchanged_observables_are_named() -> None:
     wrong = Exchanged(ENGINES["mujoco"](), "tip_deflection", "tip_axial")
     late = LateSamples(ENGINES["mujoco"]())  # whose motion would take long to predict
     said = "tip_deflection is tip_axial, tip_axial is tip_deflection"
-    found = results_of(subject, "trajectory", wrong, "spin_up_quick")
+    found = told_of(subject, "trajectory", wrong, "spin_up_quick")
     assert causes(found) == {f"observables are exchanged: {said}"}
-    assert causes(results_of(subject, "trajectory", late, "spin_up_quick")) == {""}
+    assert causes(told_of(subject, "trajectory", late, "spin_up_quick")) == {""}
 
 
 def test_a_force_that_is_held_is_named() -> None:
     """As control loops do it, through MuJoCo's ``ctrl``."""
     for kind in ("trajectory", "order"):
-        found = results_of(HOOP[0], kind, Controlled(0.0), CASES["hula_hoop"])
+        found = told_of(HOOP[0], kind, Controlled(0.0), CASES["hula_hoop"])
         assert causes(found) == {"the force is held: that at the start of each step"}
 
 
@@ -104,14 +108,14 @@ def test_a_force_that_is_held_is_named() -> None:
 )
 def test_orbits_and_energy_name_it_too(kind: str, case: str) -> None:
     wrong = Starting(ENGINES["mujoco"](), lambda name: not name.endswith("_dot"))
-    found = results_of(HOOP[0], kind, wrong, case)
+    found = told_of(HOOP[0], kind, wrong, case)
     assert causes(found) == {"the rates of the start are ignored: it moves as from rest"}
 
 
 @pytest.mark.parametrize("kind", ["algebra", *MOTIONS])
 def test_a_constraint_without_its_drift_is_named_as_the_loops(kind: str) -> None:
     """MuJoCo up to 3.6; `test_versions` runs that itself."""
-    found = results_of(LOOP, kind, Mistaken(ENGINES["mujoco"]()), "rotation")
+    found = told_of(LOOP, kind, Mistaken(ENGINES["mujoco"]()), "rotation")
     assert causes(found) == {NO_DRIFT}
     assert located(found)[1:] == [f"  {NO_DRIFT} (speed_regulator)"]
 
@@ -120,7 +124,7 @@ def test_another_method_than_is_asked_for_is_named() -> None:
     wrong = OtherMethod(ENGINES["exudyn"](), "ExplicitMidpoint")
     subject = HOOP[1]._replace(method="RK44")
     for kind in MOTIONS:
-        found = results_of(subject, kind, wrong, CASES["hula_hoop"])
+        found = told_of(subject, kind, wrong, CASES["hula_hoop"])
         assert causes(found) == {"its steps are those of ExplicitMidpoint"}
 
 
@@ -134,7 +138,7 @@ def test_another_method_than_is_asked_for_is_named() -> None:
 )
 def test_frequencies_name_the_matrix(fault: str, words: str) -> None:
     wrong = FAULTS["rotor_pendulum"][fault].make["mujoco"]()
-    found = results_of(ROTORS, "frequency", wrong, "modes_at_rest")
+    found = told_of(ROTORS, "frequency", wrong, "modes_at_rest")
     assert causes(found) == {words}
 
 
@@ -156,7 +160,7 @@ def test_what_is_no_such_mistake_is_never_named_as_one(subject: Subject, name: s
     wrong = FAULTS[subject.scene][name].make[subject.engine]()
     case = {"rotor_pendulum": "relative_motor"} | CASES
     for kind in ("step", "trajectory"):
-        assert causes(results_of(subject, kind, wrong, case[subject.scene])) <= {""}
+        assert causes(told_of(subject, kind, wrong, case[subject.scene])) <= {""}
 
 
 def test_what_passes_has_no_cause() -> None:
