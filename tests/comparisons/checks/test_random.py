@@ -104,9 +104,10 @@ def test_nothing_is_wrong_in_silence(scene: str, engine: str, share: int) -> Non
     print(scene, engine, dict(classes))
     assert not wrong, "\n".join(wrong)
     assert sum(classes.values()) == len(found)
-    assert classes[SKIPPED] < len(found)
-    if scene != "rotating_beam":  # whose reference is too dear for most draws
-        assert classes[RIGHT] > len(found) / 5  # a test that skips everything shows nothing
+    if share == 1:  # a test that skips everything shows nothing
+        assert classes[SKIPPED] < len(found)
+        if scene != "rotating_beam":  # whose reference is too dear for most draws
+            assert classes[RIGHT] > len(found) / 5
 
 
 SEVEN_RODS = (-169, 72, 172, -96, 20, -394, 363, 93, -179, -31, -179, 500, 439, -394, 100)
