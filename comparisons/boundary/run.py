@@ -185,6 +185,7 @@ class Boundary:
                 "kind": self.word(subject, start),
                 "parts": start.parts,
                 "point": self.point(subject, start.point),
+                "begins": start.begins or None,
             }
             for subject, network in self.networks.items()
             for start in getattr(network, name)
@@ -286,7 +287,8 @@ class Boundary:
         ):
             for item in items:
                 point = self.read_point(item["of"], item["kind"], item["point"])
-                start = CurveStart(kind_of(item["kind"]), item["parts"], point)
+                its = kind_of(item["kind"]), item["parts"]
+                start = CurveStart(*its, point, item.get("begins") or "")
                 getattr(self.networks[item["of"]], name).append(start)
 
     def read_point(self, subject: str, word: str, stored: Mapping[str, Any]) -> CurvePoint:

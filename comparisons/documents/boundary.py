@@ -108,6 +108,7 @@ End = Literal[
     "with_fold",
     "with_period_doubling",
     "with_neimark_sacker",
+    "with_homoclinic",
     "heteroclinic",
     "symmetric",
     "neutral",
@@ -163,6 +164,12 @@ BoundaryStart = TypedDict(
         "kind": Annotated[Kind, means("as of a curve")],
         "parts": Annotated[Ordinal, means("as of a curve")],
         "point": Annotated[BoundaryPoint, means("where it is to be followed from")],
+        "begins": NotRequired[
+            Annotated[
+                End | None,
+                means("why the curve ends there, if the point is on another that ends there, too"),
+            ]
+        ],
     },
 )
 

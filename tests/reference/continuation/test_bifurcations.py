@@ -27,6 +27,7 @@ from mbcheck.reference.continuation.network import CurveSearch, CurveStart, Line
 from mbcheck.reference.continuation.points import (
     BifurcationCurve,
     ParameterWindow,
+    end_beyond,
     kind_beyond,
     meets,
 )
@@ -218,6 +219,13 @@ def test_which_curve_begins_where_two_bifurcations_meet() -> None:
     assert kind_beyond("resonance_1_2", NEIMARK_SACKER) == DOUBLING
     assert kind_beyond("with_fold", FOLD) == NEIMARK_SACKER
     assert kind_beyond("with_fold", DOUBLING) == FOLD
+    assert end_beyond("resonance_1_1", NEIMARK_SACKER) == "with_fold"
+    assert end_beyond("resonance_1_2", NEIMARK_SACKER) == "with_period_doubling"
+    assert end_beyond("with_fold", FOLD) == "resonance_1_1"
+    assert end_beyond("with_period_doubling", DOUBLING) == "resonance_1_2"
+    assert end_beyond("with_fold", DOUBLING) == "with_period_doubling"
+    assert end_beyond("with_neimark_sacker", DOUBLING) == "with_period_doubling"
+    assert end_beyond("with_neimark_sacker", NEIMARK_SACKER) == "with_neimark_sacker"
 
     def at(*others: complex) -> Any:
         return SimpleNamespace(critical=-1.0, others=np.array(others))
