@@ -244,6 +244,7 @@ class Boundary:
             "critical": {"re": critical.real, "im": critical.imag},
             "unstable": point.unstable,
             "direction": point.tangent,
+            "stable_side": list(point.side) if np.all(np.isfinite(point.side)) else None,
             "shift_x": away[0],
             "shift_y": away[1],
         }
@@ -307,4 +308,6 @@ class Boundary:
         critical, others = split(kind_of(word), multipliers, row is not None)
         bound = np.array([stored["x_bound"], stored["y_bound"]]) / size
         z = np.concatenate([state, place])
-        return CurvePoint(z, np.array(stored["direction"]), multipliers, critical, others, bound)
+        side = np.array(stored.get("stable_side") or (np.nan, np.nan))
+        way = np.array(stored["direction"])
+        return CurvePoint(z, way, multipliers, critical, others, bound, side)

@@ -77,6 +77,15 @@ BoundaryPoint = TypedDict(
         "direction": Annotated[
             list[float], means("unit tangent: states, `x` and `y`, in the sizes that they have")
         ],
+        "stable_side": NotRequired[
+            Annotated[
+                list[float] | None,
+                means(
+                    "unit vector, `x` and `y` in the size of the window, to the side on which what "
+                    "loses its stability is stable; null for branch points and homoclinic orbits"
+                ),
+            ]
+        ],
         "shift_x": Annotated[
             float | None,
             means(

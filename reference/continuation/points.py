@@ -50,6 +50,8 @@ class CurvePoint:
         The others, that of a shift in time left out.
     bound : array (2,)
         On the error of the place, on the plane across the tangent.
+    side : array (2,)
+        See `stable_side`.
     """
 
     z: Array
@@ -58,6 +60,7 @@ class CurvePoint:
     critical: complex
     others: Any
     bound: Array
+    side: Array = field(default_factory=lambda: np.full(2, np.nan))
 
     @property
     def unstable(self) -> int:

@@ -21,6 +21,7 @@ from .bifurcations import (
     PeriodFlow,
     half_period_signs,
     reference_flow,
+    stable_side,
 )
 from .curve import Control, CurveSolution, Node, between, correct, node, step_on
 from .points import CODIMENSION_2, CurvePoint, crossings, meeting_gap, meets, split
@@ -192,7 +193,8 @@ class Tracer:
         bound = 2 * off + np.abs(inverse) @ rounding
         multipliers = descending(np.linalg.eigvals(monodromy[0]))
         critical, others = split(curve.kind, multipliers, section_row(self.scene) is not None)
-        point = CurvePoint(here.z, here.tangent, multipliers, critical, others, bound[n:])
+        side = stable_side(curve.kind, here.jacobian)
+        point = CurvePoint(here.z, here.tangent, multipliers, critical, others, bound[n:], side)
         return point, float(np.max(off[n:]))
 
     def adapt(

@@ -16,7 +16,7 @@ from mbcheck.comparisons.boundary.ahead import executor
 from mbcheck.comparisons.boundary.request import BoundaryRequest
 from mbcheck.comparisons.boundary.run import Boundary
 from mbcheck.comparisons.queries.axis import ParameterRange
-from mbcheck.comparisons.reports.boundaries import disagreements, regions
+from mbcheck.comparisons.reports.boundaries import disagreements, regions, smooth, ticks
 from mbcheck.reference.continuation.bifurcations import DOUBLING
 from mbcheck.reference.continuation.points import BifurcationCurve, CurvePoint
 from mbcheck.reference.errors import EngineError
@@ -127,7 +127,9 @@ def test_an_island_is_found_from_a_place_in_it() -> None:
     assert near, told
     succeeds(f"{ISLAND} -o island.json --near {near[1]}")
     after = validated("boundary", json.loads(Path("island.json").read_text()))
-    assert {"fold", "neimark_sacker"} <= {curve["kind"] for curve in after["curves"]}
+    ends = {curve["kind"]: {curve["begins"], curve["ends"]} for curve in after["curves"]}
+    assert ends["fold"] == {"window", "with_fold"}
+    assert ends["neimark_sacker"] == {"window", "resonance_1_1"}
     assert "but for 0 of" in succeeds(line)
     whole = Path("island.json").read_bytes()
     succeeds(f"{ISLAND} -o island.json --near {near[1]}")
@@ -287,6 +289,23 @@ def test_regions_between_curves() -> None:
     wrong = inside.astype(int)
     wrong[10, 10] = 0
     assert np.sum(disagreements(document, values, values, wrong, known)) == 1
+
+
+def test_ticks_are_on_the_side_on_which_an_orbit_is_stable(small: dict[str, Any]) -> None:
+    """Below the loss of symmetry, at right angles to it in a picture."""
+    (curve,) = small["curves"]
+    low = np.array([small[axis]["low"] for axis in ("x", "y")])
+    size = np.array([small[axis]["high"] for axis in ("x", "y")]) - low
+    path, shape = smooth(curve, low, size), np.array([1.0, 0.5])
+    lines = ticks(curve, path, shape)
+    assert len(lines) > 10
+    way = np.diff(lines, axis=1)[:, 0] * shape
+    assert np.all(way[:, 1] < 0)
+    np.testing.assert_allclose(np.linalg.norm(way, axis=1), 0.012)
+    along = (path[-1] - path[0]) * shape
+    assert np.max(np.abs(way @ along)) < 0.2 * 0.012 * np.linalg.norm(along)
+    without = {"points": [{**point, "stable_side": None} for point in curve["points"]]}
+    assert not len(ticks(without, path, shape))
 
 
 @pytest.mark.usefixtures("own_folder")
