@@ -74,6 +74,11 @@ class CurveStart(NamedTuple):
     point: CurvePoint
     begins: str = ""
 
+    @property
+    def may_bound(self) -> bool:
+        """Whether the curve may bound stability."""
+        return bool(self.begins) or not self.point.unstable
+
 
 class Line(NamedTuple):
     """A line of the window on which the first parameter stays.
@@ -385,8 +390,7 @@ class Network:
 
     def is_open(self, start: CurveStart) -> bool:
         """Return whether a bifurcation bounds stability and is on no curve yet."""
-        inside = start.begins or not start.point.unstable
-        return bool(inside) and self.curve_through(start) is None
+        return start.may_bound and self.curve_through(start) is None
 
     def curve_through(self, start: CurveStart) -> BifurcationCurve | None:
         """Return the curve that a bifurcation is on already, or None."""

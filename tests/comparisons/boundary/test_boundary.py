@@ -12,12 +12,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.boundary.ahead import executor
+from mbcheck.comparisons.boundary.ahead import Crew, executor
 from mbcheck.comparisons.boundary.request import BoundaryRequest
 from mbcheck.comparisons.boundary.run import Boundary
 from mbcheck.comparisons.queries.axis import ParameterRange
 from mbcheck.comparisons.reports.boundaries import disagreements, regions, smooth, ticks
 from mbcheck.reference.continuation.bifurcations import DOUBLING
+from mbcheck.reference.continuation.network import CurveSearch, CurveStart, SearchOutcome
 from mbcheck.reference.continuation.points import BifurcationCurve, CurvePoint
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.scene import Array
@@ -107,6 +108,23 @@ def test_processes_do_first_what_is_asked_for_first() -> None:
         assert [work(operator.index, numbers[place:]) for place in (0, 1, 3)] == [0, 1, 2]
         with pytest.raises(EngineError, match="integer"):
             work(operator.index, ["none"])
+
+
+def test_what_tasks_done_ahead_lead_to_is_begun_ahead() -> None:
+    """After the tasks themselves, and only if it may bound stability."""
+    points = [
+        CurvePoint(np.zeros(6), np.zeros(6), np.zeros(4), 0j, np.full(3, size), np.zeros(2))
+        for size in (0.5, 2.0)
+    ]
+    starts = [CurveStart(DOUBLING, 1, point) for point in points]
+    crew = Crew(2)
+    crew.outcomes = {b"ahead": SearchOutcome(starts=starts), b"failed": EngineError("a", "b")}
+    work: Any = crew.calls
+    first, then = work(operator.index, [0, 1, 0]).values(), work(operator.index, [0]).values()
+    assert [call.args[0] for call in first][:2] == [0, 1]
+    (task,) = (call.args[0] for call in [*then][1:])
+    assert task.func is CurveSearch.follow
+    assert task.keywords["start"].point.unstable == 0
 
 
 ISLAND = "boundary hula_hoop --x force_frequency=6:7.75 --y force_amplitude=10:120 --lines 2"
