@@ -78,7 +78,7 @@ class Crew:
         """Return what performs tasks, and after them what those done ahead have led to."""
         known = [item for item in self.outcomes.values() if isinstance(item, SearchOutcome)]
         starts = [one for item in known for one in item.starts if one.may_bound]
-        begun = [partial(CurveSearch.follow, start=one) for one in starts]
+        begun: list[Task] = [partial(CurveSearch.follow, start=one) for one in starts]
         calls = [partial(perform, one) for one in (*tasks, *begun)]
         return {pickle.dumps(call): call for call in calls}
 

@@ -288,8 +288,8 @@ class Boundary:
         ):
             for item in items:
                 point = self.read_point(item["of"], item["kind"], item["point"])
-                its = kind_of(item["kind"]), item["parts"]
-                start = CurveStart(*its, point, item.get("begins") or "")
+                kind, begins = kind_of(item["kind"]), item.get("begins") or ""
+                start = CurveStart(kind, item["parts"], point, begins)
                 getattr(self.networks[item["of"]], name).append(start)
 
     def read_point(self, subject: str, word: str, stored: Mapping[str, Any]) -> CurvePoint:

@@ -233,6 +233,18 @@ def test_what_was_not_looked_at_is_not_lost() -> None:
     assert np.all(np.isnan(curve.shifts))
 
 
+def test_a_curve_that_begins_where_another_ends_is_gone_on_with() -> None:
+    first, second, unit = Boundary(request(lines=2)), Boundary(request(lines=2)), np.eye(6)
+    side = np.array([0.6, 0.8])
+    point = CurvePoint(unit[4] / 2, unit[5], np.zeros(4), 0j, np.zeros(3), np.zeros(2), side)
+    first.networks["orbits"].starts.append(CurveStart(DOUBLING, 1, point, "with_fold"))
+    before = validated("boundary", first.as_json())
+    second.restore(before)
+    (start,) = second.networks["orbits"].starts
+    assert start.begins == before["pending"][0]["begins"] == "with_fold"
+    np.testing.assert_array_equal(start.point.side, side)
+
+
 @pytest.mark.usefixtures("own_folder")
 def test_a_broken_file_is_refused() -> None:
     Path("broken.json").write_text("{}")
