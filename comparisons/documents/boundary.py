@@ -117,7 +117,6 @@ End = Literal[
     "with_fold",
     "with_period_doubling",
     "with_neimark_sacker",
-    "with_homoclinic",
     "heteroclinic",
     "symmetric",
     "neutral",

@@ -191,7 +191,12 @@ def concerns(why: str, kind: str) -> bool:
 
 
 def end_beyond(why: str, kind: str) -> str:
-    """Return why the curve that begins where another of a kind ends has its own end there."""
+    """Return why the curve that begins where another of a kind ends has its own end there.
+
+    One that a homoclinic orbit ends on goes on both ways.
+    """
+    if kind == HOMOCLINIC:
+        return why
     beyond = kind_beyond(why, kind)
     if beyond != NEIMARK_SACKER or kind == NEIMARK_SACKER:
         return f"with_{beyond if why.startswith('resonance') else kind}"

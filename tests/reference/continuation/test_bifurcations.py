@@ -25,6 +25,7 @@ from mbcheck.reference.continuation.bifurcations import (
 from mbcheck.reference.continuation.curve import correct, tangent_of
 from mbcheck.reference.continuation.network import CurveSearch, CurveStart, Line, Network
 from mbcheck.reference.continuation.points import (
+    HOMOCLINIC,
     BifurcationCurve,
     ParameterWindow,
     end_beyond,
@@ -251,6 +252,7 @@ def test_which_curve_begins_where_two_bifurcations_meet() -> None:
     assert end_beyond("resonance_1_1", NEIMARK_SACKER) == "with_fold"
     assert end_beyond("resonance_1_2", NEIMARK_SACKER) == "with_period_doubling"
     assert end_beyond("with_fold", FOLD) == "resonance_1_1"
+    assert end_beyond("with_fold", HOMOCLINIC) == "with_fold"
     assert end_beyond("with_period_doubling", DOUBLING) == "resonance_1_2"
     assert end_beyond("with_fold", DOUBLING) == "with_period_doubling"
     assert end_beyond("with_neimark_sacker", DOUBLING) == "with_period_doubling"
