@@ -192,7 +192,7 @@ def stable_side(kind: str, jacobian: Array) -> Array:
         curvature = last[:n] @ right[-1] / minor
         way = -np.sign(curvature) * (left[:, -1] @ by_place)
     elif kind in KINDS:
-        way = last[n:] - last[:n] @ np.linalg.solve(closing, by_place)
+        way = last[n:] - last[:n] @ np.linalg.lstsq(closing, by_place)[0]
         if kind == NEIMARK_SACKER and n * (n - 1) // 2 % 2:
             way = -way
     else:

@@ -167,11 +167,13 @@ def step_on(
     """Return the next point of a curve, and the length of the step after it.
 
     None where no further point is found by the shortest step. ``before`` is the point before this
-    one (with ``z`` and ``tangent``), None for the first.
+    one (with ``z`` and ``tangent``), None for the first. Tangents by slopes of a neighbour of the
+    equations are too rough for a cubic.
     """
+    is_cubic = before is not None and equations.exact
     while length >= control.shortest:
         guess = here.z + length * here.tangent
-        if before is not None:
+        if is_cubic:
             apart = float(np.linalg.norm(here.z - before.z))
             guess = between(before, here, 1 + length / apart)
         ahead_by = float(here.tangent @ guess)
@@ -181,11 +183,11 @@ def step_on(
             turn = float(np.arccos(np.clip(ahead.tangent @ here.tangent, -1, 1)))
             off = float(np.linalg.norm(ahead.z - guess)) / length
             most = OFF[0] * turn + OFF[1]
-            if before is not None:
+            if is_cubic:
                 most = min(most, OFF_CUBIC)
             if turn < MOST_TURN * control.turn and off < most:
                 longer = control.turn / max(turn, 1e-12)
-                if before is not None:
+                if is_cubic:
                     longer = min(longer, float(np.cbrt(AIM / max(off, 1e-12))))
                 longer = float(np.clip(longer, *LONGER))
                 return ahead, min(max(longer * length, control.shortest), control.longest)
