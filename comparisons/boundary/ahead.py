@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from functools import partial
 from typing import Any
 
-from ...reference.continuation.network import SearchOutcome, Task
+from ...reference.continuation.network import CurveSearch, SearchOutcome, Task
 from ...reference.errors import EngineError
 from ..engines.isolation import Worker, ready
 
@@ -54,7 +54,7 @@ class Crew:
         EngineError
             If it fails.
         """
-        calls = {pickle.dumps(call): call for call in (partial(perform, one) for one in tasks)}
+        calls = self.calls(perform, tasks)
         first = next(iter(calls))
         needless = [worker for worker, key in self.busy.items() if key not in calls]
         if first not in (*self.outcomes, *self.busy.values()) and len(self.busy) == self.workers:
@@ -68,10 +68,19 @@ class Crew:
                 self.outcomes[self.busy.pop(worker)] = worker.outcome
                 if worker.process.is_alive():
                     self.idle.append(worker)
+            calls = self.calls(perform, tasks)
         outcome = self.outcomes.pop(first)
         if isinstance(outcome, EngineError):
             raise outcome
         return outcome
+
+    def calls(self, perform: Perform, tasks: Sequence[Task]) -> dict[bytes, Any]:
+        """Return what performs tasks, and after them what those done ahead have led to."""
+        known = [item for item in self.outcomes.values() if isinstance(item, SearchOutcome)]
+        starts = [one for item in known for one in item.starts if one.may_bound]
+        begun: list[Task] = [partial(CurveSearch.follow, start=one) for one in starts]
+        calls = [partial(perform, one) for one in (*tasks, *begun)]
+        return {pickle.dumps(call): call for call in calls}
 
     def begin(self, key: bytes, call: Callable[[], SearchOutcome]) -> None:
         """Begin a task that is not begun yet, if a process is idle."""

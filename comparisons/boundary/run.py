@@ -185,6 +185,7 @@ class Boundary:
                 "kind": self.word(subject, start),
                 "parts": start.parts,
                 "point": self.point(subject, start.point),
+                "begins": start.begins or None,
             }
             for subject, network in self.networks.items()
             for start in getattr(network, name)
@@ -243,6 +244,7 @@ class Boundary:
             "critical": {"re": critical.real, "im": critical.imag},
             "unstable": point.unstable,
             "direction": point.tangent,
+            "stable_side": list(point.side) if np.all(np.isfinite(point.side)) else None,
             "shift_x": away[0],
             "shift_y": away[1],
         }
@@ -286,7 +288,8 @@ class Boundary:
         ):
             for item in items:
                 point = self.read_point(item["of"], item["kind"], item["point"])
-                start = CurveStart(kind_of(item["kind"]), item["parts"], point)
+                kind, begins = kind_of(item["kind"]), item.get("begins") or ""
+                start = CurveStart(kind, item["parts"], point, begins)
                 getattr(self.networks[item["of"]], name).append(start)
 
     def read_point(self, subject: str, word: str, stored: Mapping[str, Any]) -> CurvePoint:
@@ -305,4 +308,6 @@ class Boundary:
         critical, others = split(kind_of(word), multipliers, row is not None)
         bound = np.array([stored["x_bound"], stored["y_bound"]]) / size
         z = np.concatenate([state, place])
-        return CurvePoint(z, np.array(stored["direction"]), multipliers, critical, others, bound)
+        side = np.array(stored.get("stable_side") or (np.nan, np.nan))
+        way = np.array(stored["direction"])
+        return CurvePoint(z, way, multipliers, critical, others, bound, side)

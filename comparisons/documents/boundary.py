@@ -77,6 +77,15 @@ BoundaryPoint = TypedDict(
         "direction": Annotated[
             list[float], means("unit tangent: states, `x` and `y`, in the sizes that they have")
         ],
+        "stable_side": NotRequired[
+            Annotated[
+                list[float] | None,
+                means(
+                    "unit vector, `x` and `y` in the size of the window, to the side on which what "
+                    "loses its stability is stable; null for branch points and homoclinic orbits"
+                ),
+            ]
+        ],
         "shift_x": Annotated[
             float | None,
             means(
@@ -163,6 +172,12 @@ BoundaryStart = TypedDict(
         "kind": Annotated[Kind, means("as of a curve")],
         "parts": Annotated[Ordinal, means("as of a curve")],
         "point": Annotated[BoundaryPoint, means("where it is to be followed from")],
+        "begins": NotRequired[
+            Annotated[
+                End | None,
+                means("why the curve ends there, if the point is on another that ends there, too"),
+            ]
+        ],
     },
 )
 

@@ -17,7 +17,7 @@ from ...reference.errors import MbcheckError, UsageError
 from ...reference.scene import Array
 from ..documents import type_of
 from ..documents.core import to_document
-from .drawing import INK, PALETTE
+from .drawing import FAINT, INK, PALETTE
 
 COLOURS = {
     "fold": INK,
@@ -29,11 +29,29 @@ COLOURS = {
     "homoclinic": PALETTE[4],
 }
 
+FATES = {
+    ("orbits", "fold"): "orbit and unstable partner vanish",
+    ("orbits", "symmetry_breaking"): "orbit unstable beyond, twins part",
+    ("orbits", "period_doubling"): "unstable beyond, doubled orbit parts",
+    ("orbits", "neimark_sacker"): "orbit unstable beyond, a torus parts",
+    ("equilibria", "fold"): "it and unstable partner vanish",
+    ("equilibria", "branch_point"): "unstable beyond, others part",
+    ("equilibria", "hopf"): "equilibrium unstable beyond, an orbit parts",
+    ("equilibria", "homoclinic"): "the orbit ends on a saddle",
+}
+"""What becomes of what is stable on one side of a curve, by subject and kind."""
+
+DASHES = (0, (4, 1.2))
+"""Of curves of orbits that lack the symmetry over half a period."""
+
 MOST_BYTES = 1 << 28
 """Longer files are none of a boundary."""
 
 PIECES = 8
 """Of a curve between two points."""
+
+SPACING, TICK = 0.025, 0.012
+"""Of ticks on a curve, and how long they are, in the width of a picture."""
 
 INSIDE = 1e-7
 """How far points of a map are moved off the edges of the window, where curves end, and off lines
@@ -117,22 +135,60 @@ def kind_in_words(curve: Mapping[str, Any]) -> str:
     return f"{words} of equilibria" if shared else words
 
 
+def ticks(curve: Mapping[str, Any], path: Array, shape: Array) -> Array:
+    """Return lines (m, 2, 2) from places along a curve to the side on which its orbit is stable.
+
+    Parameters
+    ----------
+    curve : mapping
+    path : array (k, 2)
+        Along it, 0 to 1 in the window.
+    shape : array (2,)
+        Width and height of the window in a picture, in its width.
+    """
+    sides = [point.get("stable_side") for point in curve["points"]]
+    if None in sides:
+        return np.empty((0, 2, 2))
+    ways = np.gradient(path, axis=0) * shape
+    across = np.stack([-ways[:, 1], ways[:, 0]], axis=1)
+    across /= np.maximum(np.linalg.norm(ways, axis=1), 1e-12)[:, None] * shape
+    nearest = np.minimum((np.arange(len(path)) + PIECES // 2) // PIECES, len(sides) - 1)
+    across *= np.sign(np.sum(across * np.array(sides)[nearest], axis=1))[:, None]
+    steps = np.linalg.norm(np.diff(path, axis=0) * shape, axis=1)
+    arc = np.append(0.0, np.cumsum(steps))
+    at = np.searchsorted(arc, np.arange(SPACING / 2, arc[-1], SPACING))
+    return np.stack([path[at], path[at] + TICK * across[at]], axis=1)
+
+
 def draw_curves(axes: Any, document: Mapping[str, Any]) -> list[Any]:
-    """Draw the curves of a document; return handles for a legend."""
+    """Draw the curves of a document; return handles for a legend, which tells what they mean."""
+    from matplotlib.collections import LineCollection
+    from matplotlib.lines import Line2D
+
     low = np.array([document[axis]["low"] for axis in ("x", "y")])
     size = np.array([document[axis]["high"] for axis in ("x", "y")]) - low
     handles: dict[str, Any] = {}
     for curve, path in zip(document["curves"], paths(document, low, size), strict=True):
         rests = curve["of"] == "equilibria"
-        kind, name = curve["kind"], kind_in_words(curve)
+        kind, name = curve["kind"], kind_in_words(curve).replace("neimark s", "Neimark-S")
         (line,) = axes.plot(
             *(low + size * path).T,
             color=COLOURS[kind],
             linewidth=1.4,
-            linestyle="dotted" if rests else "solid" if curve["parts"] == 1 else (0, (4, 1.2)),
-            label=name,
+            linestyle="dotted" if rests else "solid" if curve["parts"] == 1 else DASHES,
+            label=f"{name}: {FATES[curve['of'], kind]}",
         )
         handles.setdefault(name, line)
+        marks = low + size * ticks(curve, path, np.array([1.0, axes.bbox.height / axes.bbox.width]))
+        axes.add_collection(LineCollection(list(marks), colors=COLOURS[kind], linewidths=0.7))
+    if any(point.get("stable_side") for curve in document["curves"] for point in curve["points"]):
+        words = "ticks: where the orbit, or equilibrium, is stable"
+        handles["ticks"] = Line2D(
+            [], [], color=FAINT, marker="|", markersize=5, linewidth=1.0, label=words
+        )
+    if any(curve["parts"] > 1 for curve in document["curves"]):
+        words = "dashed: of twins, not symmetric over half a period"
+        handles["dashed"] = Line2D([], [], color=FAINT, linestyle=DASHES, label=words)
     return list(handles.values())
 
 

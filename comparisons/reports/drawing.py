@@ -56,6 +56,9 @@ PALETTE = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#F
 WIDTH = 7.0
 """Of a figure [inches]."""
 
+SHORT = 32
+"""Letters of a label of a legend of which four stand in a row."""
+
 NOTE = {"fontsize": 8, "color": INK}
 
 
@@ -165,8 +168,10 @@ def save_and_close(figure: Any, *paths: Path, dots: int = DOTS_PER_INCH) -> None
 def finish(figure: Any, handles: list[Any], path: Path) -> None:
     """Put a legend, of what there is, below a figure, write it and let pyplot forget it."""
     if handles:
+        longest = max(len(handle.get_label()) for handle in handles)
+        columns = 4 if longest <= SHORT else 2
         figure.legend(
-            handles=handles, loc="outside lower center", ncols=4, fontsize=8, frameon=False
+            handles=handles, loc="outside lower center", ncols=columns, fontsize=8, frameon=False
         )
     save_and_close(figure, path)
 

@@ -171,6 +171,36 @@ def bifurcation_function(kind: str, closing: Array, monodromy: Array) -> Array:
         return np.linalg.det(matrix)
 
 
+def stable_side(kind: str, jacobian: Array) -> Array:
+    """Return the unit vector (2,) in the window to the side on which a curve's orbit is stable.
+
+    NaN of kinds that have none. On that side the function of a period doubling, and of a
+    Neimark-Sacker bifurcation with an even number of products, is positive, as it is of a matrix 0;
+    of a fold it is the side on which there are orbits, two of them (Kuznetsov 2004, chapter 3).
+
+    Parameters
+    ----------
+    kind : str
+    jacobian : array (2 n + 1, 2 n + 2)
+        Of the equations of the curve.
+    """
+    n = len(jacobian) - 1
+    closing, by_place, last = jacobian[:n, :n], jacobian[:n, n:], jacobian[n]
+    if kind == FOLD:
+        left, values, right = np.linalg.svd(closing)
+        minor = np.prod(values[:-1]) * np.linalg.det(left) * np.linalg.det(right)
+        curvature = last[:n] @ right[-1] / minor
+        way = -np.sign(curvature) * (left[:, -1] @ by_place)
+    elif kind in KINDS:
+        way = last[n:] - last[:n] @ np.linalg.lstsq(closing, by_place)[0]
+        if kind == NEIMARK_SACKER and n * (n - 1) // 2 % 2:
+            way = -way
+    else:
+        return np.full(2, np.nan)
+    with np.errstate(all="ignore"):
+        return np.asarray(way / np.linalg.norm(way))
+
+
 @dataclass(frozen=True)
 class OrbitCurve:
     """A curve of periodic orbits over the window: of a bifurcation, or along a line.

@@ -1,7 +1,8 @@
 """Continuation: curves on which m equations of m + 1 unknowns hold, by pseudo-arclength.
 
-A step along the tangent predicts a point, and Newton's method corrects it on the plane across the
-tangent, so that turning points need no care (Keller 1977; Allgower, Georg 2003).
+A step predicts a point, by the cubic through the last two points and their tangents, or along the
+first tangent; Newton's method corrects it on the plane across the last tangent, so that turning
+points need no care (Keller 1977; Allgower, Georg 2003).
 """
 
 from __future__ import annotations
@@ -28,6 +29,16 @@ MOST_TURN = 1.6
 OFF = 0.7, 0.1
 """Distance of a point from where the tangent led, in the step's length, by the turn and beside: of
 an arc it is half the turn, and more where another curve was met."""
+
+OFF_CUBIC = 0.2
+"""Most of that from where a cubic led."""
+
+AIM = 0.1
+"""Distance from where a cubic led that is aimed at, in the step's length. It grows as the third
+power of that."""
+
+LONGER = 0.5, 2.0
+"""Least and largest length of a step, in that of the step before."""
 
 
 class CurveEquations(NamedTuple):
@@ -151,22 +162,34 @@ def node(solution: CurveSolution, along: Array) -> Node:
 
 
 def step_on(
-    equations: CurveEquations, here: Node, length: float, control: Control
+    equations: CurveEquations, here: Node, length: float, control: Control, before: Any = None
 ) -> tuple[Node, float] | None:
     """Return the next point of a curve, and the length of the step after it.
 
-    None where no further point is found by the shortest step.
+    None where no further point is found by the shortest step. ``before`` is the point before this
+    one (with ``z`` and ``tangent``), None for the first. Tangents by slopes of a neighbour of the
+    equations are too rough for a cubic.
     """
+    is_cubic = before is not None and equations.exact
     while length >= control.shortest:
         guess = here.z + length * here.tangent
+        if is_cubic:
+            apart = float(np.linalg.norm(here.z - before.z))
+            guess = between(before, here, 1 + length / apart)
         ahead_by = float(here.tangent @ guess)
         solution = correct(equations, guess, here.tangent, ahead_by, control.iterations)
         if solution is not None and np.max(np.abs(solution.z - guess)) < length:
             ahead = node(solution, here.tangent)
             turn = float(np.arccos(np.clip(ahead.tangent @ here.tangent, -1, 1)))
-            off = float(np.linalg.norm(ahead.z - guess))
-            if turn < MOST_TURN * control.turn and off < length * (OFF[0] * turn + OFF[1]):
-                longer = float(np.clip(control.turn / max(turn, 1e-12), 0.5, 1.7))
+            off = float(np.linalg.norm(ahead.z - guess)) / length
+            most = OFF[0] * turn + OFF[1]
+            if is_cubic:
+                most = min(most, OFF_CUBIC)
+            if turn < MOST_TURN * control.turn and off < most:
+                longer = control.turn / max(turn, 1e-12)
+                if is_cubic:
+                    longer = min(longer, float(np.cbrt(AIM / max(off, 1e-12))))
+                longer = float(np.clip(longer, *LONGER))
                 return ahead, min(max(longer * length, control.shortest), control.longest)
         length /= 2
     return None

@@ -18,16 +18,17 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..orbits import descending, section_row
 from ..scene import Array
 from .bifurcations import DOUBLING, LINE, OrbitCurve
-from .curve import Control, CurveSolution, Node, between, correct, step_on, tangent_of
-from .points import CODIMENSION_2, BifurcationCurve, CurvePoint, kind_beyond
+from .curve import Control, between, correct, tangent_of
+from .points import CODIMENSION_2, BifurcationCurve, CurvePoint, end_beyond, kind_beyond, split
 from .tracing import Tracer, is_inside, leaves
 
-ALONG = Control(first=0.08, longest=0.25, turn=0.5)
+ALONG = Control(first=0.15, longest=0.4, turn=0.5)
 """Steps along lines."""
 
-ACROSS = Control(first=0.04, longest=0.2, turn=0.3)
+ACROSS = Control(first=0.04, longest=0.4, turn=0.5)
 """Steps along curves."""
 
 SAME = 1e-3
@@ -40,7 +41,10 @@ PARTING = 0.03
 """How far from a period doubling the doubled orbits start, in the size of the states."""
 
 BESIDE = 5e-3
-"""Step along a curve from where it begins to where its other multipliers have come inside."""
+"""Step along a curve from where it begins, after which its other multipliers tell the way."""
+
+EXACT = 1e-9
+"""Error bound of a bifurcation on a line, in the window, that is not solved for again."""
 
 ASTRAY = 0.3
 """Newton's method has led to another bifurcation than the one it started at."""
@@ -53,11 +57,27 @@ NEAR = 0.2
 
 
 class CurveStart(NamedTuple):
-    """A bifurcation from which a curve is to be followed."""
+    """A bifurcation from which a curve is to be followed.
+
+    Attributes
+    ----------
+    kind : str
+    parts : int
+    point : CurvePoint
+        On the curve; or on another that ends where this one begins.
+    begins : str
+        Why the curve ends there, empty where it goes on both ways.
+    """
 
     kind: str
     parts: int
     point: CurvePoint
+    begins: str = ""
+
+    @property
+    def may_bound(self) -> bool:
+        """Whether the curve may bound stability."""
+        return bool(self.begins) or not self.point.unstable
 
 
 class Line(NamedTuple):
@@ -186,22 +206,24 @@ class CurveSearch:
     # Across the window ------------------------------------------------------------------------
 
     def follow(self, start: CurveStart) -> None:
-        """Follow a curve from a point in both directions."""
-        curve, at = self.tracer.curves_at(*start[:2], start.point.z)[-1], start.point
-        solution = correct(curve.equations, at.z, at.tangent, float(at.tangent @ at.z))
-        if solution is None or np.any(np.abs(solution.z - at.z) > ASTRAY):
-            self.outcome.missing = True
-            return
-        curve, point = self.tracer.adapt(curve, *self.tracer.rate(curve, solution, at.tangent))
+        """Follow a curve from a point in both directions, or from where it begins."""
+        curve = self.tracer.curves_at(*start[:2], start.point.z)[-1]
+        curve, point = self.first(curve, start)
         if point is None:
-            self.outcome.missing = True
+            self.outcome.missing = not start.begins
             return
-        ahead, end = self.one_way(curve, point)
+        ways = [point, replace(point, tangent=-point.tangent)]
+        if start.begins:
+            ways = [way for way in ways if self.goes_on(curve, way)]
+        if not ways:
+            return
+        points, end = self.one_way(curve, ways[0], start.begins)
+        begin = start.begins
         if end == "closed":
-            points, begin = [*ahead, point], end
-        else:
-            back, begin = self.one_way(curve, replace(point, tangent=-point.tangent))
-            points = [replace(item, tangent=-item.tangent) for item in back[:0:-1]] + ahead
+            points, begin = [*points, point], end
+        elif len(ways) > 1:
+            back, begin = self.one_way(curve, ways[1], start.begins)
+            points = [replace(item, tangent=-item.tangent) for item in back[:0:-1]] + points
         if len(points) > 1:
             shifts = []
             if self.tracer is not self.reference:
@@ -210,42 +232,44 @@ class CurveSearch:
                 start.kind, start.parts, points, (begin, end), shifts=shifts
             )
 
-    def one_way(self, curve: OrbitCurve, start: CurvePoint) -> tuple[list[CurvePoint], str]:
+    def first(self, curve: OrbitCurve, start: CurveStart) -> tuple[OrbitCurve, CurvePoint | None]:
+        """Return the first point of a curve, None if there is none near; and the curve itself."""
+        at, rows, most = start.point, [start.point.tangent], ASTRAY
+        if start.begins:
+            rows, most = [*rows, *unit_rows(at.z)], PARTING
+        elif self.tracer is self.reference and np.max(at.bound) < EXACT:
+            return curve, at
+        for row in rows:
+            solution = correct(curve.equations, at.z, row, float(row @ at.z))
+            if solution is not None and np.max(np.abs(solution.z - at.z)) < most:
+                along = tangent_of(solution.jacobian, row)
+                return self.tracer.adapt(curve, *self.tracer.rate(curve, solution, along))
+        return curve, None
+
+    def goes_on(self, curve: OrbitCurve, point: CurvePoint) -> bool:
+        """Return whether what lies ahead of the beginning of a curve bounds stability."""
+        ahead = point.z + BESIDE * point.tangent
+        _, _, monodromy = curve.values(curve.family, ahead[:, None])
+        if not np.all(np.isfinite(monodromy)):
+            return False
+        values = descending(np.linalg.eigvals(monodromy[0]))
+        parts = split(curve.kind, values, section_row(self.tracer.scene) is not None)
+        guess = replace(point, z=ahead, critical=parts[0], others=parts[1])
+        return not guess.unstable and self.tracer.is_proper(curve, guess)
+
+    def one_way(
+        self, curve: OrbitCurve, start: CurvePoint, begins: str
+    ) -> tuple[list[CurvePoint], str]:
         """Return the points of a curve in one direction, with the first, and why it ends."""
         if leaves(start):
             return [start], "window"
-        steps = list(self.tracer.trace(curve, start, ACROSS))
+        steps = list(self.tracer.trace(curve, start, ACROSS, begins))
         points = [start, *(point for point, _ in steps if point)]
         why = steps[-1][1]
         if why in CODIMENSION_2:
-            self.begin(curve, kind_beyond(why, curve.kind), points[-1])
+            beyond, begins = kind_beyond(why, curve.kind), end_beyond(why, curve.kind)
+            self.outcome.starts.append(CurveStart(beyond, curve.family.parts, points[-1], begins))
         return points, why
-
-    def begin(self, curve: OrbitCurve, kind: str, at: CurvePoint) -> None:
-        """Keep the start of a curve of another kind at a point of a curve.
-
-        The multiplier of the one is at the unit circle where the other begins, and may lie on
-        either side of it: the start is where it has come inside.
-        """
-        parts = curve.family.parts
-        other = self.tracer.curves_at(kind, parts, at.z)[-1]
-        for row in (at.tangent, *unit_rows(at.z)):
-            solution = correct(other.equations, at.z, row, float(row @ at.z))
-            if solution is not None and np.max(np.abs(solution.z - at.z)) < PARTING:
-                break
-        else:
-            return
-        point = self.tracer.rate(other, solution, tangent_of(solution.jacobian, row))[0]
-        for way in (point.tangent, -point.tangent):
-            if point.unstable:
-                step = step_on(
-                    other.equations, Node(solution.z, way, solution.jacobian), BESIDE, ACROSS
-                )
-                if step is None:
-                    continue
-                beside = CurveSolution(step[0].z, step[0].jacobian)
-                point = self.tracer.rate(other, beside, way)[0]
-        self.outcome.starts.append(CurveStart(kind, parts, point))
 
     def shift(self, start: CurveStart, point: CurvePoint) -> Array:
         """Return by how far a point of a curve lies off the reference's curve (2,), in the window.
@@ -333,20 +357,23 @@ class Network:
         self.total.orbits += outcome.orbits
         self.total.engine_orbits += outcome.engine_orbits
         self.total.problems += outcome.problems
+        met = [one for one in outcome.starts if not one.begins]
         if self.lines_done < len(self.lines):
             self.lines_done += 1
         elif self.starts:
-            del self.starts[0]
-            self.curves += [outcome.curve] if outcome.curve else []
+            start, curve = self.starts.pop(0), outcome.curve
+            if curve and start.begins:  # the first point may lie on other curves as well
+                start = start._replace(point=curve.points[1], begins="")
+                curve = curve if self.curve_through(start) is None else None
+                met += [start] if curve else []
+            self.curves += [curve] if curve else []
         else:
             curve = self.curve_through(self.doublings.pop(0))
             if curve is not None:
                 curve.doubled = any(self.curve_through(one) is None for one in outcome.starts)
         self.starts += outcome.starts
         self.doublings += [
-            one
-            for one in outcome.starts
-            if one.kind == DOUBLING and 2 * one.parts <= self.most_parts
+            one for one in met if one.kind == DOUBLING and 2 * one.parts <= self.most_parts
         ]
 
     def drop_known(self) -> None:
@@ -363,7 +390,7 @@ class Network:
 
     def is_open(self, start: CurveStart) -> bool:
         """Return whether a bifurcation bounds stability and is on no curve yet."""
-        return not start.point.unstable and self.curve_through(start) is None
+        return start.may_bound and self.curve_through(start) is None
 
     def curve_through(self, start: CurveStart) -> BifurcationCurve | None:
         """Return the curve that a bifurcation is on already, or None."""

@@ -12,9 +12,6 @@ from ..scene import Array
 from .bifurcations import DOUBLING, FOLD, KINDS, LINE, NEIMARK_SACKER
 from .curve import cubic
 
-NEAR_MEETING = 0.05
-"""Distance of other multipliers from the unit circle, or of a pair from each other."""
-
 BRANCH_POINT, HOMOCLINIC = "branch_point", "homoclinic"
 """Kinds of curves of states of rest alone, see `rest`."""
 
@@ -53,6 +50,8 @@ class CurvePoint:
         The others, that of a shift in time left out.
     bound : array (2,)
         On the error of the place, on the plane across the tangent.
+    side : array (2,)
+        See `stable_side`.
     """
 
     z: Array
@@ -61,6 +60,7 @@ class CurvePoint:
     critical: complex
     others: Any
     bound: Array
+    side: Array = field(default_factory=lambda: np.full(2, np.nan))
 
     @property
     def unstable(self) -> int:
@@ -176,15 +176,33 @@ def meets(kind: str, before: CurvePoint, here: CurvePoint) -> str | None:
     return None
 
 
-def is_near_meeting(kind: str, point: CurvePoint) -> bool:
-    """Return whether another bifurcation may be near a point of a curve of a kind."""
+def meeting_gap(kind: str, point: CurvePoint) -> float:
+    """Return how far multipliers are from another bifurcation at a point of a curve of a kind.
+
+    Distance of the others from the unit circle, or of a pair from each other.
+    """
     own = [point.critical.imag] if kind == NEIMARK_SACKER else []
-    return bool(np.min(np.abs([*own, *(np.abs(point.others) - 1)]), initial=np.inf) < NEAR_MEETING)
+    return float(np.min(np.abs([*own, *(np.abs(point.others) - 1)]), initial=np.inf))
 
 
 def concerns(why: str, kind: str) -> bool:
     """Return whether curves of a kind end so: two multipliers of a pair alone may meet."""
     return kind == NEIMARK_SACKER or not why.startswith("resonance")
+
+
+def end_beyond(why: str, kind: str) -> str:
+    """Return why the curve that begins where another of a kind ends has its own end there.
+
+    One that a homoclinic orbit ends on goes on both ways.
+    """
+    if kind == HOMOCLINIC:
+        return why
+    beyond = kind_beyond(why, kind)
+    if beyond != NEIMARK_SACKER or kind == NEIMARK_SACKER:
+        return f"with_{beyond if why.startswith('resonance') else kind}"
+    if why == f"with_{NEIMARK_SACKER}":
+        return f"with_{kind}"
+    return "resonance_1_2" if why == f"with_{DOUBLING}" else "resonance_1_1"
 
 
 def kind_beyond(why: str, kind: str) -> str:

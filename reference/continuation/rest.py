@@ -26,7 +26,15 @@ from ..differences import by_complex_step
 from ..errors import NoOrbitError, ParameterError
 from ..orbits import descending, state_scale
 from ..scene import Array, EquationsOfMotion, coefficients_at
-from .bifurcations import FOLD, LINE, Family, OrbitCurve, bifurcation_function, reference_flow
+from .bifurcations import (
+    FOLD,
+    LINE,
+    Family,
+    OrbitCurve,
+    bifurcation_function,
+    reference_flow,
+    stable_side,
+)
 from .curve import CurveEquations, CurveSolution, between, node
 from .points import (
     BRANCH_POINT,
@@ -294,7 +302,9 @@ class RestTracer(Tracer):
         bound = np.abs(inverse) @ (2 * np.abs(left[:, 0]) + rounding)
         multipliers = descending(np.linalg.eigvals(flow[0]))
         critical, others = split(curve.kind, multipliers, False)
-        return CurvePoint(here.z, here.tangent, multipliers, critical, others, bound[n:]), 0.0
+        side = stable_side(curve.kind, here.jacobian)
+        point = CurvePoint(here.z, here.tangent, multipliers, critical, others, bound[n:], side)
+        return point, 0.0
 
     def adapt(
         self, curve: OrbitCurve, point: CurvePoint, off: float, row: Array | None = None

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy.optimize import brentq
 
 from ..errors import NoOrbitError
 from ..orbits import descending, find_orbit, section_row, state_scale
@@ -20,9 +21,10 @@ from .bifurcations import (
     PeriodFlow,
     half_period_signs,
     reference_flow,
+    stable_side,
 )
 from .curve import Control, CurveSolution, Node, between, correct, node, step_on
-from .points import CODIMENSION_2, CurvePoint, crossings, is_near_meeting, meets, split
+from .points import CODIMENSION_2, CurvePoint, crossings, meeting_gap, meets, split
 
 WANTED = 1e-10
 """What integration may leave of a point of the reference, in the window's unit."""
@@ -39,9 +41,15 @@ EDGE = 1e-9
 SYMMETRIC = 1e-2
 """Departure from its mirror image of an orbit that has become symmetric."""
 
+NEAR_MEETING = 0.05
+"""`meeting_gap` below which another bifurcation may be near."""
+
 CAREFUL = 0.01, 0.08
-"""Longest step, the first and any other, from where another bifurcation may be near: two of them
-must not lie in between, nor another curve of the kind ahead."""
+"""Longest step, the first and any other, from there: two bifurcations must not lie in between, nor
+another curve of the kind ahead. Longer ones may be taken while the gap hardly changes."""
+
+CHANGE = 0.5
+"""Most that the gap may change by in such a step if it goes on as in the one before, in itself."""
 
 FAR = 5.0
 """Largest multiplier up to which orbits are followed along lines: none became stable again."""
@@ -185,7 +193,8 @@ class Tracer:
         bound = 2 * off + np.abs(inverse) @ rounding
         multipliers = descending(np.linalg.eigvals(monodromy[0]))
         critical, others = split(curve.kind, multipliers, section_row(self.scene) is not None)
-        point = CurvePoint(here.z, here.tangent, multipliers, critical, others, bound[n:])
+        side = stable_side(curve.kind, here.jacobian)
+        point = CurvePoint(here.z, here.tangent, multipliers, critical, others, bound[n:], side)
         return point, float(np.max(off[n:]))
 
     def adapt(
@@ -213,15 +222,18 @@ class Tracer:
         return curve, point
 
     def trace(
-        self, curve: OrbitCurve, start: CurvePoint, control: Control
+        self, curve: OrbitCurve, start: CurvePoint, control: Control, begins: str = ""
     ) -> Iterator[tuple[CurvePoint | None, str]]:
-        """Yield points of a curve from one on, without that; with the last, why it ends."""
-        before, length = start, control.first
-        for number in range(control.points):
-            if curve.kind != LINE and is_near_meeting(curve.kind, before):
-                length = min(length, CAREFUL[number > 0])
+        """Yield points of a curve from one on, without that; with the last, why it ends.
+
+        ``begins`` is why it begins at the first, which is no end, whichever side it lies on.
+        """
+        past, before, length = None, start, control.first
+        for _ in range(control.points):
+            if curve.kind != LINE:
+                length = min(length, careful(curve.kind, past, before))
             here = Node(before.z, before.tangent, np.empty(0))
-            step = step_on(curve.equations, here, length, control)
+            step = step_on(curve.equations, here, length, control, past)
             if step is None:
                 yield None, self.why_lost(curve, before)
                 return
@@ -236,7 +248,15 @@ class Tracer:
                     yield None, "lost"
                     return
                 why = "" if curve.kind == LINE else meets(curve.kind, before, last) or ""
-                yield self.landing(curve, before, last, why) if why else last, why or "window"
+                if why == begins and before is start:
+                    why = ""
+                if why:
+                    last = self.landing(curve, before, last, why)
+                    missed = last is None or not is_inside(last.place)
+                    if missed and apart > 2 * control.shortest:
+                        length = apart / 2
+                        continue
+                yield last, why or "window"
                 return
             length = step[1]
             point, off = self.rate(curve, CurveSolution(ahead.z, ahead.jacobian), ahead.tangent)
@@ -245,18 +265,22 @@ class Tracer:
                 yield None, "lost"
                 return
             why = self.end(curve, start, before, better)
+            if why == begins and before is start:
+                why = ""
             if why == "symmetric" and apart > control.first / 2:
                 length = apart / 2
                 continue
             if why in CODIMENSION_2:
-                better = self.landing(curve, before, better, why)
-                if not is_inside(better.place) and apart > 2 * control.shortest:
-                    length = apart / 2  # the curve has been outside meanwhile
+                landed = self.landing(curve, before, better, why)
+                missed = landed is None or not is_inside(landed.place)
+                if missed and apart > 2 * control.shortest:
+                    length = apart / 2  # or the curve has been outside meanwhile
                     continue
+                better = landed or better
             yield (None if why in ("neutral", "symmetric") else better), why
             if why:
                 return
-            before = better
+            past, before = before, better
         yield None, "points"
 
     def at_edge(
@@ -323,25 +347,39 @@ class Tracer:
         at = self.family(parts).period_map(here.z[:, None])
         return at.residual(np.array([0]), np.zeros((len(at.scale), 1)))[:, 0]
 
-    def landing(self, curve: OrbitCurve, a: CurvePoint, b: CurvePoint, why: str) -> CurvePoint:
-        """Return the point between two others at which two bifurcations meet."""
-        function = CODIMENSION_2[why]
-        shares, values, best, last = [0.0, 1.0], [function(a), function(b)], b, -1
-        for _ in range(LANDINGS):
-            share = shares[0] - values[0] * (shares[1] - shares[0]) / (values[1] - values[0])
-            guess = between(a, b, share)
-            solution = correct(curve.equations, guess, a.tangent, float(a.tangent @ guess))
-            if solution is None:
-                return best
-            best = self.rate(curve, solution, a.tangent)[0]
-            value = function(best)
-            if abs(value) < LANDED:
-                return best
-            side = int(value * values[0] < 0)
-            if side == last:  # the other end has stayed: the Illinois rule (Dowell, Jarratt 1971)
-                values[1 - side] /= 2
-            shares[side], values[side], last = share, value, side
-        return best
+    def landing(
+        self, curve: OrbitCurve, a: CurvePoint, b: CurvePoint, why: str
+    ) -> CurvePoint | None:
+        """Return the point between two others at which two bifurcations meet, if it is found."""
+        function, points = CODIMENSION_2[why], {0.0: a, 1.0: b}
+
+        def off(share: float) -> float:
+            if share not in points:
+                guess = between(a, b, share)
+                solution = correct(curve.equations, guess, a.tangent, float(a.tangent @ guess))
+                if solution is None:
+                    raise NoOrbitError("no point of a curve between two others")
+                points[share] = self.rate(curve, solution, a.tangent)[0]
+                if abs(function(points[share])) < LANDED:
+                    return 0.0
+            return function(points[share])
+
+        try:
+            share, how = brentq(off, 0, 1, maxiter=LANDINGS, full_output=True, disp=False)
+        except NoOrbitError:
+            return None
+        return points[share] if how.converged else None
+
+
+def careful(kind: str, past: CurvePoint | None, here: CurvePoint) -> float:
+    """Return the longest step from a point of a curve that multipliers allow."""
+    gap = meeting_gap(kind, here)
+    if gap > NEAR_MEETING:
+        return np.inf
+    if past is None:
+        return CAREFUL[0]
+    change = abs(gap - meeting_gap(kind, past)) / float(np.linalg.norm(here.z - past.z))
+    return max(CAREFUL[1], CHANGE * gap / max(change, 1e-12))
 
 
 def closes(first: CurvePoint, before: CurvePoint, here: CurvePoint) -> bool:

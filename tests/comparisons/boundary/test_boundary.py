@@ -12,12 +12,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.boundary.ahead import executor
+from mbcheck.comparisons.boundary.ahead import Crew, executor
 from mbcheck.comparisons.boundary.request import BoundaryRequest
 from mbcheck.comparisons.boundary.run import Boundary
 from mbcheck.comparisons.queries.axis import ParameterRange
-from mbcheck.comparisons.reports.boundaries import disagreements, regions
+from mbcheck.comparisons.reports.boundaries import disagreements, regions, smooth, ticks
 from mbcheck.reference.continuation.bifurcations import DOUBLING
+from mbcheck.reference.continuation.network import CurveSearch, CurveStart, SearchOutcome
 from mbcheck.reference.continuation.points import BifurcationCurve, CurvePoint
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.scene import Array
@@ -109,6 +110,23 @@ def test_processes_do_first_what_is_asked_for_first() -> None:
             work(operator.index, ["none"])
 
 
+def test_what_tasks_done_ahead_lead_to_is_begun_ahead() -> None:
+    """After the tasks themselves, and only if it may bound stability."""
+    points = [
+        CurvePoint(np.zeros(6), np.zeros(6), np.zeros(4), 0j, np.full(3, size), np.zeros(2))
+        for size in (0.5, 2.0)
+    ]
+    starts = [CurveStart(DOUBLING, 1, point) for point in points]
+    crew = Crew(2)
+    crew.outcomes = {b"ahead": SearchOutcome(starts=starts), b"failed": EngineError("a", "b")}
+    work: Any = crew.calls
+    first, then = work(operator.index, [0, 1, 0]).values(), work(operator.index, [0]).values()
+    assert [call.args[0] for call in first][:2] == [0, 1]
+    (task,) = (call.args[0] for call in [*then][1:])
+    assert task.func is CurveSearch.follow
+    assert task.keywords["start"].point.unstable == 0
+
+
 ISLAND = "boundary hula_hoop --x force_frequency=6:7.75 --y force_amplitude=10:120 --lines 2"
 """With the tip of the island of figure 4, which lines along the window's edges pass by."""
 
@@ -127,7 +145,9 @@ def test_an_island_is_found_from_a_place_in_it() -> None:
     assert near, told
     succeeds(f"{ISLAND} -o island.json --near {near[1]}")
     after = validated("boundary", json.loads(Path("island.json").read_text()))
-    assert {"fold", "neimark_sacker"} <= {curve["kind"] for curve in after["curves"]}
+    ends = {curve["kind"]: {curve["begins"], curve["ends"]} for curve in after["curves"]}
+    assert ends["fold"] == {"window", "with_fold"}
+    assert ends["neimark_sacker"] == {"window", "resonance_1_1"}
     assert "but for 0 of" in succeeds(line)
     whole = Path("island.json").read_bytes()
     succeeds(f"{ISLAND} -o island.json --near {near[1]}")
@@ -213,6 +233,18 @@ def test_what_was_not_looked_at_is_not_lost() -> None:
     assert np.all(np.isnan(curve.shifts))
 
 
+def test_a_curve_that_begins_where_another_ends_is_gone_on_with() -> None:
+    first, second, unit = Boundary(request(lines=2)), Boundary(request(lines=2)), np.eye(6)
+    side = np.array([0.6, 0.8])
+    point = CurvePoint(unit[4] / 2, unit[5], np.zeros(4), 0j, np.zeros(3), np.zeros(2), side)
+    first.networks["orbits"].starts.append(CurveStart(DOUBLING, 1, point, "with_fold"))
+    before = validated("boundary", first.as_json())
+    second.restore(before)
+    (start,) = second.networks["orbits"].starts
+    assert start.begins == before["pending"][0]["begins"] == "with_fold"
+    np.testing.assert_array_equal(start.point.side, side)
+
+
 @pytest.mark.usefixtures("own_folder")
 def test_a_broken_file_is_refused() -> None:
     Path("broken.json").write_text("{}")
@@ -287,6 +319,23 @@ def test_regions_between_curves() -> None:
     wrong = inside.astype(int)
     wrong[10, 10] = 0
     assert np.sum(disagreements(document, values, values, wrong, known)) == 1
+
+
+def test_ticks_are_on_the_side_on_which_an_orbit_is_stable(small: dict[str, Any]) -> None:
+    """Below the loss of symmetry, at right angles to it in a picture."""
+    (curve,) = small["curves"]
+    low = np.array([small[axis]["low"] for axis in ("x", "y")])
+    size = np.array([small[axis]["high"] for axis in ("x", "y")]) - low
+    path, shape = smooth(curve, low, size), np.array([1.0, 0.5])
+    lines = ticks(curve, path, shape)
+    assert len(lines) > 10
+    way = np.diff(lines, axis=1)[:, 0] * shape
+    assert np.all(way[:, 1] < 0)
+    np.testing.assert_allclose(np.linalg.norm(way, axis=1), 0.012)
+    along = (path[-1] - path[0]) * shape
+    assert np.max(np.abs(way @ along)) < 0.2 * 0.012 * np.linalg.norm(along)
+    without = {"points": [{**point, "stable_side": None} for point in curve["points"]]}
+    assert not len(ticks(without, path, shape))
 
 
 @pytest.mark.usefixtures("own_folder")

@@ -22,11 +22,13 @@ from mbcheck.reference.continuation.bifurcations import (
     bifurcation_function,
     reference_flow,
 )
-from mbcheck.reference.continuation.curve import correct
+from mbcheck.reference.continuation.curve import correct, tangent_of
 from mbcheck.reference.continuation.network import CurveSearch, CurveStart, Line, Network
 from mbcheck.reference.continuation.points import (
+    HOMOCLINIC,
     BifurcationCurve,
     ParameterWindow,
+    end_beyond,
     kind_beyond,
     meets,
 )
@@ -190,6 +192,35 @@ def test_points_are_critical_by_collocation_too(
     assert abs(abs(wanted) - 1) < 1e-8
 
 
+@pytest.mark.parametrize(("kind", "parts", "line"), STARTS)
+def test_orbits_are_stable_on_the_side_that_is_told(
+    starts: list[CurveStart], kind: str, parts: int, line: float
+) -> None:
+    """There they are, and both of those that meet at a fold; on the other side none is stable."""
+    tracer, row = search().reference, np.eye(6)[5]
+    start = next(
+        one
+        for one in starts
+        if (one.kind, one.parts) == (kind, parts) and abs(one.point.place[0] - line) < 1e-9
+    )
+    z, side = start.point.z, start.point.side
+    if kind == FOLD:
+        along = tracer.curve(LINE, parts, 0, z[4])
+        way = tangent_of(along.linearise(z)[1], np.ones(6))
+        for guess in (z + 0.05 * way, z - 0.05 * way):
+            orbit = correct(along.equations, guess, way, float(way @ guess))
+            assert orbit is not None
+            assert (orbit.z[5] - z[5]) * side[1] > 1e-4
+        return
+    for sign in (1, -1):
+        x, y = z[4:] + 1e-3 * sign * side
+        curve = tracer.curve(LINE, parts, 0, x)
+        orbit = correct(curve.equations, np.array([*z[:4], x, y]), row, y, 30)
+        assert orbit is not None
+        values = tracer.rate(curve, orbit, row)[0].multipliers
+        assert sign * (np.max(np.abs(values)) - 1) < 0
+
+
 def test_curves_end_at_the_edge_or_where_another_begins(starts: list[CurveStart]) -> None:
     start, task = next(item for item in starts if item.kind == NEIMARK_SACKER), search()
     task.follow(start)
@@ -218,6 +249,14 @@ def test_which_curve_begins_where_two_bifurcations_meet() -> None:
     assert kind_beyond("resonance_1_2", NEIMARK_SACKER) == DOUBLING
     assert kind_beyond("with_fold", FOLD) == NEIMARK_SACKER
     assert kind_beyond("with_fold", DOUBLING) == FOLD
+    assert end_beyond("resonance_1_1", NEIMARK_SACKER) == "with_fold"
+    assert end_beyond("resonance_1_2", NEIMARK_SACKER) == "with_period_doubling"
+    assert end_beyond("with_fold", FOLD) == "resonance_1_1"
+    assert end_beyond("with_fold", HOMOCLINIC) == "with_fold"
+    assert end_beyond("with_period_doubling", DOUBLING) == "resonance_1_2"
+    assert end_beyond("with_fold", DOUBLING) == "with_period_doubling"
+    assert end_beyond("with_neimark_sacker", DOUBLING) == "with_period_doubling"
+    assert end_beyond("with_neimark_sacker", NEIMARK_SACKER) == "with_neimark_sacker"
 
     def at(*others: complex) -> Any:
         return SimpleNamespace(critical=-1.0, others=np.array(others))

@@ -45,6 +45,44 @@ def test_a_circle_is_followed_past_its_turning_points(rule: object, exact: bool)
     assert angle > 2 * np.pi
 
 
+def bends(z: Array) -> tuple[Array, Array]:
+    """A curve that bends by a right angle at once, and beside it the line straight on."""
+    root = np.hypot(z[0], 0.01)
+    bend, line = z[1] - root, z[1] + z[0] + 0.1
+    return np.array([bend * line]), np.array([[-z[0] / root * line + bend, line + bend]])
+
+
+def test_steps_lead_to_no_curve_near_by() -> None:
+    """The cubic leads straight on, to where the line is a fifth of the step away."""
+    before, here = (
+        None,
+        Node(np.array([-2.0, 2.0]), np.array([1.0, -1.0]) / np.sqrt(2), np.empty(0)),
+    )
+    control = Control(first=0.04, longest=0.35, turn=0.5)
+    length, count = control.first, 0
+    while here.z[0] < 2:
+        step = step_on(CurveEquations(bends), here, length, control, before)
+        assert step is not None
+        before, (here, length) = here, step
+        assert abs(here.z[1] - np.hypot(here.z[0], 0.01)) < 1e-8
+        count += 1
+    assert count < 80
+
+
+def test_cubics_lead_to_longer_steps() -> None:
+    """Turns are those that are aimed at, so that a turn of the circle takes some 13 steps."""
+    before, here = None, Node(np.array([1.0, 0.0]), np.array([0.0, 1.0]), np.empty(0))
+    control = Control(first=0.04, longest=2.0, turn=0.5)
+    length, angles = control.first, [0.0]
+    while len(angles) < 20:
+        step = step_on(CurveEquations(circle), here, length, control, before)
+        assert step is not None
+        before, (here, length) = here, step
+        angles.append(float(np.arctan2(here.z[1], here.z[0])))
+    turns = np.diff(np.unwrap(angles))
+    assert np.all(turns[6:] > 0.4)
+
+
 def test_newtons_method_says_where_there_is_no_point() -> None:
     assert correct(CurveEquations(circle), np.array([3.0, 0.1]), np.array([1.0, 0.0]), 3.0) is None
 

@@ -116,6 +116,8 @@ def test_a_pitchfork_is_followed_to_where_a_hopf_curve_begins() -> None:
     for a, b, *_ in np.vstack(hopf):  # about x = 0, and about x^2 = -b
         assert min(abs(a), abs(a + b)) < 1e-9
     assert not places(network, window, FOLD)
+    (pitchfork,) = (curve for curve in network.curves if curve.kind == BRANCH_POINT)
+    assert "with_fold" in pitchfork.ends
 
 
 def test_folds_form_a_cusp() -> None:
