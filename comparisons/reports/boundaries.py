@@ -31,12 +31,12 @@ COLOURS = {
 
 FATES = {
     ("orbits", "fold"): "orbit and unstable partner vanish",
-    ("orbits", "symmetry_breaking"): "orbit unstable beyond, twins part",
+    ("orbits", "symmetry_breaking"): "unstable beyond, twins part",
     ("orbits", "period_doubling"): "unstable beyond, doubled orbit parts",
-    ("orbits", "neimark_sacker"): "orbit unstable beyond, a torus parts",
+    ("orbits", "neimark_sacker"): "unstable beyond, a torus parts",
     ("equilibria", "fold"): "it and unstable partner vanish",
     ("equilibria", "branch_point"): "unstable beyond, others part",
-    ("equilibria", "hopf"): "equilibrium unstable beyond, an orbit parts",
+    ("equilibria", "hopf"): "unstable beyond, an orbit parts",
     ("equilibria", "homoclinic"): "the orbit ends on a saddle",
 }
 """What becomes of what is stable on one side of a curve, by subject and kind."""
@@ -182,7 +182,7 @@ def draw_curves(axes: Any, document: Mapping[str, Any]) -> list[Any]:
         marks = low + size * ticks(curve, path, np.array([1.0, axes.bbox.height / axes.bbox.width]))
         axes.add_collection(LineCollection(list(marks), colors=COLOURS[kind], linewidths=0.7))
     if any(point.get("stable_side") for curve in document["curves"] for point in curve["points"]):
-        words = "ticks: where the orbit, or equilibrium, is stable"
+        words = "ticks: the side on which it is stable"
         handles["ticks"] = Line2D(
             [], [], color=FAINT, marker="|", markersize=5, linewidth=1.0, label=words
         )
