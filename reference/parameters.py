@@ -98,8 +98,8 @@ class Parameters:
                 if value not in item.metadata["options"]:
                     raise UnknownNameError(item.name, str(value), item.metadata["options"])
                 continue
-            many = np.ndim(value) > 0
             try:
+                many = np.ndim(value) > 0
                 number: Any = np.array(value, dtype=float) if many else as_number(value)
             except (TypeError, ValueError, OverflowError):
                 raise ParameterError(f"{item.name} must be a number, not {value!r}") from None

@@ -74,7 +74,7 @@ def elements(p: RotatingBeam, axes: Array | None = None) -> ExudynSystem:
     straight[:, 0] = p.hub_radius + at
     straight[:, 2] = ancf
     places = np.eye(straight.shape[1]) if axes is None else np.kron(np.eye(2), axes[:, :2])
-    node, element = KINDS[p.element, axes is not None]
+    node, element = (getattr(items, name) for name in KINDS[p.element, axes is not None])
     nodes = [mbs.AddNode(node(referenceCoordinates=list(places @ place))) for place in straight]
     bodies = []
     for ends, length in zip(pairwise(nodes), np.diff(at), strict=True):
@@ -130,9 +130,9 @@ def elements(p: RotatingBeam, axes: Array | None = None) -> ExudynSystem:
 
 
 KINDS = {
-    ("ancf", False): (items.NodePoint2DSlope1, items.ObjectANCFCable2D),
-    ("geometrically_exact", False): (items.NodeRigidBody2D, items.ObjectBeamGeometricallyExact2D),
-    ("ancf", True): (items.NodePointSlope1, items.ObjectANCFCable),
+    ("ancf", False): ("NodePoint2DSlope1", "ObjectANCFCable2D"),
+    ("geometrically_exact", False): ("NodeRigidBody2D", "ObjectBeamGeometricallyExact2D"),
+    ("ancf", True): ("NodePointSlope1", "ObjectANCFCable"),
 }
 """Exudyn's nodes and elements, of the plane and in space."""
 
