@@ -56,10 +56,15 @@ def test_both_doors_lead_to_the_same_verdicts(scene: str, case: str) -> None:
     beside(scene, case, QUICK[scene, case])
 
 
+def one_of_a_kind(scene: str) -> list[str]:
+    """Return a case of the default set for each set of kinds that one is put to."""
+    cases = [case for case in get_scene(scene).cases if not case.full_only]
+    return [*{kinds_of(case): case.name for case in reversed(cases)}.values()]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("scene", "case"),
-    [(name, case.name) for name in SCENES for case in get_scene(name).cases if not case.full_only],
+    ("scene", "case"), [(name, case) for name in SCENES for case in one_of_a_kind(name)]
 )
 def test_all_that_is_checked_passes(scene: str, case: str) -> None:
     beside(scene, case, tuple(KINDS))
