@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from functools import partial
 from typing import Any
 
-from ...reference.continuation.network import CurveSearch, SearchOutcome, Task
+from ...reference.continuation.network import SearchOutcome, Task, following
 from ...reference.errors import EngineError
 from ..engines.isolation import Worker, ready
 
@@ -77,8 +77,7 @@ class Crew:
     def calls(self, perform: Perform, tasks: Sequence[Task]) -> dict[bytes, Any]:
         """Return what performs tasks, and after them what those done ahead have led to."""
         known = [item for item in self.outcomes.values() if isinstance(item, SearchOutcome)]
-        starts = [one for item in known for one in item.starts if one.may_bound]
-        begun: list[Task] = [partial(CurveSearch.follow, start=one) for one in starts]
+        begun = following(one for item in known for one in item.starts if one.may_bound)
         calls = [partial(perform, one) for one in (*tasks, *begun)]
         return {pickle.dumps(call): call for call in calls}
 

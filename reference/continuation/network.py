@@ -11,7 +11,7 @@ together in one order, so that a network does not depend on where and when tasks
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import NamedTuple
@@ -293,6 +293,12 @@ class CurveSearch:
 Task = Callable[[CurveSearch], None]
 """A part of the work on a network: a method of `CurveSearch` with its argument."""
 
+
+def following(starts: Iterable[CurveStart]) -> list[Task]:
+    """Return the tasks of following curves from where they begin."""
+    return [partial(CurveSearch.follow, start=one) for one in starts]
+
+
 Executor = Callable[[Sequence[Task]], SearchOutcome]
 """From tasks to what the first has led to; the others will probably be asked for later."""
 
@@ -346,7 +352,7 @@ class Network:
         starts[1:] = sorted(starts[1:], key=lambda one: one[:2] == starts[0][:2])
         return [
             *(partial(CurveSearch.look_along, line=one) for one in self.lines[self.lines_done :]),
-            *(partial(CurveSearch.follow, start=one) for one in starts),
+            *following(starts),
             *(partial(CurveSearch.switch, parts=one.parts, at=one.point) for one in self.doublings),
         ]
 

@@ -395,10 +395,8 @@ class Exudyn(Engine):
 def why_not_placed(source: Any, case: Case, model: str) -> str | None:
     """Return why a model cannot be placed in the world otherwise than it stands, or None."""
     reason: str | None = source.why_not_in_axes(case.parameters)
-    if reason is None and source.in_axes is None:
-        reason = f"{model} is built along the axes of the world, and cannot be turned"
-    if reason is not None:
-        return reason
+    if reason is not None or source.in_axes is None:
+        return reason or f"{model} is built along the axes of the world, and cannot be turned"
     if get_scene(case.scene).quaternions and np.linalg.det(world_axes(case.placement)) < 0:
         return f"joints of {model} turn about given axes of frames, which are no mirror images"
     return None
