@@ -35,7 +35,7 @@ HALF_NODES, NODES = Nodes(16, half=True), Nodes(32, half=False)
 """Of harmonic balance. They leave 1e-6 rad where the rotation is rough, which shooting removes."""
 
 HALF_STARTS = ((0, 0.0, 0.0), (1, 5 * np.pi / 4, 0.5))
-WHOLE_STARTS = ((0, 0.0, 1.0), (0, np.pi / 4, 1.6j), (0, 0.0, 0.5))
+WHOLE_STARTS = ((0, 0.0, 1.0), (0, np.pi / 4, 1.6j), (0, 0.0, 0.5j))
 """Starts of the search over half a period and over all of it: which guess, by what angle [rad]
 its rod is turned on, and by what complex amplitude [rad] it swings: at twice the frequency of the
 force, and at that itself. The second of the former finds the rotations whose theta' swings by more

@@ -123,6 +123,8 @@ MISSED = {  # frequency [Hz], force [N], inertia ratio: a stable rotation that g
     "the same, from another start": (7.6, 150.0, 0.0),
     "a twin just parted": (3.142857142857143, 78.65079365079364, 0.0),
     "a twin far from any": (5.714285714285714, 101.66666666666667, 0.0),
+    "swings at the frequency of the force": (7.072072072072072, 51.591591591591595, 0.0),
+    "the same, at a strong force": (6.54954954954955, 148.40340340340342, 0.0),
 }
 
 
