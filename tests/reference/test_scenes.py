@@ -226,6 +226,7 @@ def test_a_beam_has_no_orbit() -> None:
     assert "no periodic orbit" in done.stderr
 
 
+@pytest.mark.slow
 def test_a_bound_counts_the_coordinates_left_out() -> None:
     p = {"angular_speed": 2.0, "ramp_time": 1.0, "mass": 0.4}
     exact = mbcheck.simulate("rotating_beam", parameters=p, times=[0.5, 1.0])
@@ -242,7 +243,7 @@ def test_a_bound_counts_the_coordinates_left_out() -> None:
     assert set(exact.observables) == {*scene.public_states, *scene.observed}
 
 
-@pytest.mark.parametrize("period", [0.1, 0.01])
+@pytest.mark.parametrize("period", [0.1, pytest.param(0.01, marks=pytest.mark.slow)])
 def test_a_bound_counts_the_modes_that_a_short_pulse_excites(period: float) -> None:
     p = {"drive": "torque", "torque_amplitude": 100.0, "torque_period": period}
     times = [0.02, 0.05, 0.1]

@@ -327,6 +327,7 @@ def test_rk4_above_its_limit_is_finite_wrong_and_seen() -> None:
     assert seen["tip_deflection"] == seen["extrapolated"] == "deviation"
 
 
+@pytest.mark.slow
 def test_explicit_solvers_are_refused_and_fail_when_forced() -> None:
     refused = {
         check.method.name: check

@@ -6,12 +6,14 @@ import json
 import os
 import re
 import time
+from functools import cache
 from pathlib import Path
 
 import pytest
 
+from mbcheck.comparisons.engines import registry
 from mbcheck.comparisons.engines.remote import SECONDS_TO_LOAD
-from mbcheck.tests.support.command import process
+from mbcheck.tests.support.command import invoke
 
 TOY = """
 import numpy as np
@@ -48,16 +50,18 @@ FEW = "check hula_hoop --kind algebra --id */point_mass_3hz_60n/* --json -"
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "toy.py").write_text(TOY)
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(registry, "_loaded", cache(registry._loaded.__wrapped__))
+    monkeypatch.setattr(registry, "_named", {})
     return tmp_path
 
 
 def verdicts(line: str) -> tuple[dict[str, set[tuple[str, str]]], int]:
     """Return verdicts and reasons by engine, and the exit code."""
-    done = process(line)
+    done = invoke(line)
     found: dict[str, set[tuple[str, str]]] = {}
     for item in json.loads(done.stdout)["results"]:
         found.setdefault(item["engine"], set()).add((item["verdict"], item["reason"]))
-    return found, done.returncode
+    return found, done.exit_code
 
 
 SOME = [("at import", "os._exit(0)"), ("in a call", "ctypes.string_at(0)")]
@@ -88,8 +92,8 @@ def test_an_engine_that_ends_its_process_is_an_error_and_others_go_on(
 def test_an_engine_that_cannot_be_loaded_is_told_by_every_verb(folder: Path) -> None:
     (folder / "bad.py").write_text(PLACES["at import"].format(end="os._exit(0)"))
     for line in ("simulate hula_hoop --times 1", "orbit hula_hoop", "frequencies hula_hoop"):
-        done = process(f"{line} --engine bad:Bad")
-        assert done.returncode == 2
+        done = invoke(f"{line} --engine bad:Bad")
+        assert done.exit_code == 2
         assert "engine bad:Bad: it cannot be loaded" in done.stderr
         assert len(done.stderr.splitlines()) == 1
 
@@ -106,7 +110,7 @@ def test_an_engine_that_changes_numpy_changes_no_other(folder: Path) -> None:
 def test_other_verbs_run_an_engine_beside_themselves(folder: Path) -> None:
     told = HEAD.replace("class", f"assert os.getpid() != {os.getpid()}\n\n\nclass")
     (folder / "bad.py").write_text(told)
-    done = process("frequencies hula_hoop --engine bad:Bad --json -")
+    done = invoke("frequencies hula_hoop --engine bad:Bad --json -")
     assert json.loads(done.stdout)["engine"] == "bad", done.stderr
 
 
@@ -142,7 +146,7 @@ def helper(size):
 def test_an_author_sees_the_lines_of_the_engine(folder: Path, message: str, seen: str) -> None:
     """In full, apart from the reason, limited, and without what a terminal obeys."""
     (folder / "bad.py").write_text(RAISES.format(message=message))
-    done = process(f"{FEW} -v --engine bad:Bad --engine toy:Toy".replace("--json -", "--json f"))
+    done = invoke(f"{FEW} -v --engine bad:Bad --engine toy:Toy".replace("--json -", "--json f"))
     results = json.loads((folder / "f").read_text())["results"]
     assert len((folder / "f").read_bytes()) < 200_000
     failed = [item for item in results if item["verdict"] == "error"]
@@ -171,11 +175,11 @@ def test_an_author_sees_the_lines_of_the_engine(folder: Path, message: str, seen
 def test_a_traceback_is_shown_apart_on_request(folder: Path) -> None:
     (folder / "bad.py").write_text("x = 1\nprint(x / 0)\n")
     few = FEW.replace("--json -", "--junit junit.xml")
-    done = process(f"{few} --engine bad:Bad --engine toy:Toy")
+    done = invoke(f"{few} --engine bad:Bad --engine toy:Toy")
     assert "1 traceback of engines: -v shows it" in done.stdout
     assert 'bad.py", line 2' not in done.stdout
     assert f'File "{folder / "bad.py"}", line 2, in &lt;module' in Path("junit.xml").read_text()
-    assert "ZeroDivisionError" in process(f"{few} -v --engine bad:Bad --engine toy:Toy").stdout
+    assert "ZeroDivisionError" in invoke(f"{few} -v --engine bad:Bad --engine toy:Toy").stdout
 
 
 def test_what_an_engine_says_of_itself_is_one_line_that_turns_nothing(folder: Path) -> None:
@@ -211,6 +215,6 @@ def test_the_limit_of_time_holds_as_an_engine_is_loaded(folder: Path, place: str
 
 def test_the_budget_of_a_query_holds_as_an_engine_is_loaded(folder: Path) -> None:
     (folder / "bad.py").write_text("while True: pass\n")
-    done = process("frequencies hula_hoop --engine bad:Bad --budget 3")
-    assert done.returncode == 2
+    done = invoke("frequencies hula_hoop --engine bad:Bad --budget 3")
+    assert done.exit_code == 2
     assert re.search(r"has not ended after [\d.]+ s, and its budget is 3 s", done.stderr)

@@ -62,20 +62,20 @@ def advised(file: str, **options: object) -> Advice:
 
 def test_the_recommended_setting_meets_its_target_with_other_controls(tmp_path: Path) -> None:
     file = written(tmp_path)
-    advice = advised(file, horizon=0.5)
+    advice = advised(file, horizon=0.25)
     choice = advice.choice
     assert choice is not None
     listed = {limit.integrator for limit in inspect(file).steps}
     assert {trial.integrator for trial in advice.trials} == listed
     assert choice.error <= MARGIN * 0.01
-    other = advised(file, horizon=0.5, seed=7)
+    other = advised(file, horizon=0.25, seed=7)
     (again,) = [one for one in other.trials if one.setting == choice.setting]
     assert again.error <= 0.01
 
 
 def test_a_sharper_target_asks_for_more(tmp_path: Path) -> None:
     file = written(tmp_path)
-    rough, sharp = (advised(file, horizon=0.5, target=target) for target in (0.05, 1e-5))
+    rough, sharp = (advised(file, horizon=0.25, target=target) for target in (0.05, 1e-5))
     assert rough.choice is not None
     assert sharp.choice is not None
     assert sharp.choice.integrator == "RK4"

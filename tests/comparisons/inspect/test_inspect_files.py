@@ -304,7 +304,7 @@ def test_a_floating_humanoid(tmp_path: Path) -> None:
         pytest.param("chain", large.chain(300), marks=pytest.mark.slow),
         ("chain", large.chain(150)),
         ("heap", large.heap(30)),
-        ("plates", large.plates(500)),
+        ("plates", large.plates(300)),
     ],
 )
 def test_large_models_take_seconds(name: str, text: str, tmp_path: Path) -> None:

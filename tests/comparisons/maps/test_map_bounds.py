@@ -170,7 +170,7 @@ def errors(found: QuantityValues, which: Any, truth: Mapping[str, Any]) -> Truth
 
 
 ROUTES: Mapping[str, tuple[Callable[..., tuple[QuantityValues, Truth]], int, int]] = {
-    "floquet": (floquet_errors, 3, 300),
+    "floquet": (floquet_errors, 2, 300),
     "phase": (phase_errors, 1, 64),
     "mean_speed": (speed_errors, 4, 300),
     "coupling": (coupling_errors, 20, 500),

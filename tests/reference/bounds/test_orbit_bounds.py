@@ -135,16 +135,16 @@ def sampled(
                 assert apart == 0
 
 
-STEPS = {"hula_hoop": 144, "rotor_pendulum": 288, "speed_regulator": 144}
-"""Of the truth, over a period."""
+STEPS = {"hula_hoop": 144, "rotor_pendulum": 288, "speed_regulator": 288}
+"""Of the truth, over a period; 144 leave extremes of fast rotations 1e-12 off."""
 
 MEDIAN = 30.0
 """Largest median of bound over error."""
 
-FEW = 3
+FEW = 2
 """Orbits that are drawn by default, near the papers'; `DRAWS` behind the marker."""
 
-DRAWS = {"hula_hoop": 40, "rotor_pendulum": 12, "speed_regulator": 40}
+DRAWS = {"hula_hoop": 40, "rotor_pendulum": 12, "speed_regulator": 288}
 
 
 @pytest.mark.parametrize(

@@ -60,7 +60,7 @@ def test_the_references_own_vibration() -> None:
     assert measured == pytest.approx(omega, rel=TOLERANCE)
 
 
-@pytest.mark.parametrize("name", METHODS)
+@pytest.mark.parametrize("name", ["mujoco", pytest.param("exudyn", marks=pytest.mark.slow)])
 def test_an_engine_rings_with_the_frequency_of_its_own_matrices(name: str) -> None:
     """With the step's error taken off by Richardson's extrapolation."""
     engine = get_engine(name)

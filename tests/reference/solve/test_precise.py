@@ -91,7 +91,13 @@ def test_series_are_those_of_mpmath(mechanism: tuple[str, str]) -> None:
     assert np.all(apart < 1e-28 * (size + np.max(size)))
 
 
-@pytest.mark.parametrize("scene", SCENES)
+LONG = ("floating_platform", "floating_beam")
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [pytest.param(scene, marks=[pytest.mark.slow] if scene in LONG else []) for scene in SCENES],
+)
 def test_error_is_that_of_the_accuracy(scene: str) -> None:
     run = run_of(scene, 0)
     start = start_of(run)

@@ -79,7 +79,9 @@ PULSE = {"drive": "torque", "torque_amplitude": 1e3, "torque_period": 1e-5}
 
 PROVOCATIONS: Mapping[str, Provocation] = {
     "invariant line": Provocation(provoking("hula_hoop", LINE, 10.0, TENTHS)),
-    "chaos": Provocation(provoking("hula_hoop", {"theta": 0.3, "y": 0.01}, 10.0, TENTHS)),
+    "chaos": Provocation(
+        provoking("hula_hoop", {"theta": 0.3, "y": 0.01}, 10.0, TENTHS), slow=True
+    ),
     "saddle": Provocation(provoking("speed_regulator", TOP, 60.0, TENTHS, torque=0.0)),
     "nearly as long as the rod": Provocation(
         provoking("speed_regulator", {"phi": 0.5, "phi_dot": 5.0}, 3.0, TENTHS, **CRANK)

@@ -27,6 +27,7 @@ def test_another_speed_is_not_reproduced() -> None:
         assert (verdict == NOT_REPRODUCED) == wrong
 
 
+@pytest.mark.slow
 def test_wrong_kinematics_change_verdicts(monkeypatch: pytest.MonkeyPatch) -> None:
     right = printed.kinematics
     wrong = lambda phi, p: right(phi, p)._replace(t=1.001 * right(phi, p).t)  # noqa: E731

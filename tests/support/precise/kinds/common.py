@@ -42,7 +42,7 @@ class Run:
     start_time : float
     shares : tuple of float
         Sample times as shares of the length.
-    patience : int
+    patience : float
         How many times more steps it may take than others before it is shortened.
     """
 
@@ -54,7 +54,7 @@ class Run:
     horizon: float = 0.0
     start_time: float = 0.0
     shares: tuple[float, ...] = (0.3, 1.0)
-    patience: int = 1
+    patience: float = 1.0
 
     def times(self, length: float) -> Array:
         """Return the sample times of a run of this length [s]."""
