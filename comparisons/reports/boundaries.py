@@ -130,7 +130,7 @@ def paths(document: Mapping[str, Any], low: Array, size: Array) -> list[Array]:
 
 def kind_in_words(curve: Mapping[str, Any]) -> str:
     """Return what a curve of a document is of."""
-    words = str(curve["kind"]).replace("_", " ")
+    words = str(curve["kind"]).replace("_", " ").replace("neimark s", "Neimark-S")
     shared = curve["of"] == "equilibria" and curve["kind"] in ("fold", "branch_point")
     return f"{words} of equilibria" if shared else words
 
@@ -170,7 +170,7 @@ def draw_curves(axes: Any, document: Mapping[str, Any]) -> list[Any]:
     handles: dict[str, Any] = {}
     for curve, path in zip(document["curves"], paths(document, low, size), strict=True):
         rests = curve["of"] == "equilibria"
-        kind, name = curve["kind"], kind_in_words(curve).replace("neimark s", "Neimark-S")
+        kind, name = curve["kind"], kind_in_words(curve)
         (line,) = axes.plot(
             *(low + size * path).T,
             color=COLOURS[kind],
