@@ -62,6 +62,15 @@ QUICK = (
 )
 """Tasks of the default run."""
 
+LONGEST = (
+    "long/rotor_pendulum/conservative, kinematic_tree/exudyn",
+    "long/rotor_pendulum/locked, kinematic_tree/exudyn",
+    "parameters/hula_hoop/speed_1e4/exudyn",
+    "parameters/rotating_beam/no_second_order_coupling/reference",
+)
+"""Tasks that take longest, which are run by hand: two long runs of a model whose `redundant` twin
+is run with the slow tests, and two at the ends of parameters."""
+
 
 def tasks() -> dict[str, Provocation]:
     """Return all tasks of the default set by their id."""
@@ -113,7 +122,7 @@ def classes(rows: Iterable[Row]) -> dict[Key, str]:
 
 def test_tasks_are_told_apart() -> None:
     assert len(tasks()) == len(run.tasks(SCENES, ENGINES, (), False))
-    assert set(QUICK) < set(tasks())
+    assert {*QUICK, *LONGEST} < set(tasks())
 
 
 def test_the_table_has_every_outcome_and_every_noticer() -> None:
@@ -171,7 +180,12 @@ def test_quick_rows_are_golden(name: str) -> None:
     check(name)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", sorted(set(tasks()) - set(QUICK)))
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.campaign if name in LONGEST else pytest.mark.slow)
+        for name in sorted(set(tasks()) - set(QUICK))
+    ],
+)
 def test_rows_are_golden(name: str) -> None:
     check(name)
