@@ -47,7 +47,7 @@ class BatchMethod:
     tolerance : float
         Wanted error relative to the range of each state.
     backend : {"auto", "numpy", "heyoka"}
-        "auto" takes heyoka where it is installed.
+        "auto" takes heyoka where it is installed and can solve the scene: no drive of it ends.
     most_steps : int
         Most steps of a point over its whole run, without heyoka.
 
@@ -142,7 +142,8 @@ def solve_many(
     Raises
     ------
     UsageError
-        For times that cannot be sampled, or states that are not finite.
+        For times that cannot be sampled, states that are not finite, or a scene that heyoka,
+        which is asked for, cannot solve.
     """
     times = sample_times(times, start_time)
     states = initial_states(states)
@@ -163,7 +164,7 @@ def solve_many(
         flat(times), flat(np.asarray(dynamics.drive_end_time(parameters), float)[None])[0], starts
     )
     points = dynamics, one_each, flat(states), nodes
-    if method.is_heyoka and not np.ndim(start_time):
+    if _by_heyoka(method, dynamics, type(c), start_time):
         from . import taylor
 
         solution = taylor.solve_points(*points, start_time)
@@ -178,6 +179,18 @@ def solve_many(
         steps=solution.steps,
         rhs_evaluations=solution.rhs_evaluations,
     )
+
+
+def _by_heyoka(method: BatchMethod, dynamics: Dynamics, kind: type[Any], start_time: Any) -> bool:
+    """Return whether heyoka solves a scene with coefficients of this kind, or refuse it."""
+    if not method.is_heyoka or np.ndim(start_time):
+        return False
+    from . import taylor
+
+    able = taylor.solves(dynamics, kind)
+    if method.backend == HEYOKA and not able:
+        raise UsageError(f"heyoka cannot solve {dynamics.name}, whose drive ends; numpy can")
+    return able
 
 
 def with_drive_end(times: Array, ends: Array, start: Any) -> tuple[Array, NDArray[np.intp]]:

@@ -25,9 +25,17 @@ def integrator(dynamics: Dynamics, kind: type[Any], tolerance: float) -> tuple[A
     rates = [*symbols[n:], *dynamics.accelerations(u, symbols[:n], symbols[n:], c, hy)]
     lanes = hy.recommended_simd_size()
     system = list(zip(symbols, rates, strict=True))
-    start = np.zeros((2 * n, lanes))
     options = {"tol": tolerance} if tolerance else {}
-    return hy.taylor_adaptive_batch(system, start, pars=np.ones((len(c), lanes)), **options), lanes
+    return hy.taylor_adaptive_batch(system, np.zeros((2 * n, lanes)), **options), lanes
+
+
+def solves(dynamics: Dynamics, kind: type[Any]) -> bool:
+    """Return whether heyoka can solve a scene: a drive that ends compares times."""
+    try:
+        integrator(dynamics, kind, TOLERANCES[0])
+    except TypeError:  # expressions are not compared
+        return False
+    return True
 
 
 def solve_points(dynamics: Dynamics, c: Any, points: Array, times: Array, start: float) -> Solution:
@@ -72,7 +80,7 @@ def _propagate(
         filled = min(lanes, count - first)
         integrate.set_time(start)
         integrate.state[:] = points[:, lane]
-        integrate.pars[:] = coefficients[:, lane]
+        integrate.pars[:] = coefficients[: len(integrate.pars), lane]  # the last may be unused
         grid = np.ascontiguousarray(with_start[:, lane])
         repeated = bool(np.any(grid[1] == grid[0]))
         samples = np.asarray(integrate.propagate_grid(grid[1:] if repeated else grid)[-1])

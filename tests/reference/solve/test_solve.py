@@ -11,7 +11,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from mbcheck.reference import get_scene
+from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import (
     UsageError,
 )
@@ -319,6 +319,26 @@ def test_heyoka_solves_the_scene_that_it_is_given() -> None:
     found = solve_many(free, HulaHoop(), SPINNING, [0.2], method=BatchMethod(backend="heyoka"))
     truth = solve(SCENE, UNFORCED, SPINNING, [0.2])
     np.testing.assert_allclose(found.states, truth.states, rtol=1e-9)
+
+
+@needs_heyoka
+@pytest.mark.parametrize("name", SCENES)
+def test_every_scene_is_solved_where_heyoka_is_installed(name: str) -> None:
+    """By it, or by NumPy where a drive ends; both within their bounds."""
+    scene = get_scene(name)
+    starts = 0.01 + scene.state({})[:, None] * np.ones(3)
+    auto, numpy = (
+        solve_many(scene, scene.parameters(), starts, [0.1], method=BatchMethod(backend=backend))
+        for backend in ("auto", "numpy")
+    )
+    apart = np.max(np.abs(auto.states - numpy.states), axis=2)
+    assert np.all(apart <= auto.error_bound + numpy.error_bound)
+    by_heyoka = name != "rotating_beam"
+    assert (auto.steps != numpy.steps) == by_heyoka
+    if not by_heyoka:
+        method = BatchMethod(backend="heyoka")
+        with pytest.raises(UsageError, match="cannot solve rotating_beam, whose drive ends"):
+            solve_many(scene, scene.parameters(), starts, [0.1], method=method)
 
 
 def test_backend_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
