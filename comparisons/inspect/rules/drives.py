@@ -52,6 +52,10 @@ OFF = 0.5
 FALLING = 0.5
 """Share of gravity from which on a free body falls: nothing is held in it."""
 
+LOOSE = 0.1
+"""Share of what would hold a joint from which on joints of its tree without a drive may be out of
+balance, and no more: where more is, they fall, and nothing is held."""
+
 SKEWED = 0.01
 """By how much the norm of a quaternion in a keyframe may differ from 1."""
 
@@ -237,11 +241,20 @@ def keyframes(s: InspectedModel) -> Iterator[State]:
 
 
 class KeyframeForces(NamedTuple):
-    """Forces in a keyframe: its data, what is left over (nv,), and dofs (nv,) that fall freely."""
+    """Forces in a keyframe: its data, and some of each degree of freedom (nv,).
+
+    What is left over, whether it falls freely, and the most that is left over in its tree where
+    nothing drives.
+    """
 
     data: Any
     left: Array
-    falling: Flags
+    free: Flags
+    undriven: Array
+
+    def falls(self, dof: int) -> bool:
+        """Return whether nothing is held about a degree of freedom."""
+        return bool(self.free[dof] or self.undriven[dof] > LOOSE * abs(self.needs(dof)))
 
     def needs(self, dof: int) -> float:
         """Return the force of actuators that would hold a degree of freedom."""
@@ -257,7 +270,10 @@ def balance_of(s: InspectedModel, state: State) -> KeyframeForces:
     s.loaded.mujoco.mj_mulM(model, data, left, data.qacc)
     first = m.jnt_dofadr[s.loaded.of_kind("jnt_type", "free")]
     falls = [i for i in first if np.linalg.norm(data.qacc[i : i + 3]) > FALLING * gravity(s)]
-    return KeyframeForces(data, left, np.isin(m.dof_treeid, m.dof_treeid[falls]))
+    driven = np.any(moments(s.loaded, state), axis=0)
+    loose = np.where(driven, 0.0, np.abs(left))
+    most = np.array([np.max(loose[m.dof_treeid == tree]) for tree in m.dof_treeid])
+    return KeyframeForces(data, left, np.isin(m.dof_treeid, m.dof_treeid[falls]), most)
 
 
 def gravity(s: InspectedModel) -> float:
@@ -276,7 +292,7 @@ def saturated_actuator(s: InspectedModel) -> Iterator[Hit]:
             dof = int(m.jnt_dofadr[one.joint])
             need = balance.needs(dof)
             room = OVERLOAD * abs(need)
-            alone = not balance.falling[dof] and np.count_nonzero(arms[:, dof]) == 1
+            alone = not balance.falls(dof) and np.count_nonzero(arms[:, dof]) == 1
             beyond = alone and not one.low - room <= need <= one.high + room
             if one.actuator in said or not (beyond or one.actuator in full):
                 continue
@@ -307,7 +323,7 @@ def control_not_holding(s: InspectedModel) -> Iterator[Hit]:
         balance = balance_of(s, state)
         ways = [*simple_joints_left(s, balance), *ball_joints_left(s, state, balance)]
         for joint, how in ways:
-            if not balance.falling[s.model.jnt_dofadr[joint]] and joint not in said:
+            if not balance.falls(int(s.model.jnt_dofadr[joint])) and joint not in said:
                 said.add(joint)
                 message = f"the controls of the state {state.name!r} do not hold it: {how}"
                 yield s.hit("joint", joint, message)

@@ -111,7 +111,7 @@ MECHANICS: Mapping[str, ModelRule] = {
         "warning",
         "an actuator that gives all its force in a keyframe, or cannot bear its load there",
         "What it holds there it holds with no reserve, or not at all: its joint sags.",
-        "raise its forcerange, or set a control that needs less",
+        "raise forcerange, of a motor ctrlrange, or choose a state that needs less",
         drives.saturated_actuator,
     ),
     "control_not_holding": ModelRule(

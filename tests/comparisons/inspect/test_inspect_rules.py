@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from pathlib import Path
 
@@ -135,6 +136,32 @@ def test_a_body_that_falls_holds_nothing(tmp_path: Path) -> None:
         for name in ("falls.xml", "stands.xml")
     ]
     assert rules == [set(), {"saturated_actuator", "control_not_holding"}]
+
+
+PENDULUM = """<mujoco><worldbody><body>
+  <joint name="shoulder" axis="0 1 0" damping="0.1"/>
+  <geom type="capsule" fromto="0 0 0 0 0 -0.5" size="0.02" mass="1"/><body pos="0 0 -0.5">
+  <joint name="elbow" axis="0 1 0" damping="0.1"/>
+  <geom type="capsule" fromto="0 0 0 0 0 -0.5" size="0.02" mass="1"/></body></body></worldbody>
+  <actuator><motor name="m" joint="shoulder" ctrlrange="-2 2"/>{more}</actuator>
+  <keyframe><key name="raised" qpos="0.5 {elbow}" ctrl="{ctrl}"/></keyframe></mujoco>"""
+
+
+def test_where_a_joint_without_a_drive_falls_nothing_is_held(tmp_path: Path) -> None:
+    """A control that balances the shoulder holds it only where the elbow hangs, or is held."""
+    elbow = '<position name="e" joint="elbow" kp="900" kv="30"/>'
+    found = []
+    for angle, more, ctrl in ((-0.3, "", "0.3"), (-0.5, "", "0.3"), (-0.3, elbow, "0.3 -0.3")):
+        path = tmp_path / f"{len(found)}.xml"
+        path.write_text(PENDULUM.format(elbow=angle, more=more, ctrl=ctrl))
+        found.append({one.rule: one.message for one in inspect(path, modes=False).findings})
+    falls, hangs, held = found
+    rules = {"saturated_actuator", "control_not_holding"}
+    assert not rules & set(falls)
+    assert rules <= set(hangs)
+    assert rules <= set(held)
+    weight = 9.81 * (0.25 + 0.5) * math.sin(0.5)
+    assert f"m gives 0.3 Nm, and {weight:.3g} would hold it" in hangs["control_not_holding"]
 
 
 def test_a_force_that_turns_along_is_no_obstacle(tmp_path: Path) -> None:
