@@ -49,7 +49,7 @@ def verdict(scene: str, items: Sequence[RowOutcome]) -> Iterator[str]:
     rough = sum(item.assessment.verdict == UNCONVERGED for item in numbers)
     each = "; ".join(f"{count[name]} {name}" for name in VERDICTS if count[name])
     yield (
-        f"Misprints apart (4), {len(rows)} numbers and claims were judged: {each}; of the "
+        f"Misprints (see 4) apart, {len(rows)} numbers and claims were judged: {each}; of the "
         f"{plural(len(numbers), 'printed number')} {right} come out"
         f"{f', and {rough} {ROUGHLY}' * bool(rough)}."
     )
@@ -135,7 +135,7 @@ def of_errata(items: Sequence[RowOutcome]) -> str:
     numbers = set().union(*by_row)
     places = f" in equations {', '.join(f'({one})' for one in sorted(numbers))}" if numbers else ""
     elsewhere = sum(not own for own in by_row)
-    places += f" and {elsewhere} elsewhere" if elsewhere else ""
+    places += f", {elsewhere} of them elsewhere" if elsewhere else ""
     return f"It has {plural(len(errata), 'misprint')}{places}{effect}{rest * bool(saved)}."
 
 

@@ -166,7 +166,7 @@ def scene_page(result: Reproduction, scene: str) -> str:
     drawn = [item.figure.number for item in figures if not item.failed]
     for title, kinds, head in (
         ("Ledger", ("number", "claim"), ledger_head),
-        ("Errata", ("misprint",), lambda scene, items: [chapters.errata(items)]),
+        ("Errata", ("misprint",), lambda scene, _: [chapters.errata(items)]),
         ("What the text leaves open", ("reading",), lambda scene, items: []),
     ):
         own = [item for item in items if item.row.kind in kinds]
