@@ -43,7 +43,15 @@ def located(results: Sequence[Result]) -> list[str]:
         lines += [f"  {line}" for line in wrong_things[:MOST]]
         if len(wrong_things) > MOST:
             lines.append(f"  and {len(wrong_things) - MOST} more")
+        if not any(item.cause for item in mine) and lacks_accelerations(engine, results):
+            lines.append("  its accelerations would tell which part of the model: docs/engines.md")
     return lines
+
+
+def lacks_accelerations(engine: str, results: Sequence[Result]) -> bool:
+    """Return whether nothing is known of a model since its engine gives no accelerations."""
+    skipped = [r.reason for r in results if (r.engine, r.verdict) == (engine, "skipped")]
+    return any("has no accelerations(...)" in reason for reason in skipped)
 
 
 def sound(level: str, ran: set[str]) -> str:

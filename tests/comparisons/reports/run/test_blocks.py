@@ -5,11 +5,14 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 
+import pytest
+
 from mbcheck.comparisons.reports.run.blocks import MOST, blocks
 from mbcheck.comparisons.reports.run.junit import junit
+from mbcheck.comparisons.reports.run.located import located
 from mbcheck.comparisons.reports.run.outcome import Report
 from mbcheck.comparisons.reports.run.results import tally
-from mbcheck.tests.support.results import MIXED, result
+from mbcheck.tests.support.results import MIXED, changed, result
 
 
 def test_quantities_of_a_check_stand_together() -> None:
@@ -67,3 +70,18 @@ def test_junit_tells_where_it_is_wrong() -> None:
         "Located:\nmujoco: a free run is wrong\n  Euler theta off by 5e-05 rad (hula_hoop)"
     )
     assert said["hula_hoop/exudyn/trajectory"] is None
+
+
+@pytest.mark.parametrize(
+    ("reason", "told"),
+    [("mine has no accelerations(...)", True), ("a step leaves less than is known", False)],
+)
+def test_who_gives_no_accelerations_is_told_what_they_would_tell(reason: str, told: bool) -> None:
+    wrong = result(verdict="deviation", engine="mine", kind="step")
+    other = result(verdict="deviation", kind="step")
+    without = result(verdict="skipped", engine="mine", kind="algebra", reason=reason)
+    hint = "  its accelerations would tell which part of the model: docs/engines.md"
+    lines = located([wrong, without, other])
+    assert (hint in lines) == told
+    assert not told or lines.index(hint) == 2
+    assert hint not in located([changed(wrong, cause="damper of y: counted 0.99 times"), without])
