@@ -243,8 +243,8 @@ def keyframes(s: InspectedModel) -> Iterator[State]:
 class KeyframeForces(NamedTuple):
     """Forces in a keyframe: its data, and some of each degree of freedom (nv,).
 
-    What is left over, whether it falls freely, and the most that is left over in its tree where
-    nothing drives.
+    What is left over, whether it falls freely, and the most that is left over in its tree at a
+    joint that is neither free nor driven.
     """
 
     data: Any
@@ -268,12 +268,14 @@ def balance_of(s: InspectedModel, state: State) -> KeyframeForces:
     data, left = s.loaded.data(state, model), np.empty(m.nv)
     s.loaded.mujoco.mj_forward(model, data)
     s.loaded.mujoco.mj_mulM(model, data, left, data.qacc)
-    first = m.jnt_dofadr[s.loaded.of_kind("jnt_type", "free")]
+    free = s.loaded.of_kind("jnt_type", "free")
+    first = m.jnt_dofadr[free]
     falls = [i for i in first if np.linalg.norm(data.qacc[i : i + 3]) > FALLING * gravity(s)]
-    driven = np.any(moments(s.loaded, state), axis=0)
-    loose = np.where(driven, 0.0, np.abs(left))
-    most = np.array([np.max(loose[m.dof_treeid == tree]) for tree in m.dof_treeid])
-    return KeyframeForces(data, left, np.isin(m.dof_treeid, m.dof_treeid[falls]), most)
+    bound = np.any(moments(s.loaded, state), axis=0) | free[m.dof_jntid]
+    most = np.zeros(m.ntree)
+    np.maximum.at(most, m.dof_treeid, np.where(bound, 0.0, np.abs(left)))
+    falling = np.isin(m.dof_treeid, m.dof_treeid[falls])
+    return KeyframeForces(data, left, falling, most[m.dof_treeid])
 
 
 def gravity(s: InspectedModel) -> float:
