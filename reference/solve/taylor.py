@@ -32,7 +32,7 @@ def integrator(dynamics: Dynamics, kind: type[Any], tolerance: float) -> tuple[A
 def solves(dynamics: Dynamics, kind: type[Any]) -> bool:
     """Return whether heyoka can solve a scene: a drive that ends compares times."""
     try:
-        integrator(dynamics, kind, TOLERANCES[0])
+        integrator(dynamics, kind, TOLERANCES[0])  # type: ignore[arg-type]
     except TypeError:  # expressions are not compared
         return False
     return True

@@ -154,7 +154,7 @@ PENDULUM = """<mujoco><worldbody><body>
 def test_where_a_joint_without_a_drive_falls_nothing_is_held(tmp_path: Path) -> None:
     """A control that balances the shoulder holds it only where the elbow hangs, or is held."""
     elbow = '<position name="e" joint="elbow" kp="900" kv="30"/>'
-    found = []
+    found: list[dict[str, str]] = []
     for angle, more, ctrl in ((-0.3, "", "0.3"), (-0.5, "", "0.3"), (-0.3, elbow, "0.3 -0.3")):
         path = tmp_path / f"{len(found)}.xml"
         path.write_text(PENDULUM.format(elbow=angle, more=more, ctrl=ctrl))

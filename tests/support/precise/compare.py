@@ -140,7 +140,7 @@ class Plain:
         with precision(53):
             self.system = system_of(run, 128)
         self.system.to_float()
-        self.most_steps = run.patience * MOST_STEPS
+        self.most_steps = round(run.patience * MOST_STEPS)
 
     def states(self, start: Array, begin: float, times: Array) -> Array:
         """Return the states (2 n, n_t)."""
