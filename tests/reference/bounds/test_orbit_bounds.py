@@ -144,7 +144,7 @@ MEDIAN = 30.0
 FEW = 2
 """Orbits that are drawn by default, near the papers'; `DRAWS` behind the marker."""
 
-DRAWS = {"hula_hoop": 40, "rotor_pendulum": 12, "speed_regulator": 288}
+DRAWS = {"hula_hoop": 40, "rotor_pendulum": 12, "speed_regulator": 40}
 
 
 @pytest.mark.parametrize(

@@ -65,9 +65,8 @@ def test_few_draws_are_of_all_kinds(scene: str) -> None:
     ],
 )
 def test_no_error_is_above_its_bound(scene: str, number: int) -> None:
-    outcome = compare(
-        dataclasses.replace(run_of(scene, number), patience=0.4)
-    )  # long ones shortened
+    shortened = dataclasses.replace(run_of(scene, number), patience=0.4)
+    outcome = compare(shortened)
     assert not outcome.refusal
     assert outcome.excess <= 1
     assert outcome.excess_in_time <= 1
