@@ -243,11 +243,12 @@ def keyframes(s: InspectedModel) -> Iterator[State]:
 class KeyframeForces(NamedTuple):
     """Forces in a keyframe: its data, and some of each degree of freedom (nv,).
 
-    What is left over, whether it falls freely, and the most that is left over in its tree at a
-    joint that is neither free nor driven.
+    The moment arms (nu, nv) of actuators, what is left over, whether it falls freely, and the most
+    that is left over in its tree at a joint that is neither free nor driven.
     """
 
     data: Any
+    arms: Array
     left: Array
     free: Flags
     undriven: Array
@@ -271,11 +272,12 @@ def balance_of(s: InspectedModel, state: State) -> KeyframeForces:
     free = s.loaded.of_kind("jnt_type", "free")
     first = m.jnt_dofadr[free]
     falls = [i for i in first if np.linalg.norm(data.qacc[i : i + 3]) > FALLING * gravity(s)]
-    bound = np.any(moments(s.loaded, state), axis=0) | free[m.dof_jntid]
+    arms = moments(s.loaded, state)
+    bound = np.any(arms, axis=0) | free[m.dof_jntid]
     most = np.zeros(m.ntree)
     np.maximum.at(most, m.dof_treeid, np.where(bound, 0.0, np.abs(left)))
     falling = np.isin(m.dof_treeid, m.dof_treeid[falls])
-    return KeyframeForces(data, left, falling, most[m.dof_treeid])
+    return KeyframeForces(data, arms, left, falling, most[m.dof_treeid])
 
 
 def gravity(s: InspectedModel) -> float:
@@ -289,12 +291,11 @@ def saturated_actuator(s: InspectedModel) -> Iterator[Hit]:
     for state in keyframes(s):
         balance = balance_of(s, state)
         full = set(full_force(s, np.array(balance.data.actuator_force)).tolist())
-        arms = moments(s.loaded, state)
         for one in strengths(s):
             dof = int(m.jnt_dofadr[one.joint])
             need = balance.needs(dof)
             room = OVERLOAD * abs(need)
-            alone = not balance.falls(dof) and np.count_nonzero(arms[:, dof]) == 1
+            alone = not balance.falls(dof) and np.count_nonzero(balance.arms[:, dof]) == 1
             beyond = alone and not one.low - room <= need <= one.high + room
             if one.actuator in said or not (beyond or one.actuator in full):
                 continue
@@ -323,7 +324,7 @@ def control_not_holding(s: InspectedModel) -> Iterator[Hit]:
     said = set[int]()
     for state in keyframes(s):
         balance = balance_of(s, state)
-        ways = [*simple_joints_left(s, balance), *ball_joints_left(s, state, balance)]
+        ways = [*simple_joints_left(s, balance), *ball_joints_left(s, balance)]
         for joint, how in ways:
             if not balance.falls(int(s.model.jnt_dofadr[joint])) and joint not in said:
                 said.add(joint)
@@ -348,16 +349,14 @@ def simple_joints_left(s: InspectedModel, balance: KeyframeForces) -> Iterator[t
             yield one.joint, f"{name} gives {force:.3g} {unit_of_force}, and {need}"
 
 
-def ball_joints_left(
-    s: InspectedModel, state: State, balance: KeyframeForces
-) -> Iterator[tuple[int, str]]:
+def ball_joints_left(s: InspectedModel, balance: KeyframeForces) -> Iterator[tuple[int, str]]:
     """Yield the ball joints that leave a keyframe, about the axes on which they have servos."""
     m, kind = s.model, s.loaded.of_kind
     acts = pulls_to_control(s) & kind("actuator_trntype", "joint", "jointinparent")
     for joint in np.flatnonzero(kind("jnt_type", "ball")):
         own = np.flatnonzero(acts & (m.actuator_trnid[:, 0] == joint))
         dofs = slice(int(m.jnt_dofadr[joint]), int(m.jnt_dofadr[joint]) + 3)
-        arms = moments(s.loaded, state)[own, dofs]
+        arms = balance.arms[own, dofs]
         stiffness = -(arms.T * m.actuator_biasprm[own, 1]) @ arms
         turn = float(np.linalg.norm(np.linalg.pinv(stiffness) @ balance.left[dofs]))
         if turn > DRIFT:
