@@ -17,6 +17,7 @@ from ...reference.continuation.tracing import Tracer
 from ...reference.errors import (
     MbcheckError,
     NoOrbitError,
+    ParameterError,
     UnknownNameError,
     UsageError,
 )
@@ -71,6 +72,12 @@ class BoundaryRequest:
     def equations(self) -> Scene:
         """The scene."""
         return get_scene(self.scene)
+
+    @property
+    def numeric_parameters(self) -> list[str]:
+        """Parameters of the scene that are numbers."""
+        every = self.equations.parameters
+        return [name for name in every.names() if name not in every.choices()]
 
     @cached_property
     def setup(self) -> Setup:
@@ -150,11 +157,11 @@ def refuse_impossible(asked: BoundaryRequest) -> None:
     scene = asked.equations
     if asked.x.name == asked.y.name:
         raise UsageError(f"both axes are {asked.x.name}: a boundary needs two parameters")
-    words = scene.parameters.choices()
-    names = [name for name in scene.parameters.names() if name not in words]
     for axis in (asked.x, asked.y):
-        if axis.name not in names:
-            raise UnknownNameError(f"parameter of {asked.scene}", axis.name, names)
+        if axis.name not in asked.numeric_parameters:
+            raise UnknownNameError(
+                f"parameter of {asked.scene}", axis.name, asked.numeric_parameters
+            )
         if axis.name in asked.parameters:
             raise UsageError(f"{axis.name} is on an axis, and so cannot be set as well")
     if asked.lines < 2:
@@ -206,7 +213,22 @@ def why_no_equilibria(asked: BoundaryRequest) -> MbcheckError | None:
             f"equilibria of {scene.name} are not followed: it has no coordinates "
             "that are all free to be varied"
         )
+    if undriven(asked):
+        return None
+    free = [name for name in asked.numeric_parameters if name not in asked.window.names]
+    names = [name for name in free if undriven(asked, **{name: 0.0})]
+    advice = (
+        f": --set {names[0]}=0" if names else "; no parameter off the axes ends that by being 0"
+    )
+    return UsageError(f"{scene.name} is driven, and so has no equilibria{advice}")
+
+
+def undriven(asked: BoundaryRequest, **changes: float) -> bool:
+    """Return whether a scene with some other parameters is driven nowhere in the window."""
+    try:
+        parameters = asked.setup.case.parameters.replace(**changes)
+    except ParameterError:
+        return False
     corners = np.array([[0.0, 1.0, 0.0, 1.0], [0.0, 0.0, 1.0, 1.0]])
-    if not is_undriven(scene, asked.window.parameters(asked.setup.case.parameters)(corners), 4):
-        return UsageError(f"{scene.name} is driven, and so has no equilibria: drive it by 0")
-    return None
+    with np.errstate(all="ignore"):
+        return is_undriven(asked.equations, asked.window.parameters(parameters)(corners), 4)

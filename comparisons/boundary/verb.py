@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import click
@@ -120,9 +121,10 @@ def boundary(
     wanted = request.BoundaryRequest(**asked)
     request.refuse_impossible(wanted)
     result = run.Boundary(wanted)
-    before = output and not output.standard_output and boundaries.read(output.path)
-    if before:
-        result.restore(before)
+    if output and not output.standard_output:
+        before = boundaries.read(Path(output.name), output.option)
+        if before:
+            result.restore(before)
     try:
         with within(budget):
             complete = finished(result.work(workers), "")
@@ -161,11 +163,13 @@ def print_boundary(screen: Any, text: Mapping[str, Any], quiet: bool) -> None:
         heads = ("curve", "parts", "points", *names, "bound", "shift")
         print_table(screen, heads, rows)
     who = text["engine"]
+    steps = text["steps_per_period"]
+    how = f" {text['method']}, {steps} steps of at most {in_words(text['step'])} s in a period"
     print_line(
         screen,
-        f"{text['scene']} by {who}: {plural(len(rows), 'curve')}, "
+        f"{text['scene']} by {who}{how if steps else ''}: {plural(len(rows), 'curve')}, "
         f"{plural(text['orbits'], 'orbit')} of the reference"
-        + (f", {text['engine_orbits']} of {who}" if text["steps_per_period"] else ""),
+        + (f", {text['engine_orbits']} of {who}" if steps else ""),
     )
     if text["missing"]:
         print_line(

@@ -34,6 +34,9 @@ __all__ = [
     "refuse_older",
 ]
 
+NO_ACCELERATIONS = "has no accelerations(...)"
+"""What is said of an engine that gives none."""
+
 
 @dataclass(frozen=True)
 class Method:
@@ -229,7 +232,7 @@ class Engine:
         self, system: System, time: float, positions: Array, velocities: Array
     ) -> Array:
         """Return the joints' accelerations (n,) at a time [s] and a state (n,), (n,)."""
-        raise Unsupported(f"{self.name} has no accelerations(...)")
+        raise Unsupported(f"{self.name} {NO_ACCELERATIONS}")
 
     def mass_matrix(self, system: System, positions: Array) -> Array:
         """Return the joints' mass matrix (n, n) at positions (n,)."""

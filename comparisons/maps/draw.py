@@ -13,6 +13,7 @@ from ..reports.boundaries import draw_curves
 from ..reports.drawing import (
     FAINT,
     INK,
+    PALE,
     PALETTE,
     class_map,
     finish,
@@ -62,7 +63,8 @@ def draw_map(result: Map, path: Path, curves: Mapping[str, Any] | None = None) -
     handles = []
     if about.classes:
         robust = result.variables.get("robust")
-        handles = class_map(panel, grid, values, about.classes, robust=robust)
+        colours = PALETTE if curves is None else PALE
+        handles = class_map(panel, grid, values, about.classes, colours, robust)
         if not np.all(result.robust):
             handles.append(robustness_dot())
     else:

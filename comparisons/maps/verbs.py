@@ -160,6 +160,7 @@ def print_agreement(console: Any, result: Any, curves: Any) -> None:
     """Print at how many points the classes of a map are those of their region between curves."""
     from ..reports.boundaries import disagreements
     from ..reports.text import print_line
+    from .request import quantities
 
     if not result.about[result.main_variable].classes:
         return
@@ -170,7 +171,9 @@ def print_agreement(console: Any, result: Any, curves: Any) -> None:
         f"the curves part the map into regions of one class each but for {int(off.sum())} of "
         f"{int(known.sum())} robust points"
     )
-    if np.any(off):
+    if quantities(result.settings["scene"])[result.settings["quantity"]].of_start:
+        words += "; classes of the motion from one start differ by more than stability"
+    elif np.any(off):
         row, column = np.argwhere(off)[0]
         x, y = result.x.values[column], result.y.values[row]
         words += f"; mbcheck boundary --near {x:.6g},{y:.6g} looks about the first of them"

@@ -30,13 +30,13 @@ COLOURS = {
 }
 
 FATES = {
-    ("orbits", "fold"): "orbit and unstable partner vanish",
-    ("orbits", "symmetry_breaking"): "unstable beyond, twins part",
-    ("orbits", "period_doubling"): "unstable beyond, doubled orbit parts",
-    ("orbits", "neimark_sacker"): "unstable beyond, a torus parts",
-    ("equilibria", "fold"): "it and unstable partner vanish",
-    ("equilibria", "branch_point"): "unstable beyond, others part",
-    ("equilibria", "hopf"): "unstable beyond, an orbit parts",
+    ("orbits", "fold"): "it and its unstable partner vanish",
+    ("orbits", "symmetry_breaking"): "twins branch off",
+    ("orbits", "period_doubling"): "an orbit of two periods branches off",
+    ("orbits", "neimark_sacker"): "a torus branches off",
+    ("equilibria", "fold"): "it and its unstable partner vanish",
+    ("equilibria", "branch_point"): "others branch off",
+    ("equilibria", "hopf"): "an orbit branches off",
     ("equilibria", "homoclinic"): "the orbit ends on a saddle",
 }
 """What becomes of what is stable on one side of a curve, by subject and kind."""
@@ -58,8 +58,8 @@ INSIDE = 1e-7
 through it, on which they were begun."""
 
 
-def read(path: Path) -> dict[str, Any] | None:
-    """Return a document, None where there is no file.
+def read(path: Path, option: str) -> dict[str, Any] | None:
+    """Return a document that an option names, None where there is no file.
 
     Raises
     ------
@@ -73,11 +73,13 @@ def read(path: Path) -> dict[str, Any] | None:
         return None
     except (OSError, ValueError) as error:  # a null byte in a name is a ValueError
         why = getattr(error, "strerror", None) or error
-        raise UsageError(f"cannot read {str(path)!r}: {why}") from None
+        raise UsageError(f"{option}: cannot read {str(path)!r}: {why}") from None
     try:
         return to_document(type_of("boundary"), json.loads(data))
     except (MbcheckError, ValueError, TypeError, AttributeError, RecursionError):
-        raise UsageError(f"{str(path)!r} is no boundary of mbcheck, or a broken one") from None
+        raise UsageError(
+            f"{option}: {str(path)!r} is no boundary of mbcheck, or a broken one"
+        ) from None
 
 
 def read_beside(name: str, asked: Any) -> dict[str, Any]:
@@ -87,7 +89,7 @@ def read_beside(name: str, asked: Any) -> dict[str, Any]:
     ------
     UsageError
     """
-    document = read(Path(name))
+    document = read(Path(name), "--boundary")
     if document is None:
         raise UsageError(f"--boundary: there is no file {name!r}")
     for axis, own in (("x", asked.x), ("y", asked.y)):
@@ -182,7 +184,7 @@ def draw_curves(axes: Any, document: Mapping[str, Any]) -> list[Any]:
         marks = low + size * ticks(curve, path, np.array([1.0, axes.bbox.height / axes.bbox.width]))
         axes.add_collection(LineCollection(list(marks), colors=COLOURS[kind], linewidths=0.7))
     if any(point.get("stable_side") for curve in document["curves"] for point in curve["points"]):
-        words = "ticks: the side on which it is stable"
+        words = "ticks: towards the stable side"
         handles["ticks"] = Line2D(
             [], [], color=FAINT, marker="|", markersize=5, linewidth=1.0, label=words
         )

@@ -145,6 +145,9 @@ class Quantity:
         What ``--model`` may be with the reference: equations or theories, default first.
     engines : bool
         Whether engines can compute it too.
+    of_start : bool
+        Whether its classes are those of the motion from one start: where several motions are
+        stable, no boundary of stability parts them.
     compilable_models : tuple of str
         Those whose motions are `Flow`'s alone, which heyoka's steps serve as well.
     block, engine_block : int
@@ -157,6 +160,7 @@ class Quantity:
     evaluate: Callable[[Points], QuantityValues]
     models: tuple[str, ...] = ("exact",)
     engines: bool = True
+    of_start: bool = False
     compilable_models: tuple[str, ...] = ()
     block: int = 256
     engine_block: int = 16

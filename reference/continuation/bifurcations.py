@@ -18,7 +18,7 @@ period; it loses this symmetry (a pitchfork) by a period doubling of that map.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any
 
@@ -226,7 +226,9 @@ class OrbitCurve:
     @property
     def equations(self) -> CurveEquations:
         """The equations of the curve."""
-        return CurveEquations(self.linearise, None if self.by is None else self.residual)
+        if self.by is None:
+            return CurveEquations(self.linearise)
+        return CurveEquations(self.linearise, self.residual, self.slopes)
 
     def values(self, family: Family, z: Array) -> tuple[Array, Array, Array]:
         """Return residuals (2 n + 1, k), matrices that close and monodromy matrices."""
@@ -244,15 +246,20 @@ class OrbitCurve:
         except ParameterError:  # Newton's method has left what parameters may be
             return np.full(len(z) - 1, np.nan)
 
+    def slopes(self, z: Array) -> Array:
+        """Return the slopes (2 n + 1, 2 n + 2) of what Newton's method takes them of."""
+        return replace(self, family=self.by or self.family, by=None).linearise(z)[1]
+
     def linearise(self, z: Array) -> tuple[Array, Array]:
         """Return what is left of the equations (2 n + 1,) at unknowns (2 n + 2,), and slopes."""
-        family = self.by or self.family
+        if self.by is not None:
+            return self.residual(z), self.slopes(z)
         n, size = self.family.size, len(z)
         moved = np.arange(size) if self.kind != LINE else np.array([n + 1 - self.axis])
         shifts = STEP * np.eye(size)[:, moved]
         lanes = z[:, None] + np.hstack([np.zeros((size, 1)), shifts, -shifts])
         try:
-            values, closing, _ = self.values(family, lanes)
+            values, closing, _ = self.values(self.family, lanes)
         except ParameterError:
             return np.full(size - 1, np.nan), np.full((size - 1, size), np.nan)
         jacobian = np.zeros((size - 1, size))
@@ -261,6 +268,4 @@ class OrbitCurve:
         jacobian[:n, :n] = closing[0]
         if self.kind == LINE:
             jacobian[-1, n + self.axis] = 1.0
-        if self.by is None:
-            return values[:, 0], jacobian
-        return self.residual(z), jacobian
+        return values[:, 0], jacobian

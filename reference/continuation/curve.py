@@ -49,12 +49,15 @@ class CurveEquations(NamedTuple):
     linearise : callable ``z (m + 1,) -> residual (m,), Jacobian (m, m + 1)``
         Unknowns are in units in which they are of order one.
     residual : callable ``z (m + 1,) -> (m,)``, or None
-        Given where the Jacobian is not that of the residual but of a neighbour of it: it then
+        Given where residuals are dear and the Jacobian is that of a neighbour of them: it then
         serves all iterations, and secants (Broyden 1965) mend it.
+    slopes : callable ``z (m + 1,) -> Jacobian (m, m + 1)``, or None
+        Given with it: of the neighbour, for the tangent.
     """
 
     linearise: Callable[[Array], tuple[Array, Array]]
     residual: Callable[[Array], Array] | None = None
+    slopes: Callable[[Array], Array] | None = None
 
     @property
     def exact(self) -> bool:
@@ -105,7 +108,7 @@ class Node:
 
 @dataclass(frozen=True)
 class CurveSolution:
-    """Where Newton's method has ended; of ``jacobian`` that of the last iteration."""
+    """Where Newton's method has ended; of ``jacobian`` that of the last iteration, or there."""
 
     z: Array
     jacobian: Array
@@ -141,12 +144,13 @@ def correct(
         except np.linalg.LinAlgError:
             return None
         z, last, size = z + step, residual, float(np.max(np.abs(step)))
-        if size < CONVERGED * (1.0 if equations.exact else 0.1):
-            return CurveSolution(z, matrix)
-        if size > 2 * before or size > 1.0:
-            return CurveSolution(z, matrix) if before < NOISE else None
+        enough = size < CONVERGED * (1.0 if equations.exact else 0.1)
+        if enough or size > 2 * before or size > 1.0:
+            break
         before = size
-    return CurveSolution(z, matrix) if before < NOISE else None
+    if not enough and before >= NOISE:
+        return None
+    return CurveSolution(z, matrix if equations.slopes is None else equations.slopes(z))
 
 
 def tangent_of(jacobian: Array, along: Array) -> Array:
@@ -167,10 +171,9 @@ def step_on(
     """Return the next point of a curve, and the length of the step after it.
 
     None where no further point is found by the shortest step. ``before`` is the point before this
-    one (with ``z`` and ``tangent``), None for the first. Tangents by slopes of a neighbour of the
-    equations are too rough for a cubic.
+    one (with ``z`` and ``tangent``), None for the first.
     """
-    is_cubic = before is not None and equations.exact
+    is_cubic = before is not None
     while length >= control.shortest:
         guess = here.z + length * here.tangent
         if is_cubic:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from ...checks.verdict import Result
+from ...engines.protocol import NO_ACCELERATIONS
 from ..words import with_unit
 from .results import error_size, grouped
 
@@ -43,7 +44,9 @@ def located(results: Sequence[Result]) -> list[str]:
         lines += [f"  {line}" for line in wrong_things[:MOST]]
         if len(wrong_things) > MOST:
             lines.append(f"  and {len(wrong_things) - MOST} more")
-        if not any(item.cause for item in mine) and lacks_accelerations(engine, results):
+        deviates = any(item.verdict == "deviation" for item in mine)
+        causes = any(item.cause for item in mine)
+        if deviates and not causes and lacks_accelerations(engine, results):
             lines.append("  its accelerations would tell which part of the model: docs/engines.md")
     return lines
 
@@ -51,7 +54,7 @@ def located(results: Sequence[Result]) -> list[str]:
 def lacks_accelerations(engine: str, results: Sequence[Result]) -> bool:
     """Return whether nothing is known of a model since its engine gives no accelerations."""
     skipped = [r.reason for r in results if (r.engine, r.verdict) == (engine, "skipped")]
-    return any("has no accelerations(...)" in reason for reason in skipped)
+    return any(NO_ACCELERATIONS in reason for reason in skipped)
 
 
 def sound(level: str, ran: set[str]) -> str:

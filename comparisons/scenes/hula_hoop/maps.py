@@ -22,6 +22,7 @@ QUANTITIES: Mapping[str, Quantity] = {
         about="what comes of the scene from rest (figs. 5, 7)",
         variables=MOTION_VARIABLES,
         evaluate=motion,
+        of_start=True,
         models=(EXACT, "paper", "corrected"),
         compilable_models=(EXACT,),
         block=1024,

@@ -86,6 +86,7 @@ QUANTITIES: Mapping[str, Quantity] = {
         "whether the start from rest ends synchronised, not, or undecided",
         SYNC,
         sync,
+        of_start=True,
         models=("exact", "reduced"),
         block=1024,
         engine_block=4,

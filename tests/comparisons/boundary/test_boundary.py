@@ -5,50 +5,35 @@ from __future__ import annotations
 import json
 import operator
 import re
+from io import StringIO
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from mbcheck.comparisons.boundary.ahead import Crew, executor
 from mbcheck.comparisons.boundary.request import BoundaryRequest
 from mbcheck.comparisons.boundary.run import Boundary
+from mbcheck.comparisons.boundary.verb import print_boundary
 from mbcheck.comparisons.queries.axis import ParameterRange
-from mbcheck.comparisons.reports.boundaries import disagreements, regions, smooth, ticks
 from mbcheck.reference.continuation.bifurcations import DOUBLING
 from mbcheck.reference.continuation.network import CurveSearch, CurveStart, SearchOutcome
 from mbcheck.reference.continuation.points import BifurcationCurve, CurvePoint
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.scene import Array
+from mbcheck.tests.comparisons.boundary.conftest import SMALL
 from mbcheck.tests.support.campaigns.boundaries import boundary_case, draw, shifts, table
 from mbcheck.tests.support.command import invoke, refusal, succeeds
 from mbcheck.tests.support.documents import validated
-
-SMALL = "boundary hula_hoop --x force_frequency=5.6:6 --y force_amplitude=15:24 --lines 2"
-"""A corner of figure 4, which one curve crosses."""
 
 
 def request(**changes: Any) -> BoundaryRequest:
     """Return what is asked for, about a loss of symmetry."""
     x, y = ("force_frequency", 5.0, 6.0), ("force_amplitude", 15.0, 35.0)
     return BoundaryRequest("hula_hoop", ParameterRange(*x), ParameterRange(*y), **changes)
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("boundary")
-
-
-@pytest.fixture(scope="module")
-def printed(folder: Path) -> str:
-    return succeeds(SMALL, "-o", folder / "small.json", "--plot", folder / "small.png")
-
-
-@pytest.fixture(scope="module")
-def small(folder: Path, printed: str) -> dict[str, Any]:
-    return validated("boundary", json.loads((folder / "small.json").read_text()))
 
 
 # The document
@@ -182,7 +167,11 @@ def test_a_file_of_another_boundary_is_left_alone(folder: Path, small: dict[str,
         (f"{SMALL} --set force_amplitude=3", "on an axis"),
         (f"{SMALL} --budget 0", "budget"),
         (f"{SMALL} --set gravity_x=1", "gravity"),
-        (f"{SMALL} --of equilibria", "driven"),
+        (f"{SMALL} --of equilibria", "driven, and so has no equilibria; no parameter off the axes"),
+        (
+            "boundary hula_hoop --of equilibria --x stiffness=500:1500 --y gravity_x=-5:6",
+            "no equilibria: --set force_amplitude=0",
+        ),
         (f"{SMALL} --of nothing", "equilibria"),
         (
             "boundary speed_regulator --of equilibria --engine mujoco --step 0.01 --x damping=1:2 "
@@ -248,7 +237,11 @@ def test_a_curve_that_begins_where_another_ends_is_gone_on_with() -> None:
 @pytest.mark.usefixtures("own_folder")
 def test_a_broken_file_is_refused() -> None:
     Path("broken.json").write_text("{}")
-    assert "no boundary" in refusal(f"{SMALL} -o broken.json")
+    assert "--output: 'broken.json' is no boundary" in refusal(f"{SMALL} -o broken.json")
+    window = "--x force_frequency=5.6:6:6 --y force_amplitude=15:24:6"
+    line = f"map hula_hoop --quantity floquet {window} -o map.nc --boundary"
+    assert "--boundary: cannot read '.'" in refusal(f"{line} .")
+    assert "--boundary: 'broken.json' is no boundary" in refusal(f"{line} broken.json")
 
 
 # Equilibria
@@ -292,68 +285,6 @@ def test_equilibria_are_followed_and_gone_on_with() -> None:
     assert [*rest.work()]
     ends = [p["x"] for p in rest.as_json()["curves"][0]["points"]]
     assert ends == pytest.approx([p["x"] for p in curve["points"]])
-
-
-# Against maps
-
-
-def square(*corners: tuple[float, float]) -> dict[str, Any]:
-    """Return a document with a closed curve with corners in a unit square."""
-    around = [*corners, corners[0]]
-    ways = np.diff(np.array([*around, around[1]]), axis=0)
-    points = [
-        {"x": x, "y": y, "direction": list(way)} for (x, y), way in zip(around, ways, strict=True)
-    ]
-    return {"curves": [{"of": "orbits", "kind": "fold", "parts": 1, "points": points}]}
-
-
-def test_regions_between_curves() -> None:
-    values = np.linspace(0, 1, 21)
-    document = square((0.2, 0.2), (0.8, 0.2), (0.8, 0.8), (0.2, 0.8))
-    labels = regions(document, values, values)
-    assert len(np.unique(labels)) == 2
-    inside = labels == labels[10, 10]
-    assert 150 < np.sum(inside) < 250
-    known = np.ones(labels.shape, bool)
-    assert not np.any(disagreements(document, values, values, inside.astype(int), known))
-    wrong = inside.astype(int)
-    wrong[10, 10] = 0
-    assert np.sum(disagreements(document, values, values, wrong, known)) == 1
-
-
-def test_ticks_are_on_the_side_on_which_an_orbit_is_stable(small: dict[str, Any]) -> None:
-    """Below the loss of symmetry, at right angles to it in a picture."""
-    (curve,) = small["curves"]
-    low = np.array([small[axis]["low"] for axis in ("x", "y")])
-    size = np.array([small[axis]["high"] for axis in ("x", "y")]) - low
-    path, shape = smooth(curve, low, size), np.array([1.0, 0.5])
-    lines = ticks(curve, path, shape)
-    assert len(lines) > 10
-    way = np.diff(lines, axis=1)[:, 0] * shape
-    assert np.all(way[:, 1] < 0)
-    np.testing.assert_allclose(np.linalg.norm(way, axis=1), 0.012)
-    along = (path[-1] - path[0]) * shape
-    assert np.max(np.abs(way @ along)) < 0.2 * 0.012 * np.linalg.norm(along)
-    without = {"points": [{**point, "stable_side": None} for point in curve["points"]]}
-    assert not len(ticks(without, path, shape))
-
-
-@pytest.mark.usefixtures("own_folder")
-def test_a_map_of_the_window_agrees(folder: Path, small: dict[str, Any]) -> None:
-    line = "--quantity floquet --x force_frequency=5.6:6:6 --y force_amplitude=15:24:6"
-    printed = succeeds(
-        f"map hula_hoop {line} -o map.nc --plot map.png --boundary", folder / "small.json"
-    )
-    assert "but for 0 of" in printed
-    done = invoke(
-        f"map hula_hoop {line} -o m.nc --set stiffness=9 --boundary", folder / "small.json"
-    )
-    assert done.exit_code == 2
-    assert "stiffness = 1000.0, the map of 9.0" in done.stderr
-    other = line.replace("5.6:6:6", "5.5:6:6")
-    done = invoke(f"map hula_hoop {other} -o map.nc --boundary", folder / "small.json")
-    assert done.exit_code == 2
-    assert "window" in done.stderr
 
 
 # Engines
@@ -443,6 +374,22 @@ def stretch(kind: str, x: Pair, y: Pair, near: tuple[Pair, ...], steps: int) -> 
     (curve,) = (item for item in result.as_json()["curves"] if item["kind"] == kind)
     pairs = sorted((point["x"], point["shift_y"]) for point in curve["points"])
     return np.array(pairs).T[0], np.array(pairs).T[1]
+
+
+def test_the_steps_of_an_engine_are_told(small: dict[str, Any]) -> None:
+    for steps, words in (
+        (None, "by mujoco: 1 curve"),
+        (40, "by mujoco RK4, 40 steps of at most 5e-"),
+    ):
+        printed = StringIO()
+        text = small | {
+            "engine": "mujoco",
+            "method": "RK4",
+            "steps_per_period": steps,
+            "step": 5e-9,
+        }
+        print_boundary(Console(file=printed, width=200), text, quiet=False)
+        assert f"hula_hoop {words}" in printed.getvalue()
 
 
 @pytest.mark.slow

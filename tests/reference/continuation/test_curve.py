@@ -12,6 +12,7 @@ from mbcheck.reference.continuation.curve import (
     between,
     correct,
     step_on,
+    tangent_of,
 )
 from mbcheck.reference.scene import Array
 
@@ -27,8 +28,8 @@ def sheared(z: Array) -> tuple[Array, Array]:
 
 @pytest.mark.parametrize(("rule", "exact"), [(circle, True), (sheared, False)])
 def test_a_circle_is_followed_past_its_turning_points(rule: object, exact: bool) -> None:
-    residual = None if exact else lambda z: sheared(z)[0]
-    equations = CurveEquations(rule, residual)  # type: ignore[arg-type]
+    neighbour = () if exact else (lambda z: sheared(z)[0], lambda z: sheared(z)[1])
+    equations = CurveEquations(rule, *neighbour)  # type: ignore[arg-type]
     here = Node(np.array([1.0, 0.0]), np.array([0.0, 1.0]), np.empty(0))
     length, angle = 0.1, 0.0
     for _ in range(100):
@@ -43,6 +44,24 @@ def test_a_circle_is_followed_past_its_turning_points(rule: object, exact: bool)
         if angle > 2 * np.pi:
             break
     assert angle > 2 * np.pi
+
+
+def test_tangents_are_of_slopes_at_the_point_itself() -> None:
+    """Not at the guess, with the secants that Newton's method has gathered from there."""
+
+    def ellipse(z: Array) -> Array:
+        return np.array([z[0] ** 2 + 9 * z[1] ** 2 - 1])
+
+    def slopes(z: Array) -> Array:
+        return np.array([[2 * z[0], 18 * z[1]]])
+
+    row, point = np.array([1.0, 1.0]), np.array([0.6, 0.8 / 3])
+    equations = CurveEquations(lambda z: (ellipse(z), slopes(z)), ellipse, slopes)
+    solution = correct(equations, point + np.array([-0.1, 0.1]), row, float(row @ point))
+    assert solution is not None
+    assert solution.z == pytest.approx(point, abs=1e-8)
+    across = tangent_of(solution.jacobian, row) @ slopes(point)[0]
+    assert across == pytest.approx(0, abs=1e-7)
 
 
 def bends(z: Array) -> tuple[Array, Array]:

@@ -85,3 +85,5 @@ def test_who_gives_no_accelerations_is_told_what_they_would_tell(reason: str, to
     assert (hint in lines) == told
     assert not told or lines.index(hint) == 2
     assert hint not in located([changed(wrong, cause="damper of y: counted 0.99 times"), without])
+    raised = result(verdict="error", engine="mine", kind="step", reason="KeyError: 'foot'")
+    assert hint not in located([raised, without, other])

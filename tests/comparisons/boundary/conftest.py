@@ -1,0 +1,30 @@
+"""A corner of figure 4, followed once in a module."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mbcheck.tests.support.command import succeeds
+from mbcheck.tests.support.documents import validated
+
+SMALL = "boundary hula_hoop --x force_frequency=5.6:6 --y force_amplitude=15:24 --lines 2"
+"""A corner of figure 4, which one curve crosses."""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("boundary")
+
+
+@pytest.fixture(scope="module")
+def printed(folder: Path) -> str:
+    return succeeds(SMALL, "-o", folder / "small.json", "--plot", folder / "small.png")
+
+
+@pytest.fixture(scope="module")
+def small(folder: Path, printed: str) -> dict[str, Any]:
+    return validated("boundary", json.loads((folder / "small.json").read_text()))
