@@ -95,20 +95,32 @@ def linearisation(residual: Residual, rule: Callable[..., tuple[Array, Array]]) 
 def correction(matrix: Array, residual: Array) -> tuple[Array, Array]:
     """Return Newton's corrections (m, k) and their sizes (k,), infinite where there is none.
 
+    By a singular matrix it is the shortest one; what that leaves of the residual is a size as well.
+
     Parameters
     ----------
     matrix : array (k, m, m)
     residual : array (m, k)
     """
     usable = np.all(np.isfinite(matrix), axis=(1, 2)) & np.all(np.isfinite(residual), axis=0)
-    change = np.zeros_like(residual)
+    change, beyond = np.zeros_like(residual), np.zeros(len(usable))
     right = residual[:, usable].T[..., None]
     try:
         step = np.linalg.solve(matrix[usable], right)
-    except np.linalg.LinAlgError:  # some are singular: the shortest correction there
-        step = np.linalg.pinv(matrix[usable]) @ right
+    except np.linalg.LinAlgError:  # some are singular; the others stay as they are
+        step = np.array([shortest(*one) for one in zip(matrix[usable], right, strict=True)])
+        beyond[usable] = np.max(np.abs(matrix[usable] @ step - right), axis=(1, 2))
     change[:, usable] = -step[..., 0].T
-    return change, np.where(usable, np.max(np.abs(change), axis=0), np.inf)
+    size = np.maximum(np.max(np.abs(change), axis=0), beyond)
+    return change, np.where(usable, size, np.inf)
+
+
+def shortest(matrix: Array, right: Array) -> Array:
+    """Return the solution (m, 1) of a linear system, the shortest one if the matrix is singular."""
+    try:
+        return np.linalg.solve(matrix, right)
+    except np.linalg.LinAlgError:
+        return np.asarray(np.linalg.pinv(matrix) @ right)
 
 
 NEWTON = Effort()

@@ -9,7 +9,15 @@ import numpy as np
 import pytest
 
 from mbcheck.reference.differences import by_complex_step, by_differences
-from mbcheck.reference.newton import CLOSED, ROUNDING, Effort, Rows, linearisation, newton
+from mbcheck.reference.newton import (
+    CLOSED,
+    ROUNDING,
+    Effort,
+    Rows,
+    correction,
+    linearisation,
+    newton,
+)
 from mbcheck.reference.scene import Array
 
 RADII = np.array([1.0, 2.0, 0.5, -1.0])
@@ -61,6 +69,35 @@ def test_known_jacobians_serve_first() -> None:
     roots = newton(circles, none, near, Effort(1, chords=4), jacobians)
     assert np.all(roots.closed)
     assert np.max(roots.size) < ROUNDING
+
+
+def test_a_singular_jacobian_solves_nothing_and_leaves_the_others_as_they_are() -> None:
+    """y = 0 with slopes of nothing but x: the shortest correction leaves y, however small it is."""
+    matrix = np.array([[[1.0, 0.0], [0.0, 0.0]], [[3.0, 1.0], [1.0, 7.0]]])
+    left = np.array([[0.0, 0.3], [0.5, 0.7]])
+    change, size = correction(matrix, left)
+    assert change[:, 0].tolist() == [0.0, 0.0]
+    assert size[0] == 0.5
+    alone, _ = correction(matrix[1:], left[:, 1:])
+    np.testing.assert_array_equal(change[:, 1:], alone)
+    roots = newton(
+        lambda rows, x: left[:, :1], lambda rows, x: (left[:, :1], matrix[:1]), left[:, :1]
+    )
+    assert not roots.closed[0]
+
+
+def test_a_line_of_solutions_is_met_where_it_is_near() -> None:
+    """x + y = 1 twice."""
+    roots = newton(
+        lambda rows, x: np.array([x[0] + x[1] - 1, 2 * (x[0] + x[1] - 1)]),
+        lambda rows, x: (
+            np.array([x[0] + x[1] - 1, 2 * (x[0] + x[1] - 1)]),
+            np.array([[[1.0, 1.0], [2.0, 2.0]]]),
+        ),
+        np.array([[0.5], [0.4]]),
+    )
+    assert roots.closed[0]
+    np.testing.assert_allclose(roots.unknowns[:, 0], [0.55, 0.45], atol=1e-12)
 
 
 def test_rounding_ends_the_search_and_counts_below_the_tolerance() -> None:
