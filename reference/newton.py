@@ -118,7 +118,7 @@ def correction(matrix: Array, residual: Array) -> tuple[Array, Array]:
 def shortest(matrix: Array, right: Array) -> Array:
     """Return the solution (m, 1) of a linear system, the shortest one if the matrix is singular."""
     try:
-        return np.linalg.solve(matrix, right)
+        return np.asarray(np.linalg.solve(matrix, right))
     except np.linalg.LinAlgError:
         return np.asarray(np.linalg.pinv(matrix) @ right)
 
