@@ -179,3 +179,9 @@ def print_boundary(screen: Any, text: Mapping[str, Any], quiet: bool) -> None:
     left = len(text["pending"]) + len(text["doublings"]) + lines - text["lines_done"]
     if left:
         print_line(screen, f"not complete: {left} lines and curves are left")
+    elif not rows and not text["missing"]:
+        print_line(
+            screen,
+            f"no stability changes along {plural(text['lines'], 'line')}; more --lines may meet "
+            "an island, and mbcheck map shows what is stable",
+        )

@@ -195,6 +195,14 @@ def test_misuse_is_one_line(line: str, words: str) -> None:
 
 
 @pytest.mark.usefixtures("own_folder")
+def test_a_window_without_curves_says_so() -> None:
+    line = "boundary hula_hoop --x force_frequency=5.6:5.7 --y force_amplitude=15:15.5 --lines 2"
+    said = "no stability changes along 2 lines"
+    assert said in succeeds(f"{line} -o none.json")
+    assert said in succeeds(f"{line} -o none.json")
+
+
+@pytest.mark.usefixtures("own_folder")
 def test_a_window_without_orbits_says_so() -> None:
     line = "boundary hula_hoop --x force_frequency=1:1.01 --y force_amplitude=1:1.1 --lines 2"
     for _ in range(2):  # the second goes on with what the first has left
