@@ -101,7 +101,8 @@ def tradeoff(
 
     Each method of each engine runs a case of the scene over halved steps, and over what else
     limits it. Times are those of this machine; counts may be compared. Of several scenes,
-    --plot writes a picture each, FILE_scene.png, and one of the beam's elements.
+    --plot writes a picture each, FILE_scene.png, and more of the beam's elements and of what steps
+    cost in stability, which a page of --markdown shows.
 
     Of an MJCF file: which step and integrator it needs. Runs from its keyframes and from the
     state that it opens in, controls held and moving, against its own converged run. Exit code 1
@@ -168,9 +169,10 @@ def advise(
     result = Advice(file, Question(**settings))
     ended = finished(result.work(), "settings")
 
-    def draw(path: Path) -> None:
+    def draw(path: Path) -> Pictures:
         if result.trials:
             save(pages.figure(result), path)
+        return []
 
     write(result, pages, draw, files)
     if not ended:
@@ -178,32 +180,55 @@ def advise(
     return 0 if result.choice is not None else FAILED
 
 
+Pictures = list[tuple[str, Path]]
+"""Under which title of a page a picture belongs."""
+
+
 def write(
-    result: Any, pages: Any, draw: Callable[[Path], None], files: tuple[Destination | None, ...]
+    result: Any, pages: Any, draw: Callable[[Path], Pictures], files: tuple[Destination | None, ...]
 ) -> None:
-    """Write the document, the page and the picture that are asked for, or print the tables."""
+    """Write the document, the page and the pictures that are asked for, or print the tables."""
     json_file, markdown_file, plot = files
     if json_file:
         json_file.write(json_text(result.as_json()))
+    pictures = draw(plot.path) if plot else []
     if markdown_file:
-        markdown_file.write(pages.markdown(result))
-    if plot:
-        draw(plot.path)
+        markdown_file.write(with_pictures(pages.markdown(result), pictures, markdown_file))
     if not to_stdout(json_file, markdown_file):
         pages.show(console(), result)
 
 
-def draw_all(result: Tradeoff, path: Path) -> None:
-    """Write a figure for each scene, and one of the elements where there are any."""
+def with_pictures(page: str, pictures: Pictures, place: Destination) -> str:
+    """Return a page that shows pictures, each under its title."""
+    for title, path in reversed(pictures):
+        name = os.path.relpath(path, place.path.parent).replace(os.sep, "/")
+        heading = f"\n## {title}\n"
+        page = page.replace(heading, f"{heading}\n![{title}]({name})\n")
+    return page
+
+
+def draw_all(result: Tradeoff, path: Path) -> Pictures:
+    """Write a figure for each scene, and those of its elements and of its stability, if any."""
     from ..reports.drawing import save
-    from ..tradeoff.draw import figure_parts, figure_work_precision
+    from ..tradeoff.draw import figure_parts, figure_stability, figure_work_precision
     from ..tradeoff.elements import continuum_of
+    from ..tradeoff.pages import LIMITS, PARTS, SHIFTS
     from ..tradeoff.report import pareto
 
+    pictures: Pictures = []
     for scene in result.scenes:
         series = result.of(scene)
         name = path if len(result.scenes) == 1 else path.with_stem(f"{path.stem}_{scene}")
-        save(figure_work_precision(series, [point for _, point in pareto(series)]), name)
+        front = [point for _, point in pareto(series)]
+        figures = [(LIMITS, name, figure_work_precision(series, front))]
         continuum = continuum_of(scene)
         if continuum.kinds and result.minimal.curves:
-            save(figure_parts(result.minimal, continuum), path.with_stem(f"{path.stem}_elements"))
+            place = path.with_stem(f"{path.stem}_elements")
+            figures.append((PARTS, place, figure_parts(result.minimal, continuum)))
+        if shifts := [one for one in result.stability if one.scene == scene]:
+            place = name.with_stem(f"{name.stem}_stability")
+            figures.append((SHIFTS, place, figure_stability(shifts)))
+        for title, place, figure in figures:
+            save(figure, place)
+            pictures.append((title, place))
+    return pictures

@@ -227,6 +227,32 @@ Minimal = TypedDict(
     },
 )
 
+BoundaryShift = TypedDict(
+    "BoundaryShift",
+    {
+        "scene": Annotated[str, means("scene")],
+        "case": Annotated[str, means("case")],
+        "engine": Annotated[str, means("engine")],
+        "model": Annotated[str, means("model")],
+        "method": Annotated[str, means("integrator")],
+        "order": Annotated[int, means("declared order")],
+        "parameter": Annotated[str, means("at which the orbit loses its stability")],
+        "unit": Annotated[str, means("its unit")],
+        "steps": Annotated[list[int], means("in a period of the orbit")],
+        "shifts": Annotated[
+            list[Number],
+            means("its value less the reference's [`unit`]; null where there is none near"),
+        ],
+        "bounds": Annotated[
+            list[Number], means("what rounding and differences leave of a shift [`unit`]")
+        ],
+        "slope": Annotated[
+            Number, means("order of the last halving above the bounds; null without one")
+        ],
+        "reason": Annotated[str, means("why there is none near")],
+    },
+)
+
 Tradeoff = TypedDict(
     "Tradeoff",
     {
@@ -245,6 +271,10 @@ Tradeoff = TypedDict(
             means("for each scene, engine and target: the cheapest setting, or why there is none"),
         ],
         "minimal": Annotated[Minimal, means("the least that the scenes require")],
+        "stability": Annotated[
+            list[BoundaryShift],
+            means("by how much a method shifts where a periodic orbit loses its stability"),
+        ],
         "failures": Annotated[list[str], means("what came to nothing, and why")],
     },
 )

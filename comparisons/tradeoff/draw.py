@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from ..reports.drawing import FAINT, INK, label, look, new_figure
+from ..reports.drawing import FAINT, INK, label, look, named, new_figure
 from ..scenes.tradeoff import ContinuumParts
 from .elements import OMEGA, Curve
 from .minimal import Minimal
 from .series import STEP, Point, StepSeries
+from .stability import BoundaryShift
 
 METHOD_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "h", "p", "d")
 
@@ -78,7 +79,7 @@ def figure_work_precision(series: Sequence[StepSeries], front: Sequence[Point] =
     return figure
 
 
-def marker_of(series: Sequence[StepSeries]) -> dict[str, str]:
+def marker_of(series: Sequence[StepSeries | BoundaryShift]) -> dict[str, str]:
     """Return a marker for each method."""
     names = dict.fromkeys(one.method for one in series)
     return {name: METHOD_MARKERS[i % len(METHOD_MARKERS)] for i, name in enumerate(names)}
@@ -244,6 +245,37 @@ def legend(
         fontsize=7,
         frameon=False,
     )
+
+
+# Stability ----------------------------------------------------------------------------------
+
+
+def figure_stability(shifts: Sequence[BoundaryShift]) -> Any:
+    """Draw by how much methods shift one boundary point, over steps in a period.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    figure, axes = new_figure(height=3.6)
+    panel, markers, first = axes[0, 0], marker_of(shifts), shifts[0]
+    for one in shifts:
+        its = look(one.engine)
+        sizes = [np.nan if shift is None else abs(shift) for shift in one.shifts]
+        panel.loglog(
+            one.steps, sizes, color=its.colour, linestyle=its.line, linewidth=1.0,
+            marker=markers[one.method], markersize=4.5, markerfacecolor=its.face,
+            label=f"{one.engine} {one.method}",
+        )  # fmt: skip
+    bounds = np.array([one.bounds for one in shifts], dtype=float)
+    floor = np.nanmax(np.where(np.isnan(bounds), -np.inf, bounds), axis=0)
+    panel.loglog(first.steps, floor, color=FAINT, linewidth=3, label="rounding, differences")
+    panel.set_xticks(first.steps, [str(count) for count in first.steps])
+    panel.minorticks_off()
+    words = f"shift of {named(first.parameter, first.unit)}"
+    label(panel, "steps in a period", words, f"{first.scene}: {first.case}")
+    figure.legend(loc="outside lower center", ncols=4, fontsize=7, frameon=False)
+    return figure
 
 
 # A continuum --------------------------------------------------------------------------------

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rich.console import Console
 
+from ..reports.drawing import named
 from ..reports.text import markdown_table, print_line, print_table, print_wrapped
 from ..reports.words import number
 from .closures import LoopClosure
@@ -11,10 +12,15 @@ from .elements import Fewest
 from .minimal import LeftOut
 from .report import Choice, Tradeoff
 from .series import StepSeries
+from .stability import STEPS, BoundaryShift
 from .sweep import settings_text
 
 DIGITS = 2
 """Of errors and times."""
+
+LIMITS, PARTS = "What limits the methods", "Fewest parts of a beam"
+SHIFTS = "What a step costs in stability"
+"""Titles under which a page shows pictures."""
 
 Row = tuple[object, ...]
 
@@ -24,10 +30,11 @@ def tables(result: Tradeoff) -> list[tuple[str, tuple[str, ...], list[Row]]]:
     least = result.minimal
     every = [
         ("Cheapest settings", CHOICE, [choice(item) for item in result.choices]),
-        ("What limits the methods", LIMIT, [limits(one) for one in result.series]),
-        ("Fewest parts of a beam", FEWEST, [fewest(item) for item in least.fewest]),
+        (LIMITS, LIMIT, [limits(one) for one in result.series]),
+        (PARTS, FEWEST, [fewest(item) for item in least.fewest]),
         ("Softest closure of a loop", CLOSURE, [closure(item) for item in least.closures]),
         ("What may be left out", LEFT_OUT, [left_out(item) for item in least.left_out]),
+        (SHIFTS, STABILITY, [shifts(item) for item in result.stability]),
     ]
     return [(title, heads, rows) for title, heads, rows in every if rows]
 
@@ -53,6 +60,9 @@ FEWEST = (
 )
 CLOSURE = ("engine, model", "target", "softest", "leaves", "step [s]", "time [s/s]", "note")
 LEFT_OUT = ("scene", "engine", "left out", "error with", "without", "cost ratio", "verdict")
+STABILITY = (
+    "scene", "shift of", "engine, model", "method", "order", *map(str, STEPS), "fitted", "floor",
+)  # fmt: skip
 
 
 def choice(item: Choice) -> Row:
@@ -113,6 +123,14 @@ def left_out(item: LeftOut) -> Row:
     )  # fmt: skip
 
 
+def shifts(item: BoundaryShift) -> Row:
+    """Return by how much a method shifts a boundary point."""
+    return (
+        item.scene, named(item.parameter, item.unit), f"{item.engine} {item.model}", item.method,
+        item.order, *item.shifts, number(item.slope, 3, missing="-"), item.floor,
+    )  # fmt: skip
+
+
 INTRODUCTION = """# What accuracy costs
 
 `mbcheck tradeoff` wrote this page. Every method of every engine ran a case of each scene over
@@ -125,7 +143,9 @@ simulated second on one machine; take it as a ratio.
 meet the target; the shortest step of all only at its floor. *limited by*: what has the largest
 share in the error: the step, or what no step removes. *margin*: longest stable step by theory over
 this step. *What limits the methods*: the order fitted above the floor, the floor and its name, and
-from which step on halving is wasted.
+from which step on halving is wasted. *What a step costs in stability*: by how much the parameter at
+which a periodic orbit loses its stability is shifted with so many steps in a period; the order of
+the last halving above the floor, which rounding and differences leave.
 """
 
 

@@ -13,9 +13,10 @@ from ..documents import document
 from ..engines.isolation import MEMORY, isolated
 from ..engines.registry import resolve_selection
 from ..queries.environment import versions
-from . import minimal
+from . import minimal, stability
 from .minimal import Minimal
 from .series import MODEL, ROUND_OFF, TARGETS, Cost, Point, StepSeries
+from .stability import BoundaryShift
 from .sweep import beside, measure, settings_text, sweeps
 
 NOISE = 1.2
@@ -169,6 +170,8 @@ class Tradeoff:
     series : list of Series
     parts : list of Minimal
         The least that the scenes require.
+    stability : list of BoundaryShift
+        What steps cost in stability.
     failures : list of str
         What came to nothing, and why.
     """
@@ -178,6 +181,7 @@ class Tradeoff:
     engines: tuple[str, ...]
     series: list[StepSeries] = field(default_factory=list)
     parts: list[Minimal] = field(default_factory=list)
+    stability: list[BoundaryShift] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
 
     @classmethod
@@ -193,15 +197,19 @@ class Tradeoff:
         One at a time: they are timed.
         """
         wanted = sweeps(self.asked_scenes, self.engines)
-        pieces = minimal.tasks(self.asked_scenes, self.engines, self.targets)
-        names = [one.name for one in wanted] + [name for name, _ in pieces]
-        calls: list[Callable[[], StepSeries | Minimal]] = [partial(measure, one) for one in wanted]
-        calls += [call for _, call in pieces]
+        pieces: list[tuple[str, Callable[[], StepSeries | Minimal | BoundaryShift]]] = [
+            *((one.name, partial(measure, one)) for one in wanted),
+            *minimal.tasks(self.asked_scenes, self.engines, self.targets),
+            *stability.tasks(self.asked_scenes, self.engines),
+        ]
+        names, calls = zip(*pieces, strict=True)
         for place, result in isolated(calls, 1, LIMIT, MEMORY):
             if isinstance(result, EngineError):
                 self.failures.append(f"{names[place]}: {result.kind}: {result.message}")
             elif isinstance(result, Minimal):
                 self.parts.append(result)
+            elif isinstance(result, BoundaryShift):
+                self.stability.append(result)
             else:
                 self.series.append(self.with_default(result))
             yield place + 1, len(calls), names[place]

@@ -25,7 +25,6 @@ from mbcheck.reference.continuation.points import BifurcationCurve, CurvePoint
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.scene import Array
 from mbcheck.tests.comparisons.boundary.conftest import SMALL
-from mbcheck.tests.support.campaigns.boundaries import boundary_case, draw, shifts, table
 from mbcheck.tests.support.command import invoke, refusal, succeeds
 from mbcheck.tests.support.documents import validated
 
@@ -296,31 +295,6 @@ def test_equilibria_are_followed_and_gone_on_with() -> None:
 
 
 # Engines
-
-
-@pytest.mark.parametrize(
-    ("engine", "method", "order"),
-    [("mujoco", "RK4", 4), ("mujoco", "Euler", 1), ("exudyn", "GeneralizedAlpha", 2)],
-)
-def test_engines_converge_to_the_reference_with_their_order(
-    engine: str, method: str, order: int
-) -> None:
-    pytest.importorskip(engine, exc_type=ImportError)
-    found = shifts(boundary_case("hula_hoop"), engine, method, (40, 80))
-    assert np.all(found.bounds < 1e-6)
-    assert found.order == pytest.approx(order, abs=0.35)
-
-
-def test_what_a_step_costs_is_drawn(tmp_path: Path) -> None:
-    for module in ("mujoco", "matplotlib"):
-        pytest.importorskip(module, exc_type=ImportError)
-    case, steps = boundary_case("hula_hoop"), (40, 80)
-    rows = [shifts(case, "mujoco", method, steps) for method in ("RK4", "Euler")]
-    draw(case, rows, steps, tmp_path / "a.png")
-    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
-    line = table(rows, steps).splitlines()[2]
-    shown = (Path(__file__).parents[3] / "docs/boundaries.md").read_text()
-    assert line.rpartition("|")[0].rpartition("|")[0].strip() in shown
 
 
 @pytest.mark.slow
