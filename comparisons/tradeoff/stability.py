@@ -79,16 +79,16 @@ def tasks(
         for engine in engines:
             its = get_engine(engine)
             for model, method in product(its.models(case.scene)[:1], its.methods):
-                if can_be_judged(Setup(its, case, model, method)):
+                if is_measurable(Setup(its, case, model, method)):
                     name = f"{case.scene} {engine} {method.name}, {case.name}"
                     yield name, partial(boundary_shift, case, engine, model, method.name)
 
 
-def can_be_judged(setup: Setup) -> bool:
+def is_measurable(setup: Setup) -> bool:
     """Return whether a method can run a case, with the scene's equations and all 64 bits."""
-    its = setup.case, setup.model, setup.integrator
-    can_run = setup.engine.why_not(*its) is None
-    return can_run and bool(boundary.quantities(setup)) and setup.epsilon <= EPS
+    if setup.engine.why_not(setup.case, setup.model, setup.integrator) is not None:
+        return False
+    return bool(boundary.quantities(setup)) and setup.epsilon <= EPS
 
 
 def boundary_shift(
