@@ -26,7 +26,7 @@ from .bifurcations import (
 from .curve import Control, CurveSolution, Node, between, correct, node, step_on
 from .points import CODIMENSION_2, CurvePoint, crossings, meeting_gap, meets, split
 
-WANTED = 1e-10
+WANTED = 3e-11
 """What integration may leave of a point of the reference, in the window's unit."""
 
 FEWEST, MOST = 16, 2048
