@@ -69,13 +69,16 @@ class BoundarySearch(NamedTuple):
     Attributes
     ----------
     kind : str
-        One of `reference.continuation.bifurcations.KINDS`.
+        One of `reference.continuation.bifurcations.KINDS`, or `HOMOCLINIC`.
     parameter : str
         What is varied to come there.
+    near : float
+        Of a homoclinic orbit: the angle [rad] near which its saddle is.
     """
 
     kind: str
     parameter: str
+    near: float = 0.0
 
 
 @dataclass(frozen=True)

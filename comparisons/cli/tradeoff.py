@@ -191,9 +191,12 @@ def write(
     json_file, markdown_file, plot = files
     if json_file:
         json_file.write(json_text(result.as_json()))
-    pictures = draw(plot.path) if plot else []
-    if markdown_file:
-        markdown_file.write(with_pictures(pages.markdown(result), pictures, markdown_file))
+    pictures: Pictures = []
+    try:
+        pictures = draw(plot.path) if plot else []
+    finally:
+        if markdown_file:
+            markdown_file.write(with_pictures(pages.markdown(result), pictures, markdown_file))
     if not to_stdout(json_file, markdown_file):
         pages.show(console(), result)
 

@@ -202,7 +202,7 @@ class Tradeoff:
             *minimal.tasks(self.asked_scenes, self.engines, self.targets),
             *stability.tasks(self.asked_scenes, self.engines),
         ]
-        names, calls = zip(*pieces, strict=True)
+        names, calls = [name for name, _ in pieces], [call for _, call in pieces]
         for place, result in isolated(calls, 1, LIMIT, MEMORY):
             if isinstance(result, EngineError):
                 self.failures.append(f"{names[place]}: {result.kind}: {result.message}")

@@ -14,6 +14,7 @@ from itertools import product
 import numpy as np
 
 from ...reference import get_scene
+from ...reference.continuation.bifurcations import KINDS
 from ...reference.errors import EngineError
 from ...reference.scene import Case
 from ..checks.kinds import boundary
@@ -74,7 +75,12 @@ def tasks(
     scenes: Sequence[str], engines: Sequence[str]
 ) -> Iterator[tuple[str, Callable[[], BoundaryShift]]]:
     """Yield methods of the engines' default models, each ready for a process of its own."""
-    cases = [case for scene in scenes for case in get_scene(scene).cases if case.boundary]
+    cases = [
+        case
+        for scene in scenes
+        for case in get_scene(scene).cases
+        if case.boundary and case.boundary.kind in KINDS
+    ]
     for case in cases:
         for engine in engines:
             its = get_engine(engine)

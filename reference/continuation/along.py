@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from ..errors import NoOrbitError
+from ..orbits import section_row
 from ..scene import Array, EquationsOfMotion
 from .bifurcations import LINE
 from .curve import correct
@@ -34,12 +35,18 @@ class BoundaryAlong:
         Of a bifurcation.
     parameter : str
         What is varied.
+    near : float
+        Of a homoclinic orbit, see `connection.ConnectionAlong`.
     """
 
     scene: EquationsOfMotion
     parameters: Any
     kind: str
     parameter: str
+    near: float = 0.0
+
+    where: ClassVar[str] = "in a period"
+    """What steps divide, in words."""
 
     @property
     def here(self) -> float:
@@ -54,6 +61,13 @@ class BoundaryAlong:
     def value(self, place: Any) -> Any:
         """Return the parameter at places of the window, 0 to 1."""
         return self.here + self.unit * (place - 0.5)
+
+    @property
+    def span(self) -> float:
+        """Time [s] of the orbit, its period, which steps divide."""
+        tracer, point = self.solution
+        section = section_row(self.scene)
+        return tracer.units[1] * (1.0 if section is None else float(point.z[section]))
 
     @property
     def row(self) -> Array:

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..parameters import BoundarySearch
 from ..scene import Case
 from .equations import SpeedRegulator
 from .rest import equilibrium
@@ -50,6 +51,10 @@ CASES = (
     replace(_case("opened_loop", DEFAULT, ROTATING, 1.0, "trajectory"), inconsistency={"y": 1e-3}),
     _case("limit_cycle", DEFAULT, ROTATING, 1.25, "stability"),
     _full("limit_cycle_c4", DEFAULT.replace(damping=4.0), ROTATING, 1.25, "stability"),
+    replace(
+        _full("least_torque", DEFAULT.replace(torque=0.0525), ROTATING, 1.25, "stability"),
+        boundary=BoundarySearch("homoclinic", "torque", 4.7),
+    ),
     _ending("settles_to_rest", {"phi_dot": 1.0}, 30.0),
     _ending("settles_to_rotation", {"phi_dot": 5.0}, 30.0),
     replace(_case("weighed", WEIGHED, ROTATING, 0.5, "algebra", "trajectory"), methods="best"),

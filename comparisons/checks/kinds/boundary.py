@@ -16,15 +16,16 @@ import numpy as np
 
 from ....reference import get_scene
 from ....reference.continuation.along import BoundaryAlong
+from ....reference.continuation.connection import ConnectionAlong
 from ....reference.continuation.curve import correct
+from ....reference.continuation.points import HOMOCLINIC
 from ....reference.errors import CannotJudgeError, EngineError, NoOrbitError
-from ....reference.orbits import section_row
 from ....reference.parameters import BoundarySearch
 from ....reference.scene import Array
 from ...engines.run import EPS
 from ...engines.setup import Setup
-from ..orbits import engine_tracer, orbit_step
-from ..tolerances import CAP, NEXT_ORDERS, OPEN, ORBIT_REFINEMENTS, richardson
+from ..orbits import engine_paths, engine_tracer, orbit_step
+from ..tolerances import CAP, NEXT_ORDERS, OPEN, ORBIT_REFINEMENTS, richardson, rounding
 from ..verdict import Finding, Inconclusive
 
 SETTLED = 0.25
@@ -40,7 +41,8 @@ def quantities(setup: Setup) -> tuple[str, ...]:
 @lru_cache(maxsize=16)
 def true_boundary(scene: str, parameters: Any, point: BoundarySearch) -> BoundaryAlong:
     """Return where the orbits of the reference lose their stability."""
-    return BoundaryAlong(get_scene(scene), parameters, *point)
+    along = ConnectionAlong if point.kind == HOMOCLINIC else BoundaryAlong
+    return along(get_scene(scene), parameters, *point)
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,8 @@ def engine_point(setup: Setup, sought: BoundaryAlong, count: int, guess: Array) 
     EngineError
         If it fails on the orbit of the reference.
     """
+    if isinstance(sought, ConnectionAlong):
+        return engine_connection(setup, sought, count, guess)
     reference, true = sought.solution
     tracer, flow = engine_tracer(reference, setup, count)
     curve = tracer.curve(sought.kind, 1)
@@ -92,6 +96,39 @@ def engine_point(setup: Setup, sought: BoundaryAlong, count: int, guess: Array) 
     return EnginePoint(true.z - step, float(true.bound[1] + 2 * abs(step - other)[-1]), False)
 
 
+def engine_connection(
+    setup: Setup, sought: ConnectionAlong, count: int, guess: Array
+) -> EnginePoint:
+    """Return where the saddle has a homoclinic orbit by an engine, with so many steps along it.
+
+    What steps round of the energy is what the parameter's work is off by, relative.
+
+    Raises
+    ------
+    EngineError
+        If it fails on the orbit of the reference.
+    """
+    known, true = sought.solution
+    span, problems = sought.span, list[str]()
+
+    def ends(p: Any, state: Array) -> Array:
+        step, times = np.array([sought.span / count]), np.array([[0.0, span]])
+        paths, why = engine_paths(setup, [p], state[:, None], step, times)
+        problems.extend(why.values())
+        return np.asarray(paths[:, 0, 0])
+
+    root = sought.root(ends, float(guess[-1]), known.slope)
+    noise = rounding(count, 1.0, setup.epsilon) * abs(sought.here) / sought.unit
+    bound = float(true.bound[1]) + noise
+    if root is not None:
+        return EnginePoint(np.array([0.5, root.place]), bound + root.change, True)
+    gap = sought.gap(float(true.z[-1]), ends)
+    if not np.isfinite(gap):
+        why = problems[-1] if problems else "no number came back"
+        raise EngineError("boundary", f"on the reference's orbit: {why}")
+    return EnginePoint(true.z - np.array([0.0, gap / known.slope]), bound, False)
+
+
 def measure(setup: Setup) -> list[Finding | Inconclusive]:
     """Find the engine's boundary with three steps, and compare.
 
@@ -106,13 +143,10 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         raise CannotJudgeError("numbers of 32 bits are too coarse for the slopes of a period")
     try:
         sought = true_boundary(case.scene, case.parameters, case.boundary)
-        tracer, true = sought.solution
+        true = sought.solution[1]
     except NoOrbitError as none:
         raise CannotJudgeError(str(none)) from none
-    section, period = section_row(setup.scene), tracer.units[1]
-    if section is not None:
-        period *= float(true.z[section])
-    first, points = 2 * int(np.ceil(period / orbit_step(setup) / 2)), dict[int, EnginePoint]()
+    first, points = 2 * int(np.ceil(sought.span / orbit_step(setup) / 2)), dict[int, EnginePoint]()
     ratios: list[float] = []
     for refinement in range(ORBIT_REFINEMENTS):
         count, guess = first * 2**refinement, true.z
@@ -132,8 +166,8 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     unit = setup.scene.parameters.__dataclass_fields__[sought.parameter].metadata["unit"] or "1"
     what, error = f"{sought.kind.replace('_', ' ')} over {sought.parameter}", abs(here - truth)
     note = (
-        f"{what}, shifted by {shift(here - truth, unit)} with {count} steps in a period; halving "
-        f"divides the shift by {estimate.ratio:.3g}, {2**order} expected"
+        f"{what}, shifted by {shift(here - truth, unit)} with {count} steps {sought.where}; "
+        f"halving divides the shift by {estimate.ratio:.3g}, {2**order} expected"
     )
     # rounding of two runs is in the limit, and weighs most where the order is low
     room = NEXT_ORDERS * float(estimate.moved[0]) + floor * (1 + 2 / (2**order - 1))

@@ -8,11 +8,9 @@ from typing import Any
 
 import pytest
 
+from mbcheck.tests.support.boundaries import SMALL
 from mbcheck.tests.support.command import succeeds
 from mbcheck.tests.support.documents import validated
-
-SMALL = "boundary hula_hoop --x force_frequency=5.6:6 --y force_amplitude=15:24 --lines 2"
-"""A corner of figure 4, which one curve crosses."""
 
 
 @pytest.fixture(scope="module")

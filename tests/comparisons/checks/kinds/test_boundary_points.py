@@ -19,10 +19,12 @@ from mbcheck.comparisons.engines.variants.catalogue import Misread
 from mbcheck.reference import get_scene
 from mbcheck.reference.parameters import BoundarySearch
 from mbcheck.reference.scene import Case
+from mbcheck.reference.speed_regulator.homoclinic import homoclinic_limit
 from mbcheck.tests.support.engines.solved import Single, Solved
 
 HOOP = get_scene("hula_hoop").case("loss_of_symmetry_5hz")
 ROTORS = get_scene("rotor_pendulum").case("fold_of_synchronism")
+REGULATOR = get_scene("speed_regulator").case("least_torque")
 
 
 def check_of(case: Case, engine: Any) -> Check:
@@ -113,6 +115,43 @@ def test_a_tenth_of_a_per_cent_is_a_shift_of_its_size(case: Case, name: str) -> 
     assert limit.value is not None
     assert limit.reference == pytest.approx(places[0], rel=1e-9)
     assert limit.value - places[0] == pytest.approx(places[1] - places[0], rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("name", "order"), [("RK44", 4), pytest.param("ExplicitMidpoint", 2, marks=pytest.mark.slow)]
+)
+def test_least_torques_are_those_of_the_homoclinic_orbit(name: str, order: int) -> None:
+    results = found(REGULATOR, scheme(name, order))
+    assert {item.verdict for item in results.values()} == {"pass"}
+    assert f"steps along it; halving divides the shift by {2**order:g}"[:40] in (
+        results["boundary"].reason
+    )
+    limit = homoclinic_limit(REGULATOR.parameters)
+    assert limit is not None
+    assert results["extrapolated"].reference == pytest.approx(limit.torque, rel=4e-7)
+    assert results["extrapolated"].value == pytest.approx(limit.torque, rel=1e-6)
+
+
+def test_a_stiffer_spring_shifts_the_least_torque_by_as_much() -> None:
+    """Of weak damping it goes with the root of the stiffness."""
+    wrong = scheme("RK44", 4, change=lambda p: p.replace(stiffness=1.001 * p.stiffness))
+    results = found(REGULATOR, wrong)
+    assert {item.verdict for item in results.values()} == {"deviation"}
+    limit = results["extrapolated"]
+    assert limit.value is not None
+    assert limit.reference is not None
+    assert limit.value / limit.reference - 1 == pytest.approx(5e-4, rel=0.01)
+
+
+@pytest.mark.slow
+def test_a_closed_loop_has_the_least_torque() -> None:
+    pytest.importorskip("exudyn", exc_type=ImportError)
+    ids = ["*/least_torque/*/GeneralizedAlpha/*"]
+    (check,) = plan([REGULATOR.scene], ["exudyn"], ["stability"], ids=ids, full=True)
+    for item in run_check(check, "strict"):
+        assert item.verdict == "pass"
+        assert item.error is not None
+        assert 0 < item.error < 1e-5
 
 
 def test_another_order_than_declared_deviates() -> None:
