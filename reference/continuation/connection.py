@@ -22,9 +22,6 @@ from ..solve.single import solve
 from .along import BoundaryAlong
 from .points import CurvePoint
 
-OFFSET = 0.01
-"""Distance from the saddle at the begin and, about, at the end, in the angle that turns."""
-
 MARGIN = 0.01
 """By how much more the parameter is where a first motion comes round, in itself."""
 
@@ -73,7 +70,17 @@ class Root(NamedTuple):
 
 @dataclass(frozen=True)
 class ConnectionAlong(BoundaryAlong):
-    """Where a saddle has a homoclinic orbit along one parameter; ``near`` is the saddle's angle."""
+    """Where a saddle has a homoclinic orbit along one parameter.
+
+    Attributes
+    ----------
+    near : float
+        The saddle's angle [rad], roughly.
+    offset : float
+        Distance from it at the begin and at the end, in the angle that turns [rad].
+    """
+
+    offset: float = 0.01
 
     where: ClassVar[str] = "along it"
 
@@ -120,7 +127,7 @@ class ConnectionAlong(BoundaryAlong):
             its = self.saddle(p)
         except NoOrbitError:
             return np.nan
-        end = ends(p, its.state + OFFSET * its.away)
+        end = ends(p, its.state + self.offset * its.away)
         return float(its.row @ (end - its.state - period_advance(self.scene)[:, 0]))
 
     def root(self, ends: Ends, place: float, slope: float | None = None) -> Root | None:
@@ -152,8 +159,10 @@ class ConnectionAlong(BoundaryAlong):
         p = self.parameters.replace(**{self.parameter: self.here * (1 + MARGIN)})
         its = self.saddle(p)
         times = np.linspace(0.0, LONGEST / its.rate, SAMPLES)[1:]
-        angles = solve(self.scene, p, its.state + OFFSET * its.away, times).states[self.turning]
-        come = np.flatnonzero(angles > its.state[self.turning] + 2 * np.pi - 3 * OFFSET)
+        angles = solve(self.scene, p, its.state + self.offset * its.away, times).states[
+            self.turning
+        ]
+        come = np.flatnonzero(angles > its.state[self.turning] + 2 * np.pi - 3 * self.offset)
         if not come.size:
             raise NoOrbitError(f"no motion from the saddle near {self.near:g} rad comes round")
         span, place = float(times[come[0]]), 0.5 + self.here * MARGIN / self.unit
@@ -164,9 +173,9 @@ class ConnectionAlong(BoundaryAlong):
             place = root.place
             p = self.parameters_at(place)
             its = self.saddle(p)
-            end = self.reference(span)(p, its.state + OFFSET * its.away)
+            end = self.reference(span)(p, its.state + self.offset * its.away)
             left = end - its.state - period_advance(self.scene)[:, 0]
-            longer = float(np.log(abs(left[self.turning]) / OFFSET) / -its.least)
+            longer = float(np.log(abs(left[self.turning]) / self.offset) / -its.least)
             if abs(longer) < SETTLED * span:
                 break
             span += longer
@@ -188,7 +197,7 @@ class ConnectionAlong(BoundaryAlong):
             )
         p = self.parameters_at(root.place)
         its = self.saddle(p)
-        run = solve(self.scene, p, its.state + OFFSET * its.away, [self.span])
+        run = solve(self.scene, p, its.state + self.offset * its.away, [self.span])
         bound = float(np.abs(its.row) @ run.error_bound) / abs(root.slope) + root.change
         none, z = np.zeros(0), np.array([0.5, root.place])
         return root, CurvePoint(z, np.array([0.0, 1.0]), none, 0j, none, np.array([0.0, bound]))

@@ -14,6 +14,9 @@ from mbcheck.comparisons.cli import group
 MAIN = (sys.executable, "-c", "from mbcheck.comparisons.cli import main; main()")
 """What starts the command line in a process of its own."""
 
+SMALL = "boundary hula_hoop --x force_frequency=5.6:6 --y force_amplitude=15:24 --lines 2"
+"""A corner of figure 4, which one curve crosses."""
+
 
 def invoke(line: str, *words: object, stdin: str | bytes | None = None) -> Result:
     """Run a command line in this process; anything but an exit code is a failure.

@@ -8,8 +8,7 @@ from typing import Any
 
 import pytest
 
-from mbcheck.tests.support.boundaries import SMALL
-from mbcheck.tests.support.command import succeeds
+from mbcheck.tests.support.command import SMALL, succeeds
 from mbcheck.tests.support.documents import validated
 
 

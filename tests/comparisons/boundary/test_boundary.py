@@ -24,8 +24,7 @@ from mbcheck.reference.continuation.network import CurveSearch, CurveStart, Sear
 from mbcheck.reference.continuation.points import BifurcationCurve, CurvePoint
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.scene import Array
-from mbcheck.tests.support.boundaries import SMALL
-from mbcheck.tests.support.command import invoke, refusal, succeeds
+from mbcheck.tests.support.command import SMALL, invoke, refusal, succeeds
 from mbcheck.tests.support.documents import validated
 
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from mbcheck.reference import get_scene
-from mbcheck.reference.continuation import connection
 from mbcheck.reference.continuation.connection import ConnectionAlong
 from mbcheck.reference.errors import NoOrbitError
 from mbcheck.reference.scene import Array
@@ -15,9 +14,9 @@ from mbcheck.reference.speed_regulator.homoclinic import homoclinic_limit
 REGULATOR = get_scene("speed_regulator")
 
 
-def sought(damping: float, torque: float, near: float = 4.7) -> ConnectionAlong:
+def sought(damping: float, torque: float, *near: float) -> ConnectionAlong:
     p = REGULATOR.parameters().replace(damping=damping, torque=torque)
-    return ConnectionAlong(REGULATOR, p, "homoclinic", "torque", near)
+    return ConnectionAlong(REGULATOR, p, "homoclinic", "torque", *(near or (4.7,)))
 
 
 def found(along: ConnectionAlong) -> tuple[float, float]:
@@ -28,17 +27,14 @@ def found(along: ConnectionAlong) -> tuple[float, float]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("damping", "torque"), [(2.0, 0.0525), (20.0, 0.515)])
-def test_the_torque_is_that_of_shooting_over_the_angle(
-    damping: float, torque: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_torque_is_that_of_shooting_over_the_angle(damping: float, torque: float) -> None:
     """But for what straight directions of the saddle leave, the third power of the distance."""
     along = sought(damping, torque)
     limit = homoclinic_limit(along.parameters)
     assert limit is not None
     off = []
     for offset in (0.02, 0.01):
-        monkeypatch.setattr(connection, "OFFSET", offset)
-        value, bound = found(sought(damping, torque))
+        value, bound = found(sought(damping, torque, 4.7, offset))
         assert bound < 1e-11
         off.append(value / limit.torque - 1)
     assert 0 < off[1] < 4e-7
@@ -55,7 +51,7 @@ def test_it_does_not_depend_on_where_it_is_sought_from() -> None:
 def test_where_there_is_none_it_says_so() -> None:
     """A position of rest that is stable; a torque by which nothing comes round; steps astray."""
     with pytest.raises(NoOrbitError, match="no saddle near 0 rad"):
-        _ = sought(2.0, 0.0525, near=0.0).solution
+        _ = sought(2.0, 0.0525, 0.0).solution
     with pytest.raises(NoOrbitError, match="no motion from the saddle"):
         _ = sought(2.0, 0.03).solution
     along = sought(2.0, 0.0525)
