@@ -157,6 +157,16 @@ class Parameters:
         fields = dataclasses.fields(cls)
         return {f.name: f.metadata["options"] for f in fields if "options" in f.metadata}
 
+    @classmethod
+    def numeric_names(cls) -> tuple[str, ...]:
+        """Names of those that are numbers, in order."""
+        return tuple(name for name in cls.names() if name not in cls.choices())
+
+    @classmethod
+    def unit_of(cls, name: str) -> str:
+        """Return the unit of a parameter, 1 where it has none."""
+        return cls.__dataclass_fields__[name].metadata["unit"] or "1"
+
     def replace(self, **changes: Any) -> Self:
         """Return a copy with some values changed.
 

@@ -73,12 +73,6 @@ class BoundaryRequest:
         """The scene."""
         return get_scene(self.scene)
 
-    @property
-    def numeric_parameters(self) -> list[str]:
-        """Parameters of the scene that are numbers."""
-        every = self.equations.parameters
-        return [name for name in every.names() if name not in every.choices()]
-
     @cached_property
     def setup(self) -> Setup:
         """Who follows the orbits, amid the window."""
@@ -157,11 +151,10 @@ def refuse_impossible(asked: BoundaryRequest) -> None:
     scene = asked.equations
     if asked.x.name == asked.y.name:
         raise UsageError(f"both axes are {asked.x.name}: a boundary needs two parameters")
+    names = scene.parameters.numeric_names()
     for axis in (asked.x, asked.y):
-        if axis.name not in asked.numeric_parameters:
-            raise UnknownNameError(
-                f"parameter of {asked.scene}", axis.name, asked.numeric_parameters
-            )
+        if axis.name not in names:
+            raise UnknownNameError(f"parameter of {asked.scene}", axis.name, names)
         if axis.name in asked.parameters:
             raise UsageError(f"{axis.name} is on an axis, and so cannot be set as well")
     if asked.lines < 2:
@@ -215,7 +208,7 @@ def why_no_equilibria(asked: BoundaryRequest) -> MbcheckError | None:
         )
     if undriven(asked):
         return None
-    free = [name for name in asked.numeric_parameters if name not in asked.window.names]
+    free = [name for name in scene.parameters.numeric_names() if name not in asked.window.names]
     names = [name for name in free if undriven(asked, **{name: 0.0})]
     advice = (
         f": --set {names[0]}=0" if names else "; no parameter off the axes ends that by being 0"

@@ -194,8 +194,7 @@ class Boundary:
     @property
     def units(self) -> list[str]:
         """Units of the axes."""
-        fields = self.asked.equations.parameters.__dataclass_fields__
-        return [fields[name].metadata["unit"] or "1" for name in self.asked.window.names]
+        return list(map(self.asked.equations.parameters.unit_of, self.asked.window.names))
 
     def word(self, subject: str, item: BifurcationCurve | CurveStart) -> str:
         """Return the kind of a curve in documents."""

@@ -168,8 +168,7 @@ def check_axes(asked: Request) -> None:
     x, y, parameters = asked.x, asked.y, get_scene(asked.scene).parameters
     if x.name == y.name:
         raise UsageError(f"both axes are {x.name}: a map needs two parameters")
-    numbers = [name for name in parameters.names() if name not in parameters.choices()]
-    names = [*numbers, *axis_names(asked.scene)]
+    names = [*parameters.numeric_names(), *axis_names(asked.scene)]
     for axis in (x, y):
         if axis.name not in names:
             raise UnknownNameError(f"axis of {asked.scene}", axis.name, names)

@@ -121,8 +121,7 @@ def units(scene: str, name: str) -> str:
     special = axis_names(scene)
     if name in special:
         return special[name].unit
-    unit: str = get_scene(scene).parameters.__dataclass_fields__[name].metadata["unit"]
-    return unit or "1"
+    return get_scene(scene).parameters.unit_of(name)
 
 
 # The file

@@ -267,8 +267,7 @@ def figure_stability(shifts: Sequence[BoundaryShift]) -> Any:
             marker=markers[one.method], markersize=4.5, markerfacecolor=its.face,
             label=f"{one.engine} {one.method}",
         )  # fmt: skip
-    bounds = np.array([one.bounds for one in shifts], dtype=float)
-    floor = np.nanmax(np.where(np.isnan(bounds), -np.inf, bounds), axis=0)
+    floor = np.fmax.reduce(np.array([one.bounds for one in shifts], dtype=float))
     panel.loglog(first.steps, floor, color=FAINT, linewidth=3, label="rounding, differences")
     panel.set_xticks(first.steps, [str(count) for count in first.steps])
     panel.minorticks_off()

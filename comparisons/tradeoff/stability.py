@@ -126,7 +126,6 @@ def boundary_shift(
             reason = failure.message
         shifts.append(shift)
         bounds.append(bound)
-    field = case.parameters.__dataclass_fields__[sought.parameter]
     return BoundaryShift(
         scene=case.scene,
         case=case.name,
@@ -135,7 +134,7 @@ def boundary_shift(
         method=method,
         order=integrator.order,
         parameter=sought.parameter,
-        unit=field.metadata["unit"] or "1",
+        unit=case.parameters.unit_of(sought.parameter),
         steps=tuple(steps),
         shifts=tuple(shifts),
         bounds=tuple(bounds),

@@ -35,15 +35,12 @@ class BoundaryAlong:
         Of a bifurcation.
     parameter : str
         What is varied.
-    near : float
-        Of a homoclinic orbit, see `connection.ConnectionAlong`.
     """
 
     scene: EquationsOfMotion
     parameters: Any
     kind: str
     parameter: str
-    near: float = 0.0
 
     where: ClassVar[str] = "in a period"
     """What steps divide, in words."""

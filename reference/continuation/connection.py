@@ -80,6 +80,7 @@ class ConnectionAlong(BoundaryAlong):
         Distance from it at the begin and at the end, in the angle that turns [rad].
     """
 
+    near: float
     offset: float = 0.01
 
     where: ClassVar[str] = "along it"
@@ -120,15 +121,22 @@ class ConnectionAlong(BoundaryAlong):
         both = float(values[order[0]].real), float(values[order[1]].real)
         return Saddle(x, away, row / (row @ away), *both)
 
+    def begin(self, its: Saddle) -> Array:
+        """Return the state (2 n,) at which a motion begins, on the unstable direction."""
+        return its.state + self.offset * its.away
+
+    def left(self, p: Any, its: Saddle, ends: Ends) -> Array:
+        """Return what a motion is off its saddle (2 n,), a turn on."""
+        return ends(p, self.begin(its)) - its.state - period_advance(self.scene)[:, 0]
+
     def gap(self, place: float, ends: Ends) -> float:
-        """Return what a motion lacks along the unstable direction, a turn on; NaN if it failed."""
+        """Return what that is along the unstable direction; NaN where there is no motion."""
         p = self.parameters_at(place)
         try:
             its = self.saddle(p)
         except NoOrbitError:
             return np.nan
-        end = ends(p, its.state + self.offset * its.away)
-        return float(its.row @ (end - its.state - period_advance(self.scene)[:, 0]))
+        return float(its.row @ self.left(p, its, ends))
 
     def root(self, ends: Ends, place: float, slope: float | None = None) -> Root | None:
         """Return where the gap vanishes, by secants from a place; None where none is near."""
@@ -153,33 +161,48 @@ class ConnectionAlong(BoundaryAlong):
         """Return the flow of the equations of motion over a span [s]."""
         return lambda p, x: solve(self.scene, p, x, [span]).states[:, -1]
 
-    @cached_property
-    def span(self) -> float:
-        """Time [s] from the saddle's unstable direction back to its stable one."""
+    def first_span(self) -> float:
+        """Return the time [s] in which a motion comes round if the parameter is a little more."""
         p = self.parameters.replace(**{self.parameter: self.here * (1 + MARGIN)})
         its = self.saddle(p)
         times = np.linspace(0.0, LONGEST / its.rate, SAMPLES)[1:]
-        angles = solve(self.scene, p, its.state + self.offset * its.away, times).states[
-            self.turning
-        ]
+        angles = solve(self.scene, p, self.begin(its), times).states[self.turning]
         come = np.flatnonzero(angles > its.state[self.turning] + 2 * np.pi - 3 * self.offset)
         if not come.size:
             raise NoOrbitError(f"no motion from the saddle near {self.near:g} rad comes round")
-        span, place = float(times[come[0]]), 0.5 + self.here * MARGIN / self.unit
+        return float(times[come[0]])
+
+    @cached_property
+    def connection(self) -> tuple[float, Root]:
+        """The time [s] after which the motion is as near its saddle as it began, and the root.
+
+        Raises
+        ------
+        NoOrbitError
+            If there is none.
+        """
+        span, place = self.first_span(), 0.5 + self.here * MARGIN / self.unit
         for _ in range(STRETCHES):
-            root = self.root(self.reference(span), place)
+            ends = self.reference(span)
+            root = self.root(ends, place)
             if root is None:
-                raise NoOrbitError(f"no connection of the saddle near {self.near:g} rad was found")
+                break
             place = root.place
             p = self.parameters_at(place)
             its = self.saddle(p)
-            end = self.reference(span)(p, its.state + self.offset * its.away)
-            left = end - its.state - period_advance(self.scene)[:, 0]
-            longer = float(np.log(abs(left[self.turning]) / self.offset) / -its.least)
+            distance = abs(self.left(p, its, ends)[self.turning])
+            longer = float(np.log(distance / self.offset) / -its.least)
             if abs(longer) < SETTLED * span:
-                break
+                return span, root
             span += longer
-        return span
+        raise NoOrbitError(
+            f"{self.scene.name} has no homoclinic orbit near {self.parameter} = {self.here:g}"
+        )
+
+    @property
+    def span(self) -> float:
+        """Time [s] from the saddle's unstable direction back to its stable one."""
+        return self.connection[0]
 
     @cached_property
     def solution(self) -> tuple[Any, CurvePoint]:
@@ -189,15 +212,10 @@ class ConnectionAlong(BoundaryAlong):
         ------
         NoOrbitError
         """
-        start = 0.5 + self.here * MARGIN / self.unit
-        root = self.root(self.reference(self.span), start)
-        if root is None or not 0 <= root.place <= 1:
-            raise NoOrbitError(
-                f"{self.scene.name} has no homoclinic orbit near {self.parameter} = {self.here:g}"
-            )
+        span, root = self.connection
         p = self.parameters_at(root.place)
         its = self.saddle(p)
-        run = solve(self.scene, p, its.state + self.offset * its.away, [self.span])
+        run = solve(self.scene, p, self.begin(its), [span])
         bound = float(np.abs(its.row) @ run.error_bound) / abs(root.slope) + root.change
         none, z = np.zeros(0), np.array([0.5, root.place])
         return root, CurvePoint(z, np.array([0.0, 1.0]), none, 0j, none, np.array([0.0, bound]))

@@ -41,8 +41,9 @@ def quantities(setup: Setup) -> tuple[str, ...]:
 @lru_cache(maxsize=16)
 def true_boundary(scene: str, parameters: Any, point: BoundarySearch) -> BoundaryAlong:
     """Return where the orbits of the reference lose their stability."""
-    along = ConnectionAlong if point.kind == HOMOCLINIC else BoundaryAlong
-    return along(get_scene(scene), parameters, *point)
+    if point.kind == HOMOCLINIC:
+        return ConnectionAlong(get_scene(scene), parameters, *point)
+    return BoundaryAlong(get_scene(scene), parameters, point.kind, point.parameter)
 
 
 @dataclass(frozen=True)
@@ -109,10 +110,10 @@ def engine_connection(
         If it fails on the orbit of the reference.
     """
     known, true = sought.solution
-    span, problems = sought.span, list[str]()
+    problems: list[str] = []
 
     def ends(p: Any, state: Array) -> Array:
-        step, times = np.array([sought.span / count]), np.array([[0.0, span]])
+        step, times = np.array([sought.span / count]), np.array([[0.0, sought.span]])
         paths, why = engine_paths(setup, [p], state[:, None], step, times)
         problems.extend(why.values())
         return np.asarray(paths[:, 0, 0])
@@ -163,7 +164,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         if shrinks and solved:
             break
     truth, here = (sought.value(point.z[-1]) for point in (true, runs[0]))
-    unit = setup.scene.parameters.__dataclass_fields__[sought.parameter].metadata["unit"] or "1"
+    unit = case.parameters.unit_of(sought.parameter)
     what, error = f"{sought.kind.replace('_', ' ')} over {sought.parameter}", abs(here - truth)
     note = (
         f"{what}, shifted by {shift(here - truth, unit)} with {count} steps {sought.where}; "

@@ -141,10 +141,7 @@ def sign_of_case_1(session: Session) -> Numbers:
 
 def units(session: Session) -> Numbers:
     """Return the units that (8) and (11) ask of the torsion spring and of a motor's torque."""
-    spring, slope = (
-        RotorPendulum.__dataclass_fields__[name].metadata["unit"]
-        for name in ("rod_stiffness", "motor_slope")
-    )
+    spring, slope = map(RotorPendulum.unit_of, ("rod_stiffness", "motor_slope"))
     return {"spring": spring, "torque": slope.replace(" s/rad", "")}
 
 

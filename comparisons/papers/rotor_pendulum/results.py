@@ -116,8 +116,7 @@ def settled(
     """Return the orbits of many parameters, all with the motor in one place."""
     numbers = {
         name: np.array([getattr(p, name) for p in several])
-        for name in RotorPendulum.names()
-        if name not in RotorPendulum.choices()
+        for name in RotorPendulum.numeric_names()
     }
     together = several[0].replace(**numbers)
     places = np.arange(len(several))[:, None] * np.array([100, 0])  # no neighbours

@@ -123,9 +123,7 @@ def test_a_tenth_of_a_per_cent_is_a_shift_of_its_size(case: Case, name: str) -> 
 def test_least_torques_are_those_of_the_homoclinic_orbit(name: str, order: int) -> None:
     results = found(REGULATOR, scheme(name, order))
     assert {item.verdict for item in results.values()} == {"pass"}
-    assert f"steps along it; halving divides the shift by {2**order:g}"[:40] in (
-        results["boundary"].reason
-    )
+    assert "steps along it; halving divides the shift by" in results["boundary"].reason
     limit = homoclinic_limit(REGULATOR.parameters)
     assert limit is not None
     assert results["extrapolated"].reference == pytest.approx(limit.torque, rel=4e-7)
