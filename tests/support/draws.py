@@ -10,7 +10,7 @@ import dataclasses
 import math
 import random
 import signal
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -18,6 +18,7 @@ from types import FrameType
 from typing import Any
 
 import numpy as np
+import pytest
 
 from mbcheck.comparisons.checks.truth import MOST_AMPLIFICATION
 from mbcheck.comparisons.engines.adapter import Adapter
@@ -166,6 +167,12 @@ def with_moments_of_a_body(scene: Scene, values: dict[str, Any]) -> dict[str, An
     drawn = np.array([values[name] for name in MOMENTS])
     x, y, z = (np.sum(default) / 2 - default) * drawn / default
     return values | dict(zip(MOMENTS, map(float, (y + z, x + z, x + y)), strict=True))
+
+
+def some_are_slow(values: Iterable[Any], every: int = 11) -> list[Any]:
+    """Return values of a test's parameter, every eleventh marked slow, the others campaign."""
+    marks = pytest.mark.slow, pytest.mark.campaign
+    return [pytest.param(value, marks=marks[i % every > 0]) for i, value in enumerate(values)]
 
 
 def case_near(case: Case, seed: int) -> Case:

@@ -27,6 +27,7 @@ from mbcheck.reference.errors import EngineUnavailableError, UsageError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
 from mbcheck.reference.scene import Array, Case
 from mbcheck.tests.support.command import process
+from mbcheck.tests.support.draws import some_are_slow
 
 ACCURATE = {"mujoco": "RK4", "exudyn": "RK67"}
 CASES = {
@@ -82,8 +83,7 @@ def test_right_engines_pass_with_other_parameters(engine: str, case: Case) -> No
             assert not bad(run_check(check)), check.prefix
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("case", random_cases(20, 12), ids=lambda case: case.name)
+@pytest.mark.parametrize("case", some_are_slow(random_cases(20, 12)), ids=lambda case: case.name)
 @pytest.mark.parametrize("engine", ACCURATE)
 def test_right_engines_pass_with_many_other_parameters(engine: str, case: Case) -> None:
     test_right_engines_pass_with_other_parameters(engine, case)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -12,6 +13,7 @@ from mbcheck.comparisons.checks.suite import run_check
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.variants.mujoco import Controlled
 from mbcheck.comparisons.reports.run.located import located
+from mbcheck.reference import get_scene
 from mbcheck.reference.speed_regulator.soft import NO_DRIFT
 from mbcheck.tests.support.engines.mistaken import (
     Exchanged,
@@ -91,9 +93,10 @@ def test_of_a_beam_exchanged_observables_are_named() -> None:
     wrong = Exchanged(ENGINES["mujoco"](), "tip_deflection", "tip_axial")
     late = LateSamples(ENGINES["mujoco"]())  # whose motion would take long to predict
     said = "tip_deflection is tip_axial, tip_axial is tip_deflection"
-    found = told_of(subject, "trajectory", wrong, "spin_up_quick")
+    case = replace(get_scene("rotating_beam").case("spin_up_quick"), horizon=1.0)
+    found = told_of(subject, "trajectory", wrong, case)
     assert causes(found) == {f"observables are exchanged: {said}"}
-    assert causes(told_of(subject, "trajectory", late, "spin_up_quick")) == {""}
+    assert causes(told_of(subject, "trajectory", late, case)) == {""}
 
 
 def test_a_force_that_is_held_is_named() -> None:

@@ -13,7 +13,7 @@ from mbcheck.comparisons.engines.plugin.adapter import adapt
 from mbcheck.models.floating_beam import exudyn_model
 from mbcheck.models.floating_beam.exudyn_model import rods
 from mbcheck.reference import get_scene
-from mbcheck.tests.support.draws import case_near
+from mbcheck.tests.support.draws import case_near, some_are_slow
 from mbcheck.tests.support.engines.floating import floating
 from mbcheck.tests.support.example import by_quantity, seen
 from mbcheck.tests.support.faults import RebuiltExudyn, scaled
@@ -58,8 +58,7 @@ def test_a_right_engine_passes(kind: str) -> None:
     assert "pass" in verdicts
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", some_are_slow(range(20)))
 def test_it_passes_with_other_parameters(seed: int) -> None:
     case = case_near(TUMBLING, seed)
     for kind in ("parts", "algebra"):
