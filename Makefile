@@ -4,6 +4,9 @@ BIN := $(VENV)/bin
 
 PYTEST := $(BIN)/python -m pytest -n auto --dist worksteal --ignore tests/conformance
 
+# Each process of pytest would compile all tests anew.
+unexport PYTHONDONTWRITEBYTECODE
+
 # setuptools packs whatever an earlier build left in build/, deleted modules included,
 # and a stale egg-info in the working directory hides the installed metadata.
 BUILD_LEFTOVERS := build mbcheck.egg-info

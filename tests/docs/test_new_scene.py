@@ -83,18 +83,11 @@ def test_a_scene_is_one_module_and_two_folders(page: str) -> None:
 
 
 @pytest.mark.slow
-def test_the_new_scene_is_served(copied: Path, page: str) -> None:
-    pytest.importorskip("mujoco")
-    for command in commands(page):
-        if command.split()[1] in QUICK:
-            assert NAME in run(copied, command) or "export" in command, command
-    kinds = "--engine mujoco --kind parts --kind algebra --kind frequency"
-    assert "0 deviations, 0 errors" in run(copied, f"mbcheck check {NAME} {kinds}")
-
-
-@pytest.mark.slow
-def test_the_new_scene_passes_all_checks(copied: Path, page: str) -> None:
+def test_the_new_scene_is_served_and_passes_all_checks(copied: Path, page: str) -> None:
     for engine in ("mujoco", "exudyn"):
         pytest.importorskip(engine, exc_type=ImportError)
     printed = {command: run(copied, command) for command in commands(page)}
+    for command, text in printed.items():
+        if command.split()[1] in QUICK:
+            assert NAME in text or "export" in command, command
     assert "0 deviations, 0 errors" in printed[f"mbcheck check {NAME}"]

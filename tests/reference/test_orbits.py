@@ -144,10 +144,10 @@ def test_stability_is_lost_between_86_and_87_newton() -> None:
     [
         pytest.param(HulaHoop(force_amplitude=0.5), marks=pytest.mark.slow),
         CONSERVATIVE,
-        pytest.param(UNFORCED, marks=pytest.mark.slow),
+        pytest.param(UNFORCED, marks=pytest.mark.campaign),
         pytest.param(HulaHoop(hinge_damping_ratio=10.0), marks=pytest.mark.slow),
         pytest.param(
-            HulaHoop(damping_ratio=100.0, hinge_damping_ratio=1.0), marks=pytest.mark.slow
+            HulaHoop(damping_ratio=100.0, hinge_damping_ratio=1.0), marks=pytest.mark.campaign
         ),
     ],
 )
@@ -169,7 +169,9 @@ def test_an_orbit_that_does_not_continue_is_told() -> None:
         follow_orbit(SCENE, HulaHoop(force_amplitude=0.5), near)
 
 
-@pytest.mark.parametrize(("count", "least"), [(4, 3), pytest.param(16, 12, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    ("count", "least"), [(4, 3), pytest.param(16, 12, marks=pytest.mark.campaign)]
+)
 def test_orbits_of_random_parameters_close(count: int, least: int) -> None:
     parameters = random_parameters(np.random.default_rng(3), count)
     found = 0

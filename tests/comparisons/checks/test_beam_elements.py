@@ -91,9 +91,18 @@ def test_frequencies_see_one_number_of_an_element(fault: str) -> None:
     assert seen("frequency", fault) == ("frequency" not in BLIND.get(fault, set()))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", ["algebra", "trajectory"])
-@pytest.mark.parametrize("fault", FAULTS)
+RUN = ("rotary_inertia_twice", "cable_bending_stiffness_1e-5", "shear_stiffness_10_percent")
+"""Faults of which slow tests have a run: one of each element, and one that no run shows."""
+
+
+@pytest.mark.parametrize(
+    ("fault", "kind"),
+    [
+        pytest.param(fault, kind, marks=pytest.mark.slow if quick else pytest.mark.campaign)
+        for fault in FAULTS
+        for kind, quick in (("algebra", True), ("trajectory", fault in RUN))
+    ],
+)
 def test_accelerations_and_runs_see_one_number_of_an_element(fault: str, kind: str) -> None:
     assert seen(kind, fault) == (kind not in BLIND.get(fault, set()))
 

@@ -116,12 +116,20 @@ def case_of(subject: Subject, kind: str) -> str:
 
 
 def combinations() -> Iterator[Any]:
-    """Yield the subjects with the faults that they can have; redundant coordinates are slow."""
+    """Yield the subjects with the faults that they can have.
+
+    With redundant coordinates those that all kinds are shown are slow, and that which they are
+    partly blind to; the others, which the other models of the same engine have by default, are a
+    campaign.
+    """
     for subject in SUBJECTS:
-        slow = (pytest.mark.slow,) if subject.model == "redundant" else ()
         for name, fault in FAULTS[subject.scene].items():
+            key, marks = (subject.scene, name), []
+            if subject.model == "redundant":
+                few = key in LONG or key == ("speed_regulator", "rod_mass_0.1_percent")
+                marks = [pytest.mark.slow if few else pytest.mark.campaign]
             if not fault.models or subject.model in fault.models:
-                yield pytest.param(subject, name, marks=slow)
+                yield pytest.param(subject, name, marks=marks)
 
 
 @pytest.mark.parametrize(("subject", "fault"), list(combinations()), ids=label)

@@ -8,6 +8,7 @@ import re
 import time
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -64,16 +65,24 @@ def verdicts(line: str) -> tuple[dict[str, set[tuple[str, str]]], int]:
     return found, done.exit_code
 
 
-SOME = [("at import", "os._exit(0)"), ("in a call", "ctypes.string_at(0)")]
+SOME = {("at import", "os._exit(0)"), ("in a call", "ctypes.string_at(0)")}
+EACH = {
+    ("at import", "raise KeyboardInterrupt"),
+    ("in its construction", "sys.exit(0)"),
+    ("in a property", "os.abort()"),
+    ("in a call", "sys.exit(0)"),
+}
+"""By default, and in slow tests: with those every place and every end. All pairs: a campaign."""
+
+
+def marks_of(pair: tuple[str, str]) -> list[Any]:
+    """Return the marks of a place and an end."""
+    return [] if pair in SOME else [pytest.mark.slow if pair in EACH else pytest.mark.campaign]
 
 
 @pytest.mark.parametrize(
     ("place", "end"),
-    [
-        pytest.param(place, end, marks=[] if (place, end) in SOME else pytest.mark.slow)
-        for place in PLACES
-        for end in ENDS
-    ],
+    [pytest.param(place, end, marks=marks_of((place, end))) for place in PLACES for end in ENDS],
 )
 def test_an_engine_that_ends_its_process_is_an_error_and_others_go_on(
     folder: Path, place: str, end: str

@@ -6,9 +6,11 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -70,6 +72,21 @@ LONGEST = (
 )
 """Tasks that take longest, which are run by hand: two long runs of a model whose `redundant` twin
 is run with the slow tests, and two at the ends of parameters."""
+
+
+DECADES = re.compile(r"(.*_1e)([+-]?\d+)(/.*)")
+"""Names of tasks that try one parameter in several decades."""
+
+
+def farthest(names: Iterable[str]) -> set[str]:
+    """Return the names but for those of decades nearer to 1 than another of the same parameter."""
+    kept: dict[tuple[str, bool, str], tuple[int, str]] = {}
+    for name in names:
+        found = DECADES.fullmatch(name)
+        before, decade, after = found.groups() if found else (name, "0", "")
+        key = before, int(decade) > 0, after
+        kept[key] = max(kept.get(key, (-1, "")), (abs(int(decade)), name))
+    return {name for _, name in kept.values()}
 
 
 def tasks() -> dict[str, Provocation]:
@@ -180,12 +197,15 @@ def test_quick_rows_are_golden(name: str) -> None:
     check(name)
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=pytest.mark.campaign if name in LONGEST else pytest.mark.slow)
+def marked() -> list[Any]:
+    """Return the tasks that are not of the default run, nearer decades and `LONGEST` by hand."""
+    slow = farthest(tasks()) - set(LONGEST)
+    return [
+        pytest.param(name, marks=pytest.mark.slow if name in slow else pytest.mark.campaign)
         for name in sorted(set(tasks()) - set(QUICK))
-    ],
-)
+    ]
+
+
+@pytest.mark.parametrize("name", marked())
 def test_rows_are_golden(name: str) -> None:
     check(name)

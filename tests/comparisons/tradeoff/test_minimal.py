@@ -44,6 +44,7 @@ from mbcheck.reference.scene import Array
 
 CHAIN_A, CHAIN_B = KINDS["mujoco"]
 ANCF, GEOMETRICALLY_EXACT = KINDS["exudyn"]
+SLOW = pytest.mark.slow
 SHORT = (2, 4, 8, 16, 32), (2, 4, 8, 16)
 HARD, SOFT, DEFAULT, JOINTS = LOOP.closures
 ROTATION = get_scene("speed_regulator").case(LOOP.case)
@@ -190,8 +191,13 @@ def test_the_tip_of_a_chain_run_fresh() -> None:
     assert row.cost.rhs_evaluations == pytest.approx(4 / row.step)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("case", [*CONTINUUM.steady, CONTINUUM.moving])
+@pytest.mark.parametrize(
+    "case",
+    [
+        *(pytest.param(case, marks=pytest.mark.campaign) for case in CONTINUUM.steady[:-1]),
+        *(pytest.param(c, marks=SLOW) for c in (CONTINUUM.steady[-1], CONTINUUM.moving)),
+    ],
+)
 @pytest.mark.parametrize(
     ("engine", "kind"), [(name, kind) for name, kinds in KINDS.items() for kind in kinds]
 )

@@ -258,9 +258,21 @@ def sweep_of(choice: Choice) -> Sweep:
     return Sweep(choice.scene, choice.engine, choice.model, choice.method, settings)
 
 
-def test_recommendations_hold_when_run_afresh() -> None:
-    found = Tradeoff.asked(["hula_hoop"], ["mujoco"], [1e-2, 1e-3, 1e-4])
-    found.series = [swept("hula_hoop", "mujoco", "tree", name) for name in ("Euler", "RK4")]
+@pytest.mark.parametrize(
+    ("engine", "model", "methods"),
+    [
+        ("mujoco", "tree", ("Euler", "RK4")),
+        pytest.param(
+            "exudyn", "redundant", ("GeneralizedAlpha", "TrapezoidalIndex2"),
+            marks=pytest.mark.slow,
+        ),
+    ],
+)  # fmt: skip
+def test_recommendations_hold_when_run_afresh(
+    engine: str, model: str, methods: tuple[str, ...]
+) -> None:
+    found = Tradeoff.asked(["hula_hoop"], [engine], [1e-2, 1e-3, 1e-4])
+    found.series = [swept("hula_hoop", engine, model, name) for name in methods]
     choices = found.choices
     assert len(choices) == 3
     for choice in choices:
@@ -270,16 +282,9 @@ def test_recommendations_hold_when_run_afresh() -> None:
         assert fresh == pytest.approx(choice.error, rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    "scenes",
-    [
-        pytest.param(("hula_hoop",), marks=pytest.mark.slow),
-        pytest.param((), marks=pytest.mark.campaign),
-    ],
-    ids=["one scene", "all"],
-)
-def test_every_recommendation_holds_when_run_afresh(scenes: tuple[str, ...]) -> None:
-    found = tradeoff(scenes)
+@pytest.mark.campaign
+def test_every_recommendation_holds_when_run_afresh() -> None:
+    found = tradeoff()
     assert not found.failures
     assert {choice.scene for choice in found.choices if choice.met} == set(found.scenes)
     for choice in found.choices:

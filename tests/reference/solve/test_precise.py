@@ -113,7 +113,12 @@ def test_error_is_that_of_the_accuracy(scene: str) -> None:
 
 @pytest.mark.skipif(not HAS_EXTENDED, reason="NumPy has no numbers of 64 bits here")
 @pytest.mark.parametrize(
-    "number", [1, *(pytest.param(i, marks=pytest.mark.slow) for i in (0, 3, 5, 8, 9))]
+    "number",
+    [
+        1,
+        pytest.param(8, marks=pytest.mark.slow),
+        *(pytest.param(i, marks=pytest.mark.campaign) for i in (0, 3, 5, 9)),
+    ],
 )
 def test_numbers_of_64_bits_do_for_the_beam(number: int) -> None:
     run = run_of("rotating_beam", number)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,11 +14,14 @@ from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference.rotor_pendulum import theory
 from mbcheck.reference.rotor_pendulum.phase import wrapped
 
+ENGINE_POINTS = 4
+"""Along the axes of the engines' maps, those that `test_published` has computed."""
+
 
 @pytest.mark.slow
 @pytest.mark.parametrize("figure", FIGURES, ids=lambda figure: f"figure_{figure.number}")
 def test_figures_are_drawn(figure: Any, with_engines: Session) -> None:
-    drawn = figure.draw(with_engines)
+    drawn = figure.draw(replace(with_engines, engine_points=ENGINE_POINTS))
     assert all(panel.has_data() for panel in drawn.axes[:6])
 
 
