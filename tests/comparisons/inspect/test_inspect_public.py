@@ -133,7 +133,7 @@ def test_what_is_recommended_meets_its_target_again(
     answers = []
     for one in moving[: 2 * fewest]:
         first, second = (
-            Advice(str(one.loaded.path), Question(horizon=0.2, budget=20.0, seed=seed))
+            Advice(str(one.loaded.path), Question(horizon=0.2, budget=1e4, seed=seed))
             for seed in SEEDS
         )
         for advice in (first, second):

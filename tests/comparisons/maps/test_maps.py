@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterator
 from importlib.util import find_spec
 from multiprocessing import active_children
 from pathlib import Path
-from threading import Thread
 from typing import Any
 
 import numpy as np
@@ -71,28 +70,16 @@ SLOWLY = [f"sleep 0.2; exit {i}" for i in range(12)]
 """For `os.system`, which every worker process can import, returns 256 times the status."""
 
 
-def killing_soon(pids: Callable[[], list[int]]) -> Thread:
-    """Start a thread that kills the first of some processes after half a second."""
-
-    def kill() -> None:
-        time.sleep(0.5)
-        while not (found := pids()):
-            time.sleep(0.05)
-        os.kill(found[0], signal.SIGKILL)
-
-    thread = Thread(target=kill)
-    thread.start()
-    return thread
-
-
 def children() -> list[int]:
     return [child.pid for child in active_children() if child.pid]
 
 
 def test_killed_process_is_replaced() -> None:
-    thread = killing_soon(children)
-    found = dict(execute.in_processes(2, os.system, SLOWLY))
-    thread.join()
+    found: dict[int, int] = {}
+    for index, status in execute.in_processes(2, os.system, SLOWLY):
+        if not found:  # both processes have begun the next
+            os.kill(children()[0], signal.SIGKILL)
+        found[index] = status
     assert found == {i: 256 * i for i in range(12)}
 
 
@@ -135,9 +122,15 @@ def test_cluster_that_is_not_there() -> None:
 
 
 def test_processes_give_the_serial_map_with_one_killed(serial: Map) -> None:
-    thread = killing_soon(children)
-    found = run.compute(FLOQUET, workers=2)
-    thread.join()
+    killed: list[int] = []
+
+    def kill_one(points: int, total: int) -> None:
+        if not killed:
+            killed.append(children()[0])
+            os.kill(killed[0], signal.SIGKILL)
+
+    found = run.compute(FLOQUET, workers=2, progress=kill_one)
+    assert killed
     assert store.to_bytes(found) == store.to_bytes(serial)
 
 
