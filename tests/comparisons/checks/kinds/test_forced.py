@@ -12,11 +12,15 @@ from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.plugin.adapter import adapt
 from mbcheck.examples.mujoco_engine import MujocoPlugin
 from mbcheck.reference import get_scene
+from mbcheck.reference.scene import Case
 from mbcheck.tests.support.example import all_checks
 
 mujoco = pytest.importorskip("mujoco")
 
-HULA, PULSE = ("hula_hoop", "point_mass_3hz_60n"), ("rotating_beam", "pulse_quick")
+HULA = get_scene("hula_hoop").case("point_mass_3hz_60n")
+PULSE = get_scene("rotating_beam").case("pulse_quick")
+BEGUN = replace(PULSE, horizon=0.5)
+"""The first third of the pulse."""
 
 
 class Driven(MujocoPlugin):
@@ -55,10 +59,9 @@ class Undriven(MujocoPlugin):
         function(*self.at(system, *state))
 
 
-def results(engine: Any, place: tuple[str, str], kinds: tuple[str, ...]) -> list[Result]:
+def results(engine: Any, case: Case, kinds: tuple[str, ...]) -> list[Result]:
     """Return what some kinds of check say of an engine on the model that a force drives."""
     one = adapt("forced:Driven", engine)
-    case = get_scene(place[0]).case(place[1])
     checks = [
         check
         for kind in kinds_of(case)
@@ -124,15 +127,15 @@ def test_an_engine_that_takes_no_controls_is_not_accused(kind: str) -> None:
 @pytest.mark.parametrize("kind", ["step", "trajectory"])
 def test_the_pulse_of_a_beam_is_late(kind: str) -> None:
     said = "the force is one step late"
-    found = [item for item in results(WRONG[said], PULSE, (kind,)) if item.verdict == "deviation"]
+    found = [item for item in results(WRONG[said], BEGUN, (kind,)) if item.verdict == "deviation"]
     assert found
     assert {item.cause for item in found} == {said}
 
 
 @pytest.mark.slow
 def test_the_pulse_of_a_beam_is_held_late_or_without_end() -> None:
-    assert {item.verdict for item in results(Driven(), PULSE, ("trajectory",))} == {"pass"}
-    held = results(Driven(holds=True), PULSE, ("step", "trajectory"))
+    assert {item.verdict for item in results(Driven(), BEGUN, ("trajectory",))} == {"pass"}
+    held = results(Driven(holds=True), BEGUN, ("step", "trajectory"))
     assert {item.kind for item in held if item.verdict == "deviation"} == {"step", "trajectory"}
     said = {item.cause for item in held if item.kind == "step"} - {None}
     assert said == {"the force is held: that at the start of each step"}
