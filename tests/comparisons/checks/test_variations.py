@@ -15,29 +15,28 @@ from mbcheck.reference import SCENES
 from mbcheck.tests.support.campaigns.variations import alarms, variation
 
 BLOCK, FEW, MANY = 5, 20, 200
-"""Variations of each scene by default, and in the campaign."""
+"""Variations in a short and in a long test, and of each scene in the campaign."""
 
-BRIEF = {
-    "rotating_beam": pytest.mark.campaign,  # minutes
-    "rigid_body": pytest.mark.slow,
-    "ball_hoop": pytest.mark.slow,
-    "floating_platform": pytest.mark.slow,
-    "floating_beam": pytest.mark.slow,
+SHORT, SLOW, CAMPAIGN = (), pytest.mark.slow, pytest.mark.campaign
+
+MARKS = {
+    "rotating_beam": (SHORT, CAMPAIGN),  # minutes
+    "floating_platform": (SLOW, CAMPAIGN),
+    "floating_beam": (SLOW, CAMPAIGN),
 }
-"""Scenes that have their first block alone by default, and how the others of the few are run."""
-
-LONGEST = ("floating_platform", "floating_beam")
-"""Those of them whose first block is a slow test, too."""
+"""How the first and the second block of scenes are run whose checks take long; of others the first
+is a default test, and the second a slow one.
+"""
 
 
 def blocks() -> Iterator[Any]:
     """Yield scenes with the first number and the count of some variations."""
     for scene in SCENES:
-        for first in range(0, FEW, BLOCK):
-            marks = [BRIEF[scene]] if scene in (BRIEF if first else LONGEST) else []
-            yield pytest.param(scene, first, BLOCK, marks=marks)
+        marks = (*MARKS.get(scene, (SHORT, SLOW)), CAMPAIGN, CAMPAIGN)
+        for first, mark in zip(range(0, FEW, BLOCK), marks, strict=True):
+            yield pytest.param(scene, first, BLOCK, marks=mark)
         for first in range(FEW, MANY, FEW):
-            yield pytest.param(scene, first, FEW, marks=pytest.mark.campaign)
+            yield pytest.param(scene, first, FEW, marks=CAMPAIGN)
 
 
 @pytest.mark.parametrize(("scene", "first", "count"), list(blocks()))

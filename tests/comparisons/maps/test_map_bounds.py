@@ -101,7 +101,7 @@ def phase_errors(count: int, seed: int, spread: float) -> tuple[QuantityValues, 
     orbits = orbits_of(flow)
     found, which = closed_orbit_values(flow, orbits), np.flatnonzero(orbits.closed)
     samples, period, multipliers = true_orbits(
-        points, which, orbits.states[:, which], orbits.periods[which], 288
+        points, which, orbits.states[:, which], orbits.periods[which], 192
     )
     trivial = np.argmin(np.abs(multipliers - 1), axis=1)
     np.put_along_axis(multipliers, trivial[:, None], 0.0, axis=1)
