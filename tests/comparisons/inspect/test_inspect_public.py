@@ -27,7 +27,7 @@ PACKAGES = ("gymnasium", "playground")
 PATIENCE = 120
 """Seconds that a download may take."""
 
-pytestmark = pytest.mark.slow
+SLOW = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
@@ -58,12 +58,14 @@ def reports(folder: Path) -> Iterator[Inspection]:
                 continue
 
 
+@SLOW
 def test_good_models_are_left_in_peace(inspected: list[Inspection]) -> None:
     assert len(inspected) > 30
     assert statistics.median(one.summary["warning"] for one in inspected) <= 1
     assert [one.file for one in inspected if one.exit_code] == []
 
 
+@SLOW
 def test_reports_are_short(inspected: list[Inspection]) -> None:
     lengths = []
     for one in inspected:
@@ -96,6 +98,7 @@ def grows(view: View, integrator: str, step: float, steps: int) -> bool:
     return False
 
 
+@SLOW
 def test_limits_are_those_of_runs(inspected: list[Inspection]) -> None:
     """No run blows up 2 % below a limit, and 95 % do 2 % above it, where the state is smooth.
 
@@ -122,7 +125,9 @@ def test_limits_are_those_of_runs(inspected: list[Inspection]) -> None:
 SEEDS = (1, 9)
 
 
-@pytest.mark.parametrize("fewest", [2, pytest.param(8, marks=pytest.mark.campaign)])
+@pytest.mark.parametrize(
+    "fewest", [pytest.param(2, marks=SLOW), pytest.param(8, marks=pytest.mark.campaign)]
+)
 def test_what_is_recommended_meets_its_target_again(
     inspected: list[Inspection], fewest: int
 ) -> None:
