@@ -96,6 +96,7 @@ FEWER = {
     "mbcheck check --quick --engine": " --kind algebra",
     "mbcheck extremes": " --engine mujoco",
     "mbcheck tradeoff": " --engine exudyn",
+    "mbcheck simulate rotating_beam --model zero_order": " --times 0.5",
     "mbcheck boundary speed_regulator": " --x damping=30:35 --lines 2",
     "mbcheck boundary hula_hoop --x force_frequency=1:10": " --x force_frequency=7.5:8 --lines 2",
 }
