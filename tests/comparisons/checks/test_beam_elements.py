@@ -28,6 +28,7 @@ from mbcheck.tests.support.faults import ENGINES, OtherItems, RebuiltExudyn, sca
 from mbcheck.tests.support.subjects import is_seen
 
 METHOD = "GeneralizedAlpha"
+SLOW, CAMPAIGN = pytest.mark.slow, pytest.mark.campaign
 
 
 def rebuilt(kind: str, name: str, factor: float) -> Callable[[], Adapter]:
@@ -91,25 +92,21 @@ def test_frequencies_see_one_number_of_an_element(fault: str) -> None:
     assert seen("frequency", fault) == ("frequency" not in BLIND.get(fault, set()))
 
 
-RUN = ("rotary_inertia_twice", "cable_bending_stiffness_1e-5", "shear_stiffness_10_percent")
-"""Faults of which slow tests have a run: one of each element, and one that no run shows."""
-
-
-@pytest.mark.parametrize(
-    ("fault", "kind"),
-    [
-        pytest.param(fault, kind, marks=pytest.mark.slow if quick else pytest.mark.campaign)
-        for fault in FAULTS
-        for kind, quick in (("algebra", True), ("trajectory", fault in RUN))
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["algebra", "trajectory"])
+@pytest.mark.parametrize("fault", FAULTS)
 def test_accelerations_and_runs_see_one_number_of_an_element(fault: str, kind: str) -> None:
     assert seen(kind, fault) == (kind not in BLIND.get(fault, set()))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", ["algebra", "step", "trajectory"])
-@pytest.mark.parametrize("element", ["ancf", "geometrically_exact"])
+@pytest.mark.parametrize(
+    ("element", "kind"),
+    [
+        *(pytest.param("ancf", kind, marks=SLOW) for kind in ("algebra", "step", "trajectory")),
+        *(pytest.param("geometrically_exact", k, marks=SLOW) for k in ("algebra", "trajectory")),
+        pytest.param("geometrically_exact", "step", marks=CAMPAIGN),
+    ],
+)
 def test_six_right_elements_pass(element: str, kind: str) -> None:
     """They are too few to be extrapolated, and need not be."""
     verdicts = {item.verdict for item in results(kind, element, None, "strict")}
@@ -263,10 +260,10 @@ def test_a_beam_may_start_bent_in_the_midst_of_a_pulse(engine: str, method: str)
 
 
 OFF_THE_GRID: Mapping[str, Mapping[str, Any]] = {
-    "ramp": {"ramp_time": 0.7, "angular_speed": 1.0},
-    "pulse": {"drive": "torque", "torque_period": 0.7, "torque_amplitude": 5.0},
+    "ramp": {"ramp_time": 0.7, "angular_speed": 1.0, "segments": 6},
+    "pulse": {"drive": "torque", "torque_period": 0.7, "torque_amplitude": 5.0, "segments": 6},
 }
-"""Drives that end between steps of a power of two."""
+"""Drives that end between steps of a power of two, of few elements."""
 
 
 @pytest.mark.slow
