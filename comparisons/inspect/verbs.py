@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -42,7 +41,6 @@ DOCUMENTS = ("json", "junit", "sarif")
         "mbcheck inspect model.xml --full --about-rotation theta=10",
         "mbcheck inspect robots/ 'scenes/*.xml' --fail-on warning --sarif found.sarif",
         "mbcheck inspect model.xml --strict --ignore 'unused_*'",
-        "mbcheck inspect model.xml --render model.gif",
         "mbcheck inspect --diff old.xml new.xml",
         "mbcheck inspect model.xml --fix --dry-run",
         "mbcheck inspect --explain step_limit",
@@ -102,13 +100,6 @@ DOCUMENTS = ("json", "junit", "sarif")
     help="Print annotations for GitHub; by default where GITHUB_ACTIONS is true.",
 )
 @click.option(
-    "--render",
-    callback=destination,
-    metavar="FILE.png|.gif",
-    help="Draw the first keyframe, or the motion from there; needs no display.",
-)
-@click.option("--view", is_flag=True, help="Open MuJoCo's viewer.")
-@click.option(
     "--diff",
     "compare",
     is_flag=True,
@@ -137,7 +128,7 @@ def inspect(models: tuple[str, ...], **options: Any) -> int:
     if not models:
         raise UsageError("which file? mbcheck inspect MODEL.xml")
     documents = [options[f"{name}_file"] for name in (*DOCUMENTS, "write_baseline")]
-    refuse_conflicts(*documents, options["render"])
+    refuse_conflicts(*documents)
     from .batch import InspectRequest, files_of
 
     request = InspectRequest(
@@ -167,18 +158,12 @@ def inspect(models: tuple[str, ...], **options: Any) -> int:
 
 
 def inspect_one(model: str, request: InspectRequest, options: Mapping[str, Any]) -> int:
-    """Inspect a model: its report, its documents, its picture; return the exit code."""
+    """Inspect a model: its report and its documents; return the exit code."""
     from . import console as output
     from . import inspection
     from .batch import Inspections
-    from .mujoco import drawing
     from .pace import Pace
 
-    render = options["render"]
-    if render is not None:
-        if render.standard_output:
-            raise UsageError("--render needs the name of a file")
-        drawing.refuse_suffix(render.name)
     selection = request.selection(model)
     with progress_bar(True, "inspect", lines=True) as progress:
         pace = Pace(budget_of(options), progress)
@@ -195,12 +180,6 @@ def inspect_one(model: str, request: InspectRequest, options: Mapping[str, Any])
     elif not quiet:
         output.print_inspection(console(), result, options["full"], options["fail_on"])
     annotate(every, options)
-    if render is not None:
-        image, words = drawing.draw(model, Path(render.name).suffix.lower())
-        render.write_bytes(image)
-        click.echo(f"{render.name}: {words}", err=True)
-    if options["view"]:
-        drawing.view(model)
     return every.exit_code(options["fail_on"])
 
 
@@ -284,7 +263,7 @@ def refuse_single(options: Mapping[str, Any]) -> None:
     ------
     UsageError
     """
-    for name in ("rotation", "render", "view", "full"):
+    for name in ("rotation", "full"):
         if options[name]:
             option = "about-rotation" if name == "rotation" else name
             raise UsageError(f"--{option} is for one model")

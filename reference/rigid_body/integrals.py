@@ -21,10 +21,6 @@ from .equations import Coefficients, RigidBody, energy
 SAME = 1e-12
 """Relative difference of moments that count as the same."""
 
-PANEL, NODES = 0.5, 20
-"""Length of a panel, in radians of the body's rotation, and Gauss points in it: they leave rounding
-alone, since the integrand is smooth."""
-
 
 def magnitude(q: Any, v: Any, c: Coefficients) -> Any:
     """Return the size of the angular momentum [kg m^2/s]."""
@@ -129,42 +125,3 @@ def axes_in_order(moments: Array, omega: Array) -> Any:
     order = np.argsort(moments)
     twice, square = moments @ omega**2, moments**2 @ omega**2
     return order if square >= twice * moments[order[1]] else order[::-1]
-
-
-def free_attitude(moments: Array, omega: Array, times: Array) -> Array:
-    """Return the rotation matrices (n_t, 3, 3) of a free body's principal axes, those at t = 0 one.
-
-    The angular momentum stays where it is, and the axis across it and the first one goes round it
-    at the rate of Landau, Lifshitz, (37.17), whose integral is a sum over panels.
-
-    Parameters
-    ----------
-    moments, omega, times :
-        As of `free_rates`.
-    """
-    momentum = moments * omega
-    size = np.linalg.norm(momentum)
-    axis = np.eye(3)[axes_in_order(moments, omega)[0]]
-
-    def frames(rates: Array) -> Array:
-        along = (moments[:, None] * rates / size).T
-        nodes = np.cross(axis, along)
-        nodes /= np.linalg.norm(nodes, axis=1)[:, None]
-        return np.stack([nodes, np.cross(along, nodes), along], axis=2)
-
-    points, weights = np.polynomial.legendre.leggauss(NODES)
-    angles = np.empty(len(times))
-    for i, time in enumerate(times):
-        count = max(1, int(np.ceil(abs(time) * np.linalg.norm(omega) / PANEL)))
-        places = ((np.arange(count)[:, None] + (1 + points) / 2) / count).ravel() * time
-        across = (1 - axis)[:, None] * moments[:, None] * free_rates(moments, omega, places)
-        speed = np.sum(across**2 / moments[:, None], axis=0) / np.sum(across**2, axis=0)
-        angles[i] = size * time / (2 * count) * float(np.tile(weights, count) @ speed)
-    cos, sin, none = np.cos(angles), np.sin(angles), np.zeros(len(times))
-    turns = np.array([[cos, -sin, none], [sin, cos, none], [none, none, none + 1]])
-    first = frames(omega[:, None])[0]
-    return np.asarray(
-        first
-        @ np.moveaxis(turns, 2, 0)
-        @ np.swapaxes(frames(free_rates(moments, omega, times)), 1, 2)
-    )

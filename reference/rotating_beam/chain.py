@@ -12,7 +12,7 @@ concentrated mass is a point of the rod that has the place d.
 Both schemes converge to the inextensible beam with the second order in h: scheme A because the
 spring at the clamp stands for half a cell only (with k there the order is one), scheme B
 because its hinges are in the middle of the cells. The error's factor of h^2 depends on where in
-its rod the mass sits, see `mass_offset`: an order can be measured only with numbers of segments
+its rod the mass sits: an order can be measured only with numbers of segments
 that leave it there, best at an end.
 
 Everything is found in O(n) operations without a matrix: rod after rod, from the tip, the force
@@ -279,20 +279,6 @@ def inertia_forces(
 def embedding(p: RotatingBeam, state: Mapping[str, float]) -> dict[str, float]:
     """Return the state of a chain whose rods are chords of the scene's beam."""
     return chain_start(p, state, (*layout(int(p.segments), p.scheme).hinges, 1.0))
-
-
-def mass_offset(p: RotatingBeam) -> float:
-    """Distance of the mass from the nearest end of a rod, over h; 0 without a mass.
-
-    The error of a chain is smooth in h along numbers of segments with the same offset on the
-    same side of a hinge; from one offset to another it jumps.
-    """
-    n = int(p.segments)
-    if not p.mass:
-        return 0.0
-    shape = layout(n, p.scheme)
-    ends = np.array([*shape.hinges, 1.0])
-    return float(np.min(np.abs(ends - p.mass_position)) * n)
 
 
 @lru_cache(maxsize=128)

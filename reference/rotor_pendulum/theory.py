@@ -177,15 +177,3 @@ def coupling_amplitude(p: RotorPendulum, speed: ArrayLike | None = None) -> Any:
     size = np.hypot(mu.mu_1 - mu.mu_3 * np.sin(beta), mu.mu_3 * np.cos(beta))
     mass = p.platform_mass + p.rod_mass + 2 * p.rotor_mass
     return p.rotor_mass**2 / mass * (p.eccentricity * speed) ** 2 * size
-
-
-def phase_decay_rate(p: RotorPendulum, speed: ArrayLike | None = None) -> Any:
-    """Rate [1/s] at which the phase settles, by the coupling without dampers.
-
-    The slow root of ``m r^2 alpha'' + (k_e + f) alpha' + W alpha = 0``, which (35) leaves in units
-    of torque: W over k_e + f where the motors are stiff.
-    """
-    inertia = p.rotor_mass * np.square(p.eccentricity)
-    loss = np.asarray(p.motor_slope + p.friction, dtype=complex)
-    amplitude = coupling_amplitude(p, speed)
-    return (2 * amplitude / (loss + np.sqrt(loss**2 - 4 * inertia * amplitude))).real

@@ -163,16 +163,6 @@ def free_accelerations(at: Loop, forces: Any, c: Coefficients) -> tuple[Any, Any
     )
 
 
-def open_forces(u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np) -> list[Any]:
-    """Return the forces on the coordinates without the closure's.
-
-    Their derivatives by v are what MuJoCo's ``implicit`` takes at the end of a step; the
-    closure's force it takes from the start.
-    """
-    on_phi, on_theta, on_y = loop(q, v, c, xp).forces
-    return [on_phi + on_theta, on_theta, on_y]
-
-
 def embedding(p: SpeedRegulator, state: Mapping[str, float]) -> dict[str, float]:
     """Return the tree's state with the loop closed, from phi and phi_dot."""
     phi, speed = state.get("phi", 0.0), state.get("phi_dot", 0.0)

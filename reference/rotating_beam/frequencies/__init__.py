@@ -11,8 +11,6 @@ clamped at 0 and free at 1. ``lambda = omega^2`` flapwise, out of the plane of r
 K^C has lost the bending stiffness) and any number of modes.
 
 - `ritz`: polynomials of high degree on either side of the mass (spectral). Values from above.
-- `shooting`: power series of the equation, step by step from the clamp, and the roots of the
-  determinant at the free end. Shares nothing with `ritz` but the equation.
 - `assumed_modes`: the paper's n bending modes of the beam at rest without mass, (12) with its
   xi_i put right: ``(sin - sinh)(1) / (cos + cosh)(1)``. Two of them make figure 3.
 

@@ -200,9 +200,9 @@ def test_a_line_for_each_finding(tmp_path: Path) -> None:
     assert len(done.stdout.splitlines()) == 3
     assert "1 cannot be read" in done.stdout
     assert "broken.xml is not XML" in done.stderr
-    done = invoke("inspect", str(folder), "--render", "x.png")
+    done = invoke("inspect", str(folder), "--full")
     assert done.exit_code == 2
-    assert "--render is for one model" in done.stderr
+    assert "--full is for one model" in done.stderr
 
 
 def test_documents_of_many_files(tmp_path: Path) -> None:

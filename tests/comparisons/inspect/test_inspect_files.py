@@ -6,7 +6,6 @@ import io
 import json
 import os
 import re
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from time import process_time
@@ -20,12 +19,11 @@ import mbcheck
 from mbcheck.comparisons.documents import schema
 from mbcheck.comparisons.inspect import console
 from mbcheck.comparisons.inspect.inspection import Inspection, inspect
-from mbcheck.comparisons.inspect.mujoco import drawing
 from mbcheck.comparisons.inspect.rules.table import RULES
-from mbcheck.reference.errors import MbcheckError, UsageError
+from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import invoke, process
 from mbcheck.tests.support.mjcf import large
-from mbcheck.tests.support.mjcf.mistakes import GEOM, KEY, MISTAKES, written
+from mbcheck.tests.support.mjcf.mistakes import MISTAKES, written
 
 SCHEMA = schema("inspect")
 VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
@@ -112,9 +110,6 @@ def test_misuse(tmp_path: Path) -> None:
         ((LOCAL, "--about-rotation", "swing"), "NAME=VALUE"),
         ((LOCAL, "--about-rotation", "swing=fast"), "must be a finite number"),
         ((LOCAL, "--about-rotation", "swung=1"), "did you mean 'swing'"),
-        ((LOCAL, "--render", "picture.jpg"), ".png or .gif"),
-        ((LOCAL, "--render", "-"), "name of a file"),
-        ((LOCAL, "--json", "one.png", "--render", "one.png"), "cannot both go"),
         ((LOCAL, "--json", "no/where.json"), "cannot write"),
     ):
         done = invoke("inspect", *words)
@@ -340,83 +335,6 @@ def test_modes_of_a_large_chain(tmp_path: Path) -> None:
     found = inspect(LOCAL, modes=True)
     assert len(found.views[0].modes) >= 200
     assert found.steps
-
-
-# Pictures -----------------------------------------------------------------------------------
-
-
-def drawn(name: str, *words: object) -> Any:
-    """Return the picture that the verb draws; skip where no GL is."""
-    image = pytest.importorskip("PIL.Image")
-    done = invoke("inspect", LOCAL, "--no-modes", "--render", name, *words)
-    if "no OpenGL" in done.stderr:
-        pytest.skip(done.stderr)
-    assert done.exit_code == 0, done.stderr
-    return image.open(io.BytesIO(Path(name).read_bytes()))
-
-
-def test_a_picture_shows_the_model(tmp_path: Path) -> None:
-    np = pytest.importorskip("numpy")
-    written(tmp_path, ('size="0.02"', 'size="0.02" rgba="1 0 0 1"'))
-    pixels = np.asarray(drawn("picture.png").convert("RGB")).astype(int)
-    assert pixels.shape == (480, 640, 3)
-    red = (pixels[..., 0] > 2 * pixels[..., 1]) & (pixels[..., 0] > 60)
-    rows, columns = np.nonzero(red)
-    assert 300 < red.sum() < 40000
-    assert np.ptp(rows) > 5 * np.ptp(columns)  # it hangs
-    assert abs(columns.mean() - 320) < 20
-
-
-@pytest.mark.slow
-def test_an_animation_moves(tmp_path: Path) -> None:
-    written(tmp_path, (KEY, '<key name="swung" qpos="1"/>'), ('damping="0.1"', 'damping="0.01"'))
-    animation = drawn("picture.gif")
-    assert animation.n_frames > 20
-    frames = set()
-    for i in range(0, animation.n_frames, 5):
-        animation.seek(i)
-        frames.add(animation.convert("L").resize((64, 48)).tobytes())
-    assert len(frames) > 4
-
-
-def test_without_gl_the_package_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A GL that fails, or that takes the process with it, is told; another failure is not GL."""
-    pytest.importorskip("PIL")
-    path = written(tmp_path)
-    monkeypatch.delenv("MUJOCO_GL", raising=False)
-    no_gl = "import json, os; print(json.dumps({'failed': 'no ' + os.environ['MUJOCO_GL']}))"
-    crash = "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)"
-    for child, error, words in (
-        (no_gl, UsageError, r"egl: no egl; osmesa: no osmesa.*apt-get install libegl1"),
-        (crash, UsageError, "ended by signal 11"),
-        ("raise RuntimeError('broken')", MbcheckError, r"drawing failed: .*broken"),
-    ):
-        with pytest.raises(error, match=words):
-            drawing.draw(path, ".png", child)
-
-
-def test_nothing_to_draw(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("MUJOCO_GL", "disable")  # which is found out before anything is drawn
-    with pytest.raises(UsageError, match="nothing to draw: the model has no geoms"):
-        drawing.draw(written(tmp_path, (GEOM, "")), ".png")
-
-
-def test_pictures_need_pillow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    written(tmp_path)
-    monkeypatch.setattr(drawing, "find_spec", lambda name: None)
-    done = invoke("inspect", LOCAL, "--render", "picture.png")
-    assert done.exit_code == 2
-    assert "Pillow" in done.stderr
-
-
-def test_the_viewer_needs_a_display(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
-        monkeypatch.delenv(name, raising=False)
-    monkeypatch.setattr(sys, "platform", "linux")
-    written(tmp_path)
-    done = invoke("inspect", LOCAL, "--no-modes", "--view")
-    assert done.exit_code == 2
-    assert "DISPLAY is not set" in done.stderr
 
 
 def test_an_opengl_that_is_not_there_is_named(tmp_path: Path) -> None:

@@ -18,10 +18,10 @@ from mbcheck.reference.errors import UnknownNameError
 from mbcheck.reference.rotating_beam.chain import chain_frequencies
 from mbcheck.reference.rotating_beam.frequencies.continua import frequencies
 from mbcheck.reference.rotating_beam.frequencies.numbers import numbers, time_unit
-from mbcheck.reference.rotating_beam.frequencies.shooting import shooting
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 from mbcheck.reference.rotating_beam.scene import SCENE, critical_speed
 from mbcheck.tests.support.command import invoke
+from mbcheck.tests.support.exact.shooting import shooting
 
 UNIT = time_unit(RotatingBeam())
 

@@ -17,7 +17,6 @@ from mbcheck.reference.rotating_beam.chain import (
     embedding,
     inertia_forces,
     layout,
-    mass_offset,
     scene_of,
 )
 from mbcheck.reference.rotating_beam.frequencies.continua import frequencies
@@ -259,6 +258,20 @@ def test_schemes_bracket_the_beam_and_are_of_second_order(
     crude = errors(p, "A", 1.0, (24, 48))
     assert np.all(np.log2(crude[0] / crude[1]) < 1.1)
     assert np.all(np.abs(crude) > 5 * np.abs(below))
+
+
+def mass_offset(p: RotatingBeam) -> float:
+    """Return the distance of the mass from the nearest end of a rod, over h; 0 without a mass.
+
+    The error of a chain is smooth in h along numbers of segments with the same offset on the
+    same side of a hinge; from one offset to another it jumps.
+    """
+    n = int(p.segments)
+    if not p.mass:
+        return 0.0
+    shape = layout(n, p.scheme)
+    ends = np.array([*shape.hinges, 1.0])
+    return float(np.min(np.abs(ends - p.mass_position)) * n)
 
 
 def test_the_error_depends_on_where_in_its_rod_the_mass_sits() -> None:

@@ -31,10 +31,10 @@ from mbcheck.reference.rotating_beam.frequencies.numbers import (
     time_unit,
 )
 from mbcheck.reference.rotating_beam.frequencies.ritz import ritz
-from mbcheck.reference.rotating_beam.frequencies.shooting import shooting
 from mbcheck.reference.rotating_beam.frequencies.stretching import steady_state, stretching
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 from mbcheck.reference.rotating_beam.scene import beam_scene
+from mbcheck.tests.support.exact.shooting import shooting
 
 PAPER = RotatingBeam(hub_radius=8.0)
 UNIT = time_unit(PAPER)

@@ -53,7 +53,6 @@ ALLOWED: Mapping[str, Mapping[str, str]] = {
         "comparisons/extremes/judge.py::builds": FOREIGN,
         "comparisons/inspect/mujoco/model.py::Loaded.compiled": "MuJoCo refuses in several ways",
         "comparisons/inspect/mujoco/model.py::load": "MuJoCo refuses in several ways",
-        "comparisons/inspect/mujoco/picture.py::draw": "each OpenGL has errors of its own",
         "comparisons/papers/assess.py::attempt": "runs engines and matplotlib",
     },
     "module_caches": {

@@ -7,9 +7,9 @@ from itertools import pairwise
 import numpy as np
 from scipy.optimize import brentq
 
-from ...scene import Array
-from .numbers import EPS, Numbers, check, pull
-from .ritz import ROUNDING
+from mbcheck.reference.rotating_beam.frequencies.numbers import EPS, Numbers, check, pull
+from mbcheck.reference.rotating_beam.frequencies.ritz import ROUNDING
+from mbcheck.reference.scene import Array
 
 TERMS = 40
 """Of the series; with steps this short they decay below rounding."""
