@@ -1,5 +1,6 @@
 """Texts with numbers in them, compared."""
 
+import math
 import re
 from decimal import Decimal
 
@@ -13,6 +14,36 @@ def agree(text: str, other: str) -> bool:
     if NUMBER.sub("#", text) != NUMBER.sub("#", other):
         return False
     return all(map(_alike, NUMBER.findall(text), NUMBER.findall(other)))
+
+
+COUNTED = re.compile(rf"({NUMBER.pattern})(%?)")
+POINTS = re.compile(r"(\d+) (?:\w+ )?points")
+
+
+def agree_by_chance(text: str, other: str, points: int) -> bool:
+    """Return whether two texts have the same words, and counts that differ as chance allows.
+
+    For counts of points of which a part is chaotic: these hang on the last bit of a processor's
+    sine. Counts n may differ by 2 sqrt(n), and shares p of so many points by
+    2 sqrt(p (1 - p) / points), two standard deviations; other numbers as for `agree`.
+    """
+    if NUMBER.sub("#", text) != NUMBER.sub("#", other):
+        return False
+    return all(
+        _alike(one, two) or abs(float(one) - float(two)) <= _chance(one, percent, points)
+        for (one, percent), (two, _) in zip(
+            COUNTED.findall(text), COUNTED.findall(other), strict=True
+        )
+    )
+
+
+def _chance(text: str, percent: str, points: int) -> float:
+    """Return two standard deviations of a written count, or of a share in per cent."""
+    value = float(text)
+    if percent:
+        share = min(max(value / 100, 1 / points), 1 - 1 / points)
+        return 200 * math.sqrt(share * (1 - share) / points)
+    return 2 * math.sqrt(max(value, 1.0)) if text.isdigit() else 0.0
 
 
 def _alike(one: str, other: str) -> bool:
