@@ -9,13 +9,16 @@ from collections.abc import Iterable
 class MbcheckError(Exception):
     """Base of every error that mbcheck raises on purpose.
 
-    Attributes
+    Parameters
     ----------
-    traceback : str
+    message : str
+    traceback : str, optional
         Where foreign code raised what led to it, for its author; empty if none did.
     """
 
-    traceback = ""
+    def __init__(self, message: str = "", traceback: str = "") -> None:
+        super().__init__(message)
+        self.traceback = traceback
 
 
 class UsageError(MbcheckError):
@@ -77,10 +80,9 @@ class EngineError(MbcheckError):
     """
 
     def __init__(self, kind: str, message: str, traceback: str = "") -> None:
-        super().__init__(message)
+        super().__init__(message, traceback)
         self.kind = kind
         self.message = message
-        self.traceback = traceback
 
     def __reduce__(self) -> tuple[type[EngineError], tuple[str, str, str]]:
         """Pickle by all arguments, so that the error survives a process boundary."""
@@ -89,3 +91,7 @@ class EngineError(MbcheckError):
 
 class EngineUnavailableError(UsageError):
     """An engine cannot be imported on this machine."""
+
+
+class BrokenEngineError(EngineUnavailableError):
+    """An engine that is there fails as it is loaded, or as checks of it are planned."""

@@ -10,6 +10,7 @@ from time import perf_counter
 
 from ...reference import get_scene
 from ...reference.errors import (
+    BrokenEngineError,
     CannotJudgeError,
     EngineError,
     EngineUnavailableError,
@@ -267,15 +268,27 @@ def plan_cases(
         for kind in kinds_of(case)
         if not kinds or kind in kinds
         for engine in engines
-        for check in checks_of(kind, case, engine)
+        for check in planned(kind, case, engine)
         if full or not check.full_only
         if not methods or (check.method is not None and check.method.name in methods)
     ]
+    failed = broken_engines(engines)
+    checks = [check for check in checks if (check.loaded_as or check.engine) not in failed]
     if ids:
         checks = [check for check in checks if matches(check, ids)]
-    if not checks and engines:
+    if not checks and engines and not failed:
         raise UsageError("no check matches; `mbcheck list` shows what there is")
     return checks
+
+
+def planned(kind: str, case: Case, engine_name: str) -> list[Check]:
+    """Return the checks of `checks_of`; none of an engine that has failed as it was asked."""
+    try:
+        return list(checks_of(kind, case, engine_name))
+    except BrokenEngineError as error:
+        if not broken_engines([engine_name]):
+            get_engine(engine_name).failure = error
+        return []
 
 
 QUICK = ("parts", "algebra", "step", "trajectory")

@@ -10,7 +10,7 @@ from typing import Self
 
 from ...models.system import System
 from ...reference import get_scene
-from ...reference.errors import EngineError, UnknownNameError, Unsupported
+from ...reference.errors import BrokenEngineError, EngineError, UnknownNameError, Unsupported
 from ...reference.scene import Array, Case
 from .equations import ModelEquations
 from .protocol import Method, Option
@@ -40,6 +40,8 @@ class Adapter(ABC):
         Position, rate or acceleration (SI) above which it counts a run as failed.
     newton_tolerance : float
         Increment (m, rad) at which Newton's method stops in implicit methods.
+    failure : BrokenEngineError or None
+        How it failed as checks of it were planned, after which it is asked for nothing.
     """
 
     name: str
@@ -51,6 +53,7 @@ class Adapter(ABC):
     least_inertia = 0.0
     largest_value = math.inf
     newton_tolerance = 0.0
+    failure: BrokenEngineError | None = None
 
     @abstractmethod
     def models(self, scene: str) -> tuple[str, ...]:

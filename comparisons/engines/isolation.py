@@ -11,6 +11,7 @@ from __future__ import annotations
 import atexit
 import math
 import os
+import pickle
 import sys
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
@@ -26,7 +27,7 @@ from typing import Any, TypeVar
 from ...reference.cost import keep_budget, time_left
 from ...reference.errors import EngineError, UsageError
 from . import THREADS, use_one_thread
-from .messages import as_ours, encoded, received, sent
+from .messages import Message, decode, encode, encoded, received, sent
 from .run import describe, engine_error, traceback_of
 
 try:
@@ -212,19 +213,26 @@ def set_variables(values: Mapping[str, str | None]) -> None:
 
 
 class Worker:
-    """A process that makes one call at a time; that of an engine has its folder."""
+    """A process that makes one call at a time.
+
+    That of an engine has its folder, and answers in plain data.
+    """
 
     def __init__(self, folder: Path | None = None) -> None:
         context = process_context()
+        self.decoder = decode if folder else pickle.loads
         self.pipe, theirs = context.Pipe()
         lifeline, self.lifeline = context.Pipe(duplex=False)
         # a daemon may start no process, and one that makes checks starts one for each engine
         inner = SERVING in os.environ
         paths = {name: os.environ.get(name) for name in PATHS}
-        self.process = context.Process(
-            target=serve, args=(theirs, lifeline, folder, paths), daemon=inner
-        )
-        self.process.start()
+        work = {"target": serve, "args": (theirs, lifeline, folder, paths), "daemon": inner}
+        try:
+            self.process = context.Process(**work)
+            self.process.start()
+        except (OSError, EOFError):  # an engine has ended the server, or removed its socket
+            self.process = get_context("spawn").Process(**work)
+            self.process.start()
         atexit.register(self.end)
         theirs.close()
         lifeline.close()
@@ -236,16 +244,16 @@ class Worker:
         self.seconds = min((x for x in (seconds, time_left()) if x is not None), default=math.inf)
         self.deadline = monotonic() + START + self.seconds
         self.megabytes = megabytes
-        sent(self.pipe, (call, seconds, megabytes))
+        sent(self.pipe, pickle.dumps((call, seconds, megabytes)))
 
     def ended(self) -> bool:
         """Return whether the call has ended, and put into ``outcome`` how."""
         try:
             while self.pipe.poll():
-                done, self.outcome = received(self.pipe)
+                done, self.outcome = received(self.pipe, self.decoder)
                 if done:
                     return True
-                self.deadline = monotonic() + self.seconds
+                self.deadline = min(self.deadline, monotonic() + self.seconds)
         except (EOFError, OSError):
             self.process.join(GRACE)
             end_group(self.process.pid)
@@ -315,20 +323,20 @@ def serve(
     end_with_program(lifeline)
     with suppress(OSError):  # foreign code has closed the pipe
         while True:
-            answer_next(pipe)
+            answer_next(pipe, encode if folder else pickle.dumps)
 
 
-def answer_next(pipe: Connection) -> None:
+def answer_next(pipe: Connection, encoder: Callable[[Message], bytes]) -> None:
     """Make the next call that comes through a pipe, or end this process if there is none."""
     try:
         call, *limits = pipe.recv()
     except EOFError:
         raise BrokenPipeError from None
     except BaseException as error:  # whatever a foreign module raises as it is imported
-        pipe.send_bytes(encoded((True, engine_error(error))))
+        pipe.send_bytes(encoded(encoder, (True, engine_error(error))))
     else:
-        pipe.send_bytes(encoded((False, None)))
-        pipe.send_bytes(encoded((True, outcome(call, *limits))))
+        pipe.send_bytes(encoded(encoder, (False, None)))
+        pipe.send_bytes(encoded(encoder, (True, outcome(call, *limits))))
 
 
 def forget_files(*needed: int) -> None:
@@ -381,7 +389,7 @@ def outcome(call: Callable[[], Any], seconds: float | None, megabytes: float | N
         with limited_memory(megabytes):
             return call()
     except EngineError as error:
-        return as_ours(error)
+        return error
     except MemoryError as error:
         limit = "" if megabytes is None else f", limited to {megabytes:g} MB"
         reason = f"no more memory{limit}: {describe(error, '')}"

@@ -6,7 +6,7 @@ import importlib
 import importlib.util
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, redirect_stdout
+from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cache, partial
 from importlib.metadata import EntryPoint, entry_points
@@ -14,13 +14,18 @@ from pathlib import Path
 from typing import Any
 
 from ...reference import SCENES
-from ...reference.errors import EngineUnavailableError, UnknownNameError, UsageError
+from ...reference.errors import (
+    BrokenEngineError,
+    EngineUnavailableError,
+    UnknownNameError,
+    UsageError,
+)
 from .adapter import Adapter
 from .plugin.adapter import PluginAdapter, adapt, adapted
 from .plugin.validation import as_engine, attributes
 from .protocol import Engine
-from .remote import BrokenEngineError, Description, RemoteEngine, loading_error
-from .run import IN_SIGHT, describe, traceback_of
+from .remote import RemoteEngine
+from .run import IN_SIGHT, captured, engine_error
 
 REFERENCE = "reference"
 """What the other engines are checked against."""
@@ -138,11 +143,10 @@ def get_engine(name: str) -> Adapter:
     UsageError
         If a plugged-in engine does not follow the protocol.
     """
-    if name in _named:
-        return _named[name]
-    engine = _loaded(name)
-    if isinstance(engine, BrokenEngineError):
-        raise engine
+    engine = _named.get(name) or _loaded(name)
+    failure = engine if isinstance(engine, BrokenEngineError) else engine.failure
+    if failure is not None:
+        raise failure
     return engine
 
 
@@ -257,14 +261,14 @@ def remote_plugin(name: str) -> PluginAdapter:
         engine = RemoteEngine(partial(describe_plugin, name), partial(plugin_here, name))
     except BrokenEngineError as error:
         reason = f"{error}".removeprefix(f"engine {name}: ")
-        raise loading_error(f"engine {name}: {reason}", error.traceback) from error
-    return adapted(engine, engine.description.author, engine.description.functions)
+        raise BrokenEngineError(f"engine {name}: {reason}", error.traceback) from error
+    return adapt(name, engine)
 
 
-def describe_plugin(name: str) -> Description:
-    """Return what a plugged-in engine of this process says of itself."""
+def describe_plugin(name: str) -> dict[str, Any]:
+    """Return the attributes of a plugged-in engine of this process, and its own functions."""
     adapter = load_plugin(name)
-    return Description(attributes(adapter.inner), adapter.functions, adapter.author)
+    return attributes(adapter.inner) | {"functions": sorted(adapter.functions)}
 
 
 @cache
@@ -311,11 +315,9 @@ def _register(engine: PluginAdapter) -> Adapter:
     """
     if engine.name in ENGINES:
         raise UsageError(f"an engine calls itself {engine.name}: choose another name for it")
-    other = _named.setdefault(engine.name, engine)
-    alike = isinstance(other, PluginAdapter) and other.author is engine.author
-    if not alike or (other.version, other.methods) != (engine.version, engine.methods):
+    if _named.setdefault(engine.name, engine) is not engine:
         raise UsageError(f"two engines call themselves {engine.name}: rename one")
-    return other
+    return engine
 
 
 @contextmanager
@@ -346,15 +348,16 @@ def _imported(module: str, attribute: str) -> Any:
             f"engine {module}:{attribute}: give the module's name, without .py or a path"
         )
     try:
-        with redirect_stdout(sys.stderr):  # which may be for a document
+        with captured() as console:
             loaded = importlib.import_module(module)
     except ModuleNotFoundError as error:
         raise EngineUnavailableError(
             f"{module} cannot be imported (ModuleNotFoundError: {error})"
         ) from error
     except BaseException as error:  # whatever a foreign module raises
-        reason = f"{module} cannot be imported ({describe(error, '')})"
-        raise loading_error(reason, traceback_of(error)) from error
+        told = engine_error(error, console.text)
+        reason = f"{module} cannot be imported ({told.message})"
+        raise BrokenEngineError(reason, told.traceback) from error
     try:
         place: Any = loaded
         for part in attribute.split("."):

@@ -272,39 +272,42 @@ IN_SIGHT: ContextVar[bool] = ContextVar("IN_SIGHT", default=False)
 
 
 class Console:
-    """What was written to standard output and error while `contained` was active."""
+    """What was written to standard output and error while `captured` was active."""
 
     text = ""
 
 
 @contextmanager
-def contained(console: Console | None = None) -> Iterator[Console]:
-    """Run engine code in a temporary working directory, with the console captured.
+def captured(console: Console | None = None) -> Iterator[Console]:
+    """Capture what is written to the console, unless engines' console is the user's.
 
     Engines log from C code, so the file descriptors themselves are redirected.
     """
     console = console or Console()
     if IN_SIGHT.get():
-        with tempfile.TemporaryDirectory() as folder, chdir(folder):
-            yield console
+        yield console
         return
-    home = Path.cwd()
     flush()
-    with tempfile.TemporaryFile() as log, tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryFile() as log:
         saved = os.dup(1), os.dup(2)
         os.dup2(log.fileno(), 1)
         os.dup2(log.fileno(), 2)
-        os.chdir(folder)
         try:
             yield console
         finally:
             flush()
-            os.chdir(home)
             for target, copy in enumerate(saved, start=1):
                 os.dup2(copy, target)
                 os.close(copy)
             log.seek(0)
             console.text = log.read().decode(errors="replace").strip()
+
+
+@contextmanager
+def contained(console: Console | None = None) -> Iterator[Console]:
+    """Run engine code in a temporary working directory, with the console captured."""
+    with captured(console) as caught, tempfile.TemporaryDirectory() as folder, chdir(folder):
+        yield caught
 
 
 def flush() -> None:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext, redirect_stdout
+from contextlib import AbstractContextManager, nullcontext
 from copy import copy
 from dataclasses import replace
 from functools import lru_cache, partial
@@ -19,13 +18,18 @@ from ....models.mechanism import joint_places, mechanism
 from ....models.placement import world_axes
 from ....models.system import System
 from ....reference import get_scene
-from ....reference.errors import CannotJudgeError, EngineError, UsageError
+from ....reference.errors import (
+    BrokenEngineError,
+    CannotJudgeError,
+    EngineError,
+    EngineUnavailableError,
+    UsageError,
+)
 from ....reference.scene import Array, Case
 from ..equations import ModelEquations, scene_equations
 from ..mjcf import MjcfAdapter
 from ..protocol import Engine, Method, Motion, Option, OwnModel
-from ..remote import loading_error
-from ..run import VIOLATIONS, Trajectory, attempt, describe, traceback_of
+from ..run import VIOLATIONS, Trajectory, attempt, captured, engine_error
 from .linear import linearise
 from .planning import UNKNOWN_SOFTNESS, description, own_reason
 from .reordered import Reordered
@@ -69,8 +73,6 @@ class PluginAdapter(MjcfAdapter):
     Attributes
     ----------
     inner : Engine
-    author : str
-        Module and name of the class that its author wrote.
     functions : frozenset of str
         Which of the optional functions the engine has.
     closure_time : float or None
@@ -79,10 +81,8 @@ class PluginAdapter(MjcfAdapter):
 
     closure_time: float | None = None
 
-    def __init__(self, inner: Engine, author: str = "", functions: Any = None) -> None:
-        kind = type(inner)
-        self.author = author or f"{kind.__module__}.{kind.__qualname__}"
-        self.functions = own_functions(inner) if functions is None else frozenset(functions)
+    def __init__(self, inner: Engine) -> None:
+        self.functions = own_functions(inner)
         self.name, self.version, self.methods = inner.name, inner.version, tuple(inner.methods)
         self.reads_mjcf = bool(inner.reads_mjcf)
         self.precision, self.closure = inner.precision, inner.closure
@@ -183,7 +183,7 @@ class PluginAdapter(MjcfAdapter):
 
     def reordered(self, order: tuple[int, ...], inputs_too: bool) -> Self:
         """Return the engine with its answers taken for those of joints in another order."""
-        return type(self)(Reordered(self.inner, order, inputs_too), self.author)
+        return type(self)(Reordered(self.inner, order, inputs_too))
 
     def joint_system(self, case: Case, model: str) -> System:
         """Return what the engine is told of a case."""
@@ -471,27 +471,28 @@ def adapt(name: str, offered: Any) -> PluginAdapter:
 
     Raises
     ------
-    UsageError
-        If it does not follow the protocol; says in what.
+    BrokenEngineError
+        If the class raises anything, or does not follow the protocol; says in what.
     EngineUnavailableError
-        If the class raises it, for want of a library, or anything else.
+        If the class raises it, for want of a library.
     """
     try:
-        with redirect_stdout(sys.stderr):  # which may be for a document
-            author = offered() if isinstance(offered, type) else offered
-    except UsageError:
+        with captured() as console:
+            engine = declared(name, offered() if isinstance(offered, type) else offered)
+    except EngineUnavailableError:
         raise
+    except UsageError as error:
+        raise BrokenEngineError(f"{error}", error.traceback) from error
     except BaseException as error:  # whatever a foreign class raises
-        reason = describe(error, "").replace(":", " on creation:", 1)
-        raise loading_error(f"engine {name}: {reason}", traceback_of(error)) from error
-    kind = type(author)
-    return adapted(declared(name, author), f"{kind.__module__}.{kind.__qualname__}")
+        told = engine_error(error, console.text)
+        reason = told.message.replace(":", " on creation:", 1)
+        raise BrokenEngineError(f"engine {name}: {reason}", told.traceback) from error
+    return adapted(engine)
 
 
-def adapted(inner: Engine, author: str = "", functions: Any = None) -> PluginAdapter:
+def adapted(inner: Engine) -> PluginAdapter:
     """Return the adapter of an engine: another one if it tells of models of its own."""
     from .own import OwnModelsAdapter
 
-    functions = own_functions(inner) if functions is None else functions
-    own = not inner.reads_mjcf and bool({"models", "own_model"} & frozenset(functions))
-    return (OwnModelsAdapter if own else PluginAdapter)(inner, author, functions)
+    own = not inner.reads_mjcf and bool({"models", "own_model"} & own_functions(inner))
+    return (OwnModelsAdapter if own else PluginAdapter)(inner)

@@ -37,7 +37,7 @@ class OwnModelsAdapter(PluginAdapter):
         if "models" not in self.functions:
             return (OWN,)
         try:
-            return ahead(self.name, "models", lambda: names_of(self.name, self.inner.models(scene)))
+            return ahead(self.name, "models", lambda: names_of(self.inner.models(scene)))
         except Unsupported:
             return ()
 

@@ -14,17 +14,17 @@ import numpy as np
 from ....models.system import System
 from ....reference import get_scene
 from ....reference.errors import (
+    BrokenEngineError,
     EngineError,
     MbcheckError,
     UnknownNameError,
     Unsupported,
-    UsageError,
 )
 from ....reference.scene import Case, EquationsOfMotion
 from ..equations import ModelEquations, scene_equations
 from ..protocol import Method, OwnModel
 from ..run import call_engine
-from .validation import in_short, refuse_name
+from .validation import in_short, refuse_many, refuse_name
 
 if TYPE_CHECKING:
     from .adapter import PluginAdapter
@@ -43,7 +43,7 @@ def own_reason(one: PluginAdapter, case: Case, model: str, method: Method | None
 
     Raises
     ------
-    UsageError
+    BrokenEngineError
         If it gives no answer.
     """
     try:
@@ -63,7 +63,7 @@ def description(one: PluginAdapter, case: Case, model: str) -> tuple[OwnModel, s
     ------
     UnknownNameError
         If it has none of this name.
-    UsageError
+    BrokenEngineError
         If it gives no answer.
     """
     return described(one, case.scene, model, case.parameters, case.placement)
@@ -102,7 +102,7 @@ def refuse_foreign_equations(name: str, equations: ModelEquations, case: Case) -
 
     Raises
     ------
-    UsageError
+    BrokenEngineError
         Tells the line that raised.
     """
     scene = get_scene(case.scene)
@@ -123,7 +123,8 @@ def refuse_foreign_equations(name: str, equations: ModelEquations, case: Case) -
     what = f"own_model: its equations for {scene.name}"
     missing = set(scene.observables).difference(ahead(name, what, observables))
     if missing:
-        raise UsageError(f"engine {name}: {what} do not tell {', '.join(sorted(missing))}")
+        missed = ", ".join(sorted(missing))
+        raise BrokenEngineError(f"engine {name}: {what} do not tell {missed}")
 
 
 def ahead(name: str, function: str, work: Callable[[], T]) -> T:
@@ -131,31 +132,39 @@ def ahead(name: str, function: str, work: Callable[[], T]) -> T:
 
     Raises
     ------
-    UsageError
+    Unsupported
+        If it cannot do what it was asked for.
+    BrokenEngineError
         If it gives no answer; tells the line of its code that raised.
     """
     try:
         return call_engine(work)
-    except EngineError as error:
-        lines = re.findall(r'File "([^"]+)", line (\d+)', f"{error.traceback}")
+    except Unsupported:
+        raise
+    except MbcheckError as error:
+        lines = re.findall(r'File "([^"]+)", line (\d+)', error.traceback)
         place = "".join(f" ({Path(file).name}, line {line})" for file, line in lines[-1:])
-        raise UsageError(f"engine {name}: {function}: {error.message}{place}") from error
+        reason = f"engine {name}: {function}: {error}{place}"
+        raise BrokenEngineError(reason, error.traceback) from error
 
 
-def names_of(name: str, answer: Any) -> tuple[str, ...]:
+def names_of(answer: Any) -> tuple[str, ...]:
     """Return the names of models that an engine tells.
 
     Raises
     ------
     EngineError
-        ``returned``, if they cannot stand in ids of results.
+        ``returned``, if they are no names, or too many.
+    UsageError
+        If they cannot stand in ids of results.
     """
     if not isinstance(answer, tuple | list):
         raise EngineError(
             "returned", f"models must return a tuple of names, not {in_short(answer)}"
         )
+    refuse_many("models", answer)
     for model in answer:
-        refuse_name(f"engine {name} calls a model", model)
+        refuse_name("it calls a model", model)
     if len(set(answer)) < len(answer):
         raise EngineError("returned", f"two models have the same name: {', '.join(answer)}")
     return tuple(answer)

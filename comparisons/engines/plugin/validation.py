@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from copy import copy
 from typing import Any
 
@@ -22,8 +22,12 @@ from ..run import VIOLATIONS, grid_indices
 PRECISIONS = ("float64", "float32")
 CLOSURES = ("rigid", "mjcf", "soft")
 
-LONGEST_NAME = 63
-"""Characters of the name of an engine or a method: it stands in ids and in tables."""
+LONGEST_NAME, LONGEST_VERSION = 63, 200
+"""Characters of the name of an engine or a method, which stands in ids and in tables, and of the
+version of an engine."""
+
+MAX_NAMES = 100
+"""Methods of an engine, or models of a scene, above which it is refused: each has its checks."""
 
 
 def numbers(what: str, value: Any, shape: tuple[int, ...], finite: bool = False) -> Array:
@@ -35,9 +39,12 @@ def numbers(what: str, value: Any, shape: tuple[int, ...], finite: bool = False)
         ``returned``, with what is wrong.
     """
     try:
-        if value is None or np.iscomplexobj(value) or np.ma.is_masked(value):
+        array = np.asarray(value)
+        if array.dtype.kind == "O":  # as made of single numbers
+            array = np.asarray(array.tolist())
+        if array.dtype.kind not in "biuf" or np.ma.is_masked(value):
             raise TypeError
-        array = np.array(value, dtype=float)
+        array = np.array(array, dtype=float)
     except (TypeError, ValueError):
         raise EngineError(
             "returned", f"{what} must be real numbers, not {in_short(value)}"
@@ -234,11 +241,19 @@ def declared(name: str, author: Any) -> Engine:
         if not hasattr(author, attribute):
             raise UsageError(f"engine {name} has no {attribute}; see docs/engines.md")
     refuse_name(f"engine {name} calls itself", author.name)
-    if not (isinstance(author.version, str) and author.version.isprintable() and author.version):
-        raise UsageError(f"engine {name}: version must be text, not {in_short(author.version)}")
+    if not (
+        isinstance(author.version, str)
+        and author.version.isprintable()
+        and 0 < len(author.version) <= LONGEST_VERSION
+    ):
+        raise UsageError(
+            f"engine {name}: version must be text of at most {LONGEST_VERSION} characters, "
+            f"not {in_short(author.version)}"
+        )
     methods = author.methods
     if not isinstance(methods, tuple | list) or not methods:
         raise UsageError(f"engine {name}: methods must be a tuple of mbcheck.Method")
+    refuse_many(f"engine {name}: methods", methods)
     for method in methods:
         refuse_method(name, method)
     names = [method.name for method in methods]
@@ -257,7 +272,9 @@ def declared(name: str, author: Any) -> Engine:
             f'engine {name}: own_model needs reads_mjcf = False, or closure = "soft"; {RENAME}'
         )
     words = [("precision", engine.precision, PRECISIONS), ("closure", engine.closure, CLOSURES)]
-    words += [("precision", one.precision, PRECISIONS) for one in methods if one.precision]
+    words += [
+        ("precision", one.precision, PRECISIONS) for one in methods if one.precision is not None
+    ]
     for attribute, word, allowed in words:
         if word not in allowed:
             raise UnknownNameError(
@@ -375,6 +392,17 @@ def refuse_signature(name: str, function: str, call: Any, arguments: int) -> Non
 
 
 RENAME = "rename it if it is a helper of yours"
+
+
+def refuse_many(what: str, names: Collection[Any]) -> None:
+    """Refuse more methods or models than checks can be planned of.
+
+    Raises
+    ------
+    UsageError
+    """
+    if len(names) > MAX_NAMES:
+        raise UsageError(f"{what}: {len(names)} are more than {MAX_NAMES}: leave some out")
 
 
 def refuse_name(what: str, name: Any) -> None:
