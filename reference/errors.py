@@ -18,6 +18,7 @@ class MbcheckError(Exception):
 
     def __init__(self, message: str = "", traceback: str = "") -> None:
         super().__init__(message)
+        self.message = message
         self.traceback = traceback
 
 
@@ -82,7 +83,6 @@ class EngineError(MbcheckError):
     def __init__(self, kind: str, message: str, traceback: str = "") -> None:
         super().__init__(message, traceback)
         self.kind = kind
-        self.message = message
 
     def __reduce__(self) -> tuple[type[EngineError], tuple[str, str, str]]:
         """Pickle by all arguments, so that the error survives a process boundary."""

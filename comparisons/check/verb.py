@@ -149,8 +149,8 @@ def new_file(
 @click.option(
     "--in-process",
     is_flag=True,
-    help="Run engines named as package.module:Class in this process, for a debugger: their console "
-    "is yours, and what they take down is the run.",
+    help="Run engines that others plug in in this process, for a debugger: their console is yours, "
+    "and what they take down is the run.",
 )
 @budget_option(QUERY)
 @QUIET

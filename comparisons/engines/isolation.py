@@ -9,6 +9,7 @@ reads its call breaks the pool, and no pool limits memory. Hence a pipe for each
 from __future__ import annotations
 
 import atexit
+import ctypes
 import math
 import os
 import pickle
@@ -19,6 +20,7 @@ from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from multiprocessing import forkserver, get_all_start_methods, get_context
 from multiprocessing.connection import Connection, wait
+from multiprocessing.util import get_temp_dir
 from pathlib import Path
 from signal import SIG_DFL, SIGINT, Signals, signal
 from time import monotonic
@@ -27,7 +29,7 @@ from typing import Any, TypeVar
 from ...reference.cost import keep_budget, time_left
 from ...reference.errors import EngineError, UsageError
 from . import THREADS, use_one_thread
-from .messages import Message, decode, encode, encoded, received, sent
+from .messages import encoded, received, sent
 from .run import describe, engine_error, traceback_of
 
 try:
@@ -46,6 +48,9 @@ MEMORY = 4096.0 if STATM.exists() else None
 
 SIGKILL = 9
 """Absent from `signal` on Windows, which has no groups of processes to send it to."""
+
+PR_SET_CHILD_SUBREAPER = 36
+"""Of Linux' prctl."""
 
 SERVING = "MBCHECK_WORKER"
 """Variable of the environment of a process that makes calls for another one: its folder."""
@@ -220,7 +225,7 @@ class Worker:
 
     def __init__(self, folder: Path | None = None) -> None:
         context = process_context()
-        self.decoder = decode if folder else pickle.loads
+        self.plain = folder is not None
         self.pipe, theirs = context.Pipe()
         lifeline, self.lifeline = context.Pipe(duplex=False)
         # a daemon may start no process, and one that makes checks starts one for each engine
@@ -250,7 +255,7 @@ class Worker:
         """Return whether the call has ended, and put into ``outcome`` how."""
         try:
             while self.pipe.poll():
-                done, self.outcome = received(self.pipe, self.decoder)
+                done, self.outcome = received(self.pipe, self.plain)
                 if done:
                     return True
                 self.deadline = min(self.deadline, monotonic() + self.seconds)
@@ -284,12 +289,15 @@ class Worker:
         return known.get(-code, f"signal {-code}") + limit
 
     def end(self) -> None:
-        """Kill the process, whatever it does."""
+        """Kill the process, whatever it does, and those that it has started."""
+        if self.process.is_alive():
+            end_descendants(self.process.pid)
         end_group(self.process.pid)
         self.process.kill()
         self.process.join()
         self.pipe.close()
         self.lifeline.close()
+        os.makedirs(get_temp_dir(), exist_ok=True)  # which an engine may have removed, as it ends
         atexit.unregister(self.end)
 
 
@@ -323,20 +331,20 @@ def serve(
     end_with_program(lifeline)
     with suppress(OSError):  # foreign code has closed the pipe
         while True:
-            answer_next(pipe, encode if folder else pickle.dumps)
+            answer_next(pipe, folder is not None)
 
 
-def answer_next(pipe: Connection, encoder: Callable[[Message], bytes]) -> None:
+def answer_next(pipe: Connection, plain: bool) -> None:
     """Make the next call that comes through a pipe, or end this process if there is none."""
     try:
         call, *limits = pipe.recv()
     except EOFError:
         raise BrokenPipeError from None
     except BaseException as error:  # whatever a foreign module raises as it is imported
-        pipe.send_bytes(encoded(encoder, (True, engine_error(error))))
+        pipe.send_bytes(encoded((True, engine_error(error)), plain))
     else:
-        pipe.send_bytes(encoded(encoder, (False, None)))
-        pipe.send_bytes(encoded(encoder, (True, outcome(call, *limits))))
+        pipe.send_bytes(encoded((False, None), plain))
+        pipe.send_bytes(encoded((True, outcome(call, *limits)), plain))
 
 
 def forget_files(*needed: int) -> None:
@@ -353,10 +361,15 @@ def forget_files(*needed: int) -> None:
 
 
 def lead_group() -> None:
-    """Make this process the leader of a group, by which its children are ended with it."""
+    """Make this process the leader of a group, by which its children are ended with it.
+
+    On Linux those that lose their parent become its own.
+    """
     if hasattr(os, "setpgid"):  # not on Windows
         with suppress(OSError):
             os.setpgid(0, 0)
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
 
 
 def end_group(leader: int | None) -> None:
@@ -365,6 +378,18 @@ def end_group(leader: int | None) -> None:
         return
     with suppress(OSError):  # none is left
         os.killpg(leader, SIGKILL)
+
+
+def end_descendants(pid: int) -> None:
+    """Kill what a process has started, sessions of their own included, where Linux lists it."""
+    family = [pid]
+    for one in family:
+        with suppress(OSError):
+            for thread in Path(f"/proc/{one}/task").iterdir():
+                family += map(int, (thread / "children").read_text().split())
+    for one in family[1:]:
+        with suppress(OSError):  # it has ended meanwhile
+            os.kill(one, SIGKILL)
 
 
 def end_with_program(lifeline: Connection) -> None:

@@ -7,10 +7,11 @@ numbers, text, arrays and objects of the classes listed here, and runs nothing.
 from __future__ import annotations
 
 import json
+import pickle
 from base64 import b64decode, b64encode
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import fields
+from inspect import signature
 from multiprocessing.connection import Connection
 from threading import Thread
 from typing import Any
@@ -30,14 +31,14 @@ from .plugin.validation import in_short
 from .protocol import Method, Motion, Option, OwnModel
 from .run import describe, engine_error, excerpt, in_sight
 
-OBJECTS = {one.__name__: one for one in (Method, Motion, Option, OwnModel)}
-"""Classes of the protocol whose objects a message may hold."""
-
-ERRORS: dict[str, type[MbcheckError]] = {
+CLASSES: dict[str, type] = {
     one.__name__: one
-    for one in (BrokenEngineError, EngineUnavailableError, Unsupported, CannotJudgeError)
-} | {"EngineError": EngineError, "UsageError": UsageError}
-"""Errors that a message may hold; a subclass comes before its base."""
+    for one in (
+        Method, Motion, Option, OwnModel, BrokenEngineError, EngineUnavailableError, UsageError,
+        Unsupported, CannotJudgeError, EngineError, MbcheckError,
+    )
+}  # fmt: skip
+"""Classes whose objects a message may hold, each before those that it derives from."""
 
 MAX_BYTES = 1 << 28
 """Length of a message above which it is refused before memory is taken for it."""
@@ -46,7 +47,7 @@ MAX_VALUES = 1 << 22
 """Number of values outside arrays above which a message is refused before it is parsed."""
 
 MAX_TEXT = 2000
-"""Characters that are kept of a text."""
+"""Characters that are kept of a text; of a traceback there are more."""
 
 SECONDS = 20.0
 """Time in which a message must have come that has begun."""
@@ -55,58 +56,30 @@ Message = tuple[bool, Any]
 """Whether a call has ended, and its result."""
 
 
-def encode(message: Message) -> bytes:
-    """Return a message of foreign code as JSON.
-
-    Raises
-    ------
-    TypeError
-        For what is no plain data.
-    """
-    return json.dumps(message, default=as_plain).encode()
-
-
 def as_plain(value: Any) -> Any:
-    """Return an object of the protocol, an error, a mapping or an array as JSON can hold it.
+    """Return an object, an error, a mapping or an array in the form that JSON can hold.
 
     Raises
     ------
     TypeError
         For anything else.
     """
-    for name, kind in OBJECTS.items():
+    if isinstance(value, Exception) and not isinstance(value, MbcheckError):
+        value = engine_error(value)
+    for name, kind in CLASSES.items():
         if isinstance(value, kind):
-            return {"type": name} | {one.name: getattr(value, one.name) for one in fields(kind)}
-    if isinstance(value, Exception):
-        error = value if isinstance(value, MbcheckError) else engine_error(value)
-        name = next((name for name, kind in ERRORS.items() if isinstance(error, kind)), "UsageError")
-        texts = {"message": in_sight(f"{error}", MAX_TEXT), "traceback": excerpt(error.traceback)}
-        return {"type": name, "kind": error.kind if name == "EngineError" else "", **texts}
+            return {"type": name} | {part: getattr(value, part) for part in signature(kind).parameters}
     if isinstance(value, Mapping):
         return dict(value)
     array = np.asarray(value)
+    if array.ndim and array.dtype.kind == "O":
+        return array.tolist()
     if array.dtype.kind not in "biuf" or np.ma.is_masked(value):
-        if array.dtype.kind == "O" and array.ndim:
-            return array.tolist()
         raise TypeError(f"{in_short(value)} is no plain data")
-    if not array.ndim:
-        return float(array) if array.dtype.kind == "f" else array.item()
+    if not array.ndim and array.dtype.kind != "f":
+        return array.item()
     data = b64encode(array.astype("<f8").tobytes()).decode()
     return {"type": "array", "shape": array.shape, "data": data}
-
-
-def decode(message: bytes) -> Message:
-    """Return the message that JSON holds.
-
-    Raises
-    ------
-    ValueError, TypeError, KeyError, RecursionError
-        If it has another form.
-    """
-    if sum(map(message.count, (b",", b"[", b"{"))) > MAX_VALUES:
-        raise ValueError(f"more than {MAX_VALUES} values outside arrays")
-    ended, result = json.loads(message)
-    return bool(ended), from_plain(result)
 
 
 def from_plain(value: Any) -> Any:
@@ -114,7 +87,7 @@ def from_plain(value: Any) -> Any:
 
     Raises
     ------
-    ValueError, TypeError, KeyError
+    ValueError, TypeError, KeyError, RecursionError
         If it has another form.
     """
     if isinstance(value, str):
@@ -127,29 +100,41 @@ def from_plain(value: Any) -> Any:
     if name == "array":
         data = b64decode(value["data"], validate=True)
         return np.frombuffer(data, "<f8").reshape(value["shape"])
-    parts = {in_sight(key, MAX_TEXT): from_plain(part) for key, part in value.items()}
-    if name is None:
-        return parts
-    if name in OBJECTS:
-        return OBJECTS[name](**parts)
-    told = f"{parts['message']}", excerpt(value["traceback"])
-    return EngineError(f"{parts['kind']}", *told) if name == "EngineError" else ERRORS[name](*told)
+    parts = {
+        in_sight(key, MAX_TEXT): excerpt(part) if key == "traceback" else from_plain(part)
+        for key, part in value.items()
+    }
+    return parts if name is None else CLASSES[name](**parts)
 
 
-def encoded(encoder: Callable[[Message], bytes], message: Message) -> bytes:
+def encoded(message: Message, plain: bool) -> bytes:
     """Return a message as bytes; an `EngineError` in place of a result that cannot be sent."""
     try:
-        data = encoder(message)
+        data = json.dumps(message, default=as_plain).encode() if plain else pickle.dumps(message)
         if len(data) > MAX_BYTES:
             raise ValueError(f"{len(data)} bytes are more than {MAX_BYTES}")
         return data
     except BaseException as error:  # of whatever the result is made of
         reason = f"its answer cannot be sent: {describe(error, '')}"
-        return encoder((True, EngineError("returned", reason)))
+        return encoded((True, EngineError("returned", reason)), plain)
 
 
-def received(pipe: Connection, decoder: Callable[[bytes], Message]) -> Message:
-    """Return the message whose first bytes have come; an `EngineError` of one that is no answer.
+def decoded(data: bytes, plain: bool) -> Message:
+    """Return a message from bytes; an `EngineError` where they are none."""
+    try:
+        if not plain:
+            return pickle.loads(data)
+        if sum(map(data.count, (b",", b"[", b"{"))) > MAX_VALUES:
+            raise ValueError(f"more than {MAX_VALUES} values outside arrays")
+        ended, result = json.loads(data)
+        return bool(ended), from_plain(result)
+    except Exception as error:  # whatever broken bytes lead to
+        reason = f"what its process sent is no answer: {describe(error, '')}"
+        return True, EngineError("returned", reason)
+
+
+def received(pipe: Connection, plain: bool) -> Message:
+    """Return the message whose first bytes have come, see `decoded`.
 
     A thread reads it: nothing makes sure that the rest of it ever comes.
 
@@ -169,11 +154,7 @@ def received(pipe: Connection, decoder: Callable[[bytes], Message]) -> Message:
     reader.join(SECONDS)
     if not messages:
         raise EOFError
-    try:
-        return decoder(messages[0])
-    except Exception as error:  # whatever broken bytes lead to
-        reason = f"what its process sent is no answer: {describe(error, '')}"
-        return True, EngineError("returned", reason)
+    return decoded(messages[0], plain)
 
 
 def sent(pipe: Connection, data: bytes) -> None:

@@ -170,7 +170,7 @@ def lent(engines: Sequence[Any]) -> Iterator[tuple[str, ...]]:
         if not isinstance(engine, str):
             kind = engine if isinstance(engine, type) else type(engine)
             adapter = adapt(kind.__name__, engine)
-            if adapter.name in (*known(), *objects, *_named):
+            if adapter.name in (*ENGINES, *engines, *objects, *_named):
                 raise UsageError(f"two engines call themselves {adapter.name}: rename one")
             objects[adapter.name] = adapter
     own = iter(objects)
@@ -187,7 +187,7 @@ def lent(engines: Sequence[Any]) -> Iterator[tuple[str, ...]]:
 
 @contextmanager
 def in_this_process(engines: Sequence[str]) -> Iterator[tuple[str, ...]]:
-    """Return the names of engines; each ``package.module:Class`` runs in this process meanwhile.
+    """Return the names of engines; those that others plug in run in this process meanwhile.
 
     Its console is the user's, as a debugger needs it.
 
@@ -196,11 +196,15 @@ def in_this_process(engines: Sequence[str]) -> Iterator[tuple[str, ...]]:
     UsageError
         If there is none, or as of `get_engine`.
     """
-    if not any(":" in name for name in engines):
-        raise UsageError("--in-process is of engines named as --engine package.module:Class")
+    plugins = [name for name in engines if ":" in name or name in offered()]
+    if not plugins:
+        raise UsageError(
+            "--in-process runs engines that others plug in: name one by --engine, with the name of "
+            "its entry point or as package.module:Class"
+        )
     hidden = IN_SIGHT.set(True)
     try:
-        with lent([load_plugin(name).inner if ":" in name else name for name in engines]) as names:
+        with lent([load_plugin(name).inner if name in plugins else name for name in engines]) as names:
             yield names
     finally:
         IN_SIGHT.reset(hidden)

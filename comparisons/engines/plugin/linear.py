@@ -14,7 +14,7 @@ from ....reference import get_scene
 from ....reference.differences import by_differences, one_by_one
 from ....reference.errors import Unsupported
 from ....reference.scene import Array, Case
-from .validation import numbers
+from .validation import matrices, numbers
 
 if TYPE_CHECKING:
     from .adapter import PluginAdapter
@@ -119,10 +119,9 @@ def returned_matrices(
     there = replace(case, state=dict(zip(keys, map(float, state), strict=True)))
     system = engine.joint_system(there, model)
     jacobian = engine.jacobian(case, model, system.joints, state)
-    shape = system.layout.size[1:] * 2
     mass, damping, stiffness = (
-        jacobian @ numbers("linearise", item, shape, finite=True) @ jacobian.T
-        for item in engine.inner.linearise(system)
+        jacobian @ item @ jacobian.T
+        for item in matrices(engine.inner.linearise(system), system.layout.size[1])
     )
     readout = engine.joint_readout(case, model, system)
     return readout.completed(mass, state, case.parameters), damping, stiffness

@@ -18,7 +18,7 @@ from ..run import VIOLATIONS
 from .adapter import OWN, PluginAdapter
 from .linear import linearise
 from .planning import UNKNOWN_SOFTNESS, ahead, description, names_of, own_reason
-from .validation import numbers
+from .validation import matrices, numbers
 
 
 class OwnModelsAdapter(PluginAdapter):
@@ -185,9 +185,4 @@ class OwnModelsAdapter(PluginAdapter):
         """
         if "linearise" not in self.functions:
             return linearise(self, case, model, state)
-        answer = self.inner.linearise(self.system_at(case, model, state))
-        n = len(answer[0])
-        mass, damping, stiffness = (
-            numbers("linearise", item, (n, n), finite=True) for item in answer
-        )
-        return mass, damping, stiffness
+        return matrices(self.inner.linearise(self.system_at(case, model, state)))

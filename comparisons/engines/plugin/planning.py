@@ -24,7 +24,7 @@ from ....reference.scene import Case, EquationsOfMotion
 from ..equations import ModelEquations, scene_equations
 from ..protocol import Method, OwnModel
 from ..run import call_engine
-from .validation import in_short, refuse_many, refuse_name
+from .validation import MAX_NAMES, in_short, refuse_name
 
 if TYPE_CHECKING:
     from .adapter import PluginAdapter
@@ -158,11 +158,11 @@ def names_of(answer: Any) -> tuple[str, ...]:
     UsageError
         If they cannot stand in ids of results.
     """
-    if not isinstance(answer, tuple | list):
+    if not isinstance(answer, tuple | list) or len(answer) > MAX_NAMES:
         raise EngineError(
-            "returned", f"models must return a tuple of names, not {in_short(answer)}"
+            "returned",
+            f"models must return a tuple of names, {MAX_NAMES} at most, not {in_short(answer)}",
         )
-    refuse_many("models", answer)
     for model in answer:
         refuse_name("it calls a model", model)
     if len(set(answer)) < len(answer):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
 from typing import Any
 
@@ -40,8 +40,7 @@ def numbers(what: str, value: Any, shape: tuple[int, ...], finite: bool = False)
     """
     try:
         array = np.asarray(value)
-        if array.dtype.kind == "O":  # as made of single numbers
-            array = np.asarray(array.tolist())
+        array = np.asarray(array.tolist()) if array.dtype.kind == "O" else array
         if array.dtype.kind not in "biuf" or np.ma.is_masked(value):
             raise TypeError
         array = np.array(array, dtype=float)
@@ -55,6 +54,26 @@ def numbers(what: str, value: Any, shape: tuple[int, ...], finite: bool = False)
     if finite and not np.all(np.isfinite(array)):
         raise EngineError("non_finite", f"{what} holds {array[~np.isfinite(array)][0]}")
     return array
+
+
+def matrices(answer: Any, size: int | None = None) -> tuple[Array, Array, Array]:
+    """Return an engine's answer as M, C, K, each (n, n); without a size n is that of M.
+
+    Raises
+    ------
+    EngineError
+        ``returned``, with what is wrong.
+    """
+    try:
+        mass, damping, stiffness = answer
+        n = len(mass) if size is None else size
+    except (TypeError, ValueError):
+        reason = f"linearise must return M, C, K, not {in_short(answer)}"
+        raise EngineError("returned", reason) from None
+    first, second, third = (
+        numbers("linearise", item, (n, n), finite=True) for item in (mass, damping, stiffness)
+    )
+    return first, second, third
 
 
 UNIT, UNITS = 1e-9, 256
@@ -251,9 +270,10 @@ def declared(name: str, author: Any) -> Engine:
             f"not {in_short(author.version)}"
         )
     methods = author.methods
-    if not isinstance(methods, tuple | list) or not methods:
-        raise UsageError(f"engine {name}: methods must be a tuple of mbcheck.Method")
-    refuse_many(f"engine {name}: methods", methods)
+    if not isinstance(methods, tuple | list) or not 0 < len(methods) <= MAX_NAMES:
+        raise UsageError(
+            f"engine {name}: methods must be a tuple of mbcheck.Method, of {MAX_NAMES} at most"
+        )
     for method in methods:
         refuse_method(name, method)
     names = [method.name for method in methods]
@@ -392,17 +412,6 @@ def refuse_signature(name: str, function: str, call: Any, arguments: int) -> Non
 
 
 RENAME = "rename it if it is a helper of yours"
-
-
-def refuse_many(what: str, names: Collection[Any]) -> None:
-    """Refuse more methods or models than checks can be planned of.
-
-    Raises
-    ------
-    UsageError
-    """
-    if len(names) > MAX_NAMES:
-        raise UsageError(f"{what}: {len(names)} are more than {MAX_NAMES}: leave some out")
 
 
 def refuse_name(what: str, name: Any) -> None:
