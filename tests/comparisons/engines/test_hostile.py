@@ -19,7 +19,8 @@ HOSTILE, HARMLESS = plugins.sources(), plugins.harmless()
 
 FEW = (
     "import_exit_0", "init_sys_exit", "version_segfault", "accelerations_own", "simulate_abort",
-    "methods_interrupt", "zero_max", "judge", "version_word", "evil_rows",
+    "methods_interrupt", "zero_max", "judge", "unpickled", "evil_rows", "why_not_5", "why_not_exit_0",
+    "why_not_later", "no_version", "server",
 )  # fmt: skip
 
 REST = [name for name in HOSTILE if name not in FEW]
@@ -34,10 +35,14 @@ def verdicts(
     for name in names:
         Path(f"{name}.py").write_text(HOSTILE[name][0] if name in HOSTILE else HARMLESS[name])
     engines = " ".join(f"--engine {name}:Bad" for name in names)
+    scratch = folder / "emptied"
+    scratch.mkdir()
     done = process(
         "check hula_hoop --kind algebra --kind trajectory --id */point_mass_3hz_60n/* --json - "
-        f"--junit junit.xml --time-limit {limit} --engine right:Right {engines}"
+        f"--junit junit.xml --time-limit {limit} --engine right:Right {engines}",
+        TMPDIR=str(scratch),
     )
+    assert "Traceback" not in done.stderr
     reasons: dict[str, dict[str, str]] = {}
     for item in json.loads(done.stdout)["results"]:
         engine = item["engine"].removesuffix(":Bad")
@@ -48,7 +53,7 @@ def verdicts(
     return done.returncode, reasons
 
 
-def test_ten_are_contained(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_some_are_contained(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     refuse(tmp_path, FEW, monkeypatch, 300)
 
 

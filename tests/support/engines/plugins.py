@@ -6,6 +6,8 @@ and where, is data: `CONTAINED` fail for a reason that is known, `UNTRUE` would 
 
 from __future__ import annotations
 
+import struct
+
 RIGHT = """
 import numpy as np
 import mbcheck
@@ -50,6 +52,13 @@ def fill():
         except OSError: pass
 """
 
+EPSILON = (
+    b"\x80\x04\x88cmbcheck.comparisons.engines.setup\nSetup\nN}\x8c\x07epsilonG"
+    + struct.pack(">d", 1e6)
+    + b"s\x86b\x86."
+)
+"""A pickle that sets `Setup.epsilon` as it is read, on which all tolerances depend."""
+
 PLACES = {
     "import": "{do}\nclass Bad(Right): name = '{name}'",
     "init": "class Bad(Right):\n    name = '{name}'\n    def __init__(self): {do}",
@@ -59,6 +68,8 @@ PLACES = {
     "    def methods(self): {do}; return Right.methods",
     "accelerations": "class Bad(Right):\n    name = '{name}'\n"
     "    def accelerations(self, *a): {do}; return super().accelerations(*a)",
+    "why_not": "class Bad(Right):\n    name = '{name}'\n"
+    "    def why_not(self, *a): {do}",
     "simulate": "class Bad(Right):\n    name = '{name}'\n"
     "    def simulate(self, *a): {do}; return super().simulate(*a)",
 }
@@ -97,19 +108,23 @@ ODD: dict[str, tuple[str, str, str]] = {
         "x its tolerance",
     ),
     "no_numpy": ("sys.modules['numpy'] = None", WRONG, ""),
-    "version_word": ("", "    version = Word('1')\n", "no answer"),
-    "name_word": ("", "    name = Word('name_word')\n", "no answer"),
-    "method_word": ("", "    methods = (mbcheck.Method(Word('RK4'), 4, 'RK44'),)\n", "no answer"),
-    "evil_motion": ("", f"{SIMULATE}        return Reduced()\n", "no answer"),
+    "unpickled": (
+        f"from mbcheck.comparisons.engines import isolation\nsend = isolation.encoded\n"
+        f"def attack(*a, **k):\n    isolation.encoded = send\n    return {EPSILON!r}\n",
+        "    def accelerations(self, *a):\n        isolation.encoded = attack\n"
+        "        return 1.01 * super().accelerations(*a)\n",
+        "no answer",
+    ),
+    "evil_motion": ("", f"{SIMULATE}        return Reduced()\n", "no plain data"),
     "evil_rows": (
         "",
         f"{MOTION}        m.warnings[1] = Reduced()\n        return m\n",
-        "no answer",
+        "no plain data",
     ),
     "evil_values": (
         "",
         f"{SIMULATE}        return mbcheck.Motion([[Reduced()]], [[Reduced()]])\n",
-        "no answer",
+        "no plain data",
     ),
     "function": ("", f"{SIMULATE}        return lambda: 0\n", "cannot be sent"),
     "generator": ("", f"{SIMULATE}        return (i for i in times)\n", "cannot be sent"),
@@ -130,13 +145,40 @@ ODD: dict[str, tuple[str, str, str]] = {
     "complex": (
         "",
         f"{MOTION}        return mbcheck.Motion(m.positions + 0j, m.velocities)\n",
-        "must be real numbers",
+        "no plain data",
     ),
     "huge": ("", f"{SIMULATE}        return np.zeros((1 << 40, 8))\n", "Unable to"),
     "deep_list": (
         "",
         f"{SIMULATE}        x = []\n        for _ in range(10**5): x = [x]\n        return x\n",
         "cannot be sent",
+    ),
+    "own_words": ("", f"{SIMULATE}        return mbcheck.Motion([['1']], [['1']])\n", "real numbers"),
+    "why_not_5": ("", "    def why_not(self, *a): return 5\n", "must return a reason"),
+    "why_not_usage": (
+        "",
+        "    def why_not(self, *a): raise mbcheck.UsageError('not so')\n",
+        "why_not: not so",
+    ),
+    "why_not_later": (
+        "",
+        "    asked = 0\n    def why_not(self, *a):\n        Bad.asked += 1\n"
+        "        return 5 if Bad.asked > 3 else None\n",
+        "must return a reason",
+    ),
+    "server": ("", "    def why_not(self, *a): os.kill(os.getppid(), 9)\n", "exit code 255"),
+    "models_5": ("", "    def models(self, *a): return 5\n", "a tuple of names"),
+    "models_nul": ("", "    def models(self, *a): return ('a\\0',)\n", "calls a model"),
+    "models_many": ("", "    def models(self, *a): return [f'm{i}' for i in range(10**6)]\n", "100"),
+    "own_model_5": ("", "    def own_model(self, *a): return 5\n", "must return an OwnModel"),
+    "no_version": ("", "    version = None\n", "version must be text"),
+    "long_version": ("", "    version = 'x' * 10**8\n", "version must be text"),
+    "nul": ("", "    methods = (mbcheck.Method('R\\0', 1),)\n", "calls a method"),
+    "nan_value": ("", "    largest_value = float('nan')\n", "must be a number"),
+    "thousands": (
+        "",
+        "    methods = tuple(mbcheck.Method(f'm{i}', 4) for i in range(3000))\n",
+        "methods must be a tuple of mbcheck.Method, of 100 at most",
     ),
     "own_group": ("", f"{SIMULATE}        os.killpg(0, 9)\n", "SIGKILL"),
     "stopped": ("", f"{SIMULATE}        os.kill(os.getpid(), signal.SIGSTOP)\n", "not ended"),
@@ -153,6 +195,12 @@ HARMLESS: dict[str, tuple[str, str]] = {
     "prints": ("os.write(1, b'{' * 999); print('x' * 999)", ""),
     "prints_in_a_call": ("", f"{SIMULATE}        os.write(1, b'x' * 999)\n"
                          "        return super().simulate(system, method, step, times)\n"),
+    "word": ("", "    version = Word('1')\n"),
+    "emptied": (
+        "import shutil, tempfile\nassert tempfile.gettempdir().endswith('emptied')\n"
+        "for one in os.scandir(tempfile.gettempdir()): shutil.rmtree(one)",
+        "",
+    ),
     "child": ("subprocess.Popen(['sleep', '600'])", ""),
     "thread": ("threading.Thread(target=time.sleep, args=(600,)).start()", ""),
     "leaving": ("import atexit; atexit.register(os._exit, 0)", ""),
