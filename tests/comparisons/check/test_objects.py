@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -11,7 +13,7 @@ import pytest
 import mbcheck
 from mbcheck.comparisons.engines import registry
 from mbcheck.reference.errors import UsageError
-from mbcheck.tests.support.command import refusal
+from mbcheck.tests.support.command import refusal, succeeds
 from mbcheck.tests.support.engines.solved import Solved
 
 SCRIPT = """
@@ -81,6 +83,54 @@ def test_what_is_no_list_of_engines_is_refused(engines: object, words: str) -> N
         mbcheck.check(["hula_hoop"], engines)  # type: ignore[arg-type]
 
 
+def leave(*_: object) -> None:
+    raise SystemExit(0)
+
+
+def refuse(*_: object) -> None:
+    raise UsageError("the run is over")
+
+
+ANSWERS = {
+    "leaves": (leave, "SystemExit"),
+    "ends": (refuse, "why_not: the run is over"),
+    "number": (lambda *_: 5, "must return a reason or None, not int 5"),
+}
+
+
+def test_what_fails_as_checks_are_planned_is_an_error_of_its_engine() -> None:
+    """Of all engines of a run nothing was checked, or the run ended."""
+    engines = [Solved(RIGHT)]
+    for name, (answer, _) in ANSWERS.items():
+        wrong = Solved(RIGHT)
+        vars(wrong).update(name=name, why_not=answer)
+        engines.append(wrong)
+    report = mbcheck.check(["hula_hoop"], engines, ids=["*/point_mass_3hz_60n/algebra/*"])
+    assert report.exit_code == 1
+    found = {(one.engine, one.verdict): one.reason for one in report.results}
+    assert found.pop(("solved", "pass")) == ""
+    found.pop(("solved", "skipped"), None)
+    for name, (_, words) in ANSWERS.items():
+        assert words in found.pop((name, "error"))
+    assert not found
+
+
+def test_an_engine_of_a_package_runs_in_this_process(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    about = tmp_path / "parcel-1.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: parcel\nVersion: 1\n")
+    (about / "entry_points.txt").write_text("[mbcheck.engines]\nmine = parcel:MyEngine\n")
+    (tmp_path / "parcel.py").write_text(f"{SCRIPT.partition('report =')[0]}HERE = {os.getpid()}\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(registry, "offered", cache(registry.offered.__wrapped__))
+    monkeypatch.setattr(registry, "load_plugin", cache(registry.load_plugin.__wrapped__))
+    few = "check hula_hoop --kind algebra --id */point_mass_3hz_60n/*"
+    succeeds(f"{few} --engine mine --in-process")
+    assert sys.modules["parcel"].HERE == os.getpid()
+
+
 def test_limits_need_a_process() -> None:
     with pytest.raises(UsageError, match="run in this process, without limits"):
         mbcheck.check_engine(Solved(RIGHT), kinds=["algebra"], time_limit=5)
@@ -138,4 +188,4 @@ def test_what_it_printed_is_shown_beside_its_traceback(tmp_path: Path) -> None:
 
 
 def test_a_debugger_needs_an_engine_of_the_users() -> None:
-    assert "--in-process is of engines named" in refusal("check --engine mujoco --in-process")
+    assert "--in-process runs engines that others plug in" in refusal("check --engine mujoco --in-process")

@@ -11,8 +11,10 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
-from multiprocessing import active_children
+from multiprocessing import active_children, forkserver
+from multiprocessing.util import get_temp_dir
 from pathlib import Path
+from threading import Timer
 from typing import Any
 
 import pytest
@@ -229,14 +231,26 @@ def test_no_process_outlives_the_program(
         time.sleep(0.1)
 
 
-def sleeping_child() -> int:
+CHILDREN = {
+    "its own": ("exec", {}),
+    "in a session of its own": ("exec", {"start_new_session": True}),
+    "whose parent has ended": ("setsid", {}),
+}
+
+
+def sleeping_child(how: str) -> int:
     """Return the number of a process that this one has started and left behind."""
-    return subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"]).pid
+    prefix, options = CHILDREN[how]
+    line = f"{prefix} {sys.executable} -c 'import os, time; print(os.getpid()); time.sleep(600)'"
+    text = f"{line} &" if prefix == "setsid" else line
+    child = subprocess.Popen(["sh", "-c", text], stdout=subprocess.PIPE, text=True, **options)  # type: ignore[call-overload]
+    return int(child.stdout.readline())
 
 
 @LINUX
-def test_children_of_an_engine_end_with_its_process() -> None:
-    (child,) = hold([sleeping_child], jobs=1)
+@pytest.mark.parametrize("how", CHILDREN)
+def test_children_of_an_engine_end_with_its_process(how: str) -> None:
+    (child,) = hold([partial(sleeping_child, how)], jobs=1)
     late = time.monotonic() + 60
     while (
         Path(f"/proc/{child}/stat").exists()
@@ -244,6 +258,32 @@ def test_children_of_an_engine_end_with_its_process() -> None:
     ):
         assert time.monotonic() < late
         time.sleep(0.05)
+
+
+def lose_socket() -> None:
+    """Empty the temporary folder in which the server of processes listens."""
+    for one in Path(get_temp_dir()).iterdir():
+        one.unlink()
+
+
+def end_server() -> None:
+    """Stop the server of processes, and end it while it is waited for."""
+    pid = forkserver._forkserver._forkserver_pid  # type: ignore[attr-defined]
+    os.kill(pid, signal.SIGSTOP)
+    Timer(0.5, os.kill, (pid, signal.SIGKILL)).start()
+
+
+@LINUX
+@pytest.mark.parametrize("deed", [lose_socket, end_server])
+def test_processes_start_without_their_server(deed: Callable[[], None]) -> None:
+    """What it raised was taken for Ctrl-C, or was a traceback."""
+    assert len(hold([os.getpid], jobs=1)) == 1
+    try:
+        deed()
+        assert len(hold([os.getpid], jobs=1)) == 1
+    finally:
+        with suppress(FileNotFoundError):
+            forkserver._forkserver._stop()  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize("end", [KeyboardInterrupt, SystemExit, GeneratorExit])

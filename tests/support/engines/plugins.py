@@ -9,10 +9,14 @@ from __future__ import annotations
 import struct
 
 RIGHT = """
+import os
 import numpy as np
 import mbcheck
 from mbcheck.reference import get_scene
 from mbcheck.reference.solve import schemes
+
+print("printed at import")
+os.system("echo printed by a child")
 
 
 class Right(mbcheck.Engine):
