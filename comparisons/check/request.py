@@ -13,7 +13,7 @@ from ...reference import get_scene
 from ...reference.errors import UnknownNameError, UsageError
 from ..checks import known as known_deviations
 from ..checks import suite
-from ..checks.execution import Execution, run_checks
+from ..checks.execution import Execution, run_checks, unavailable
 from ..checks.verdict import PROFILES, Result
 from ..engines.protocol import Engine
 from ..engines.registry import LENT, checked_engines, get_engine, lent, resolve_selection
@@ -226,7 +226,7 @@ class CheckPlan:
         """Return the report of results, of all the checks or of those that were reached."""
         request, reported = self.request, list(results)
         if request.engines or not request.ids:
-            reported += suite.unavailable(request.engines, request.source)
+            reported += unavailable(request.engines, request.source)
         engines = tuple(dict.fromkeys(check.loaded_as or check.engine for check in self.checks))
         names = {check.engine for check in self.checks}
 

@@ -8,11 +8,24 @@ from dataclasses import dataclass
 from functools import partial
 
 from ...reference.cost import keep_budget
-from ...reference.errors import EngineError, UnknownNameError, UsageError
+from ...reference.errors import (
+    EngineError,
+    EngineUnavailableError,
+    UnknownNameError,
+    UsageError,
+)
 from ..engines.isolation import HANGING, isolated, refuse_limits, within_limits
-from ..engines.registry import ENGINES, LENT
+from ..engines.registry import (
+    ENGINES,
+    LENT,
+    broken_engines,
+    checked_engines,
+    get_engine,
+    installed,
+)
+from ..engines.run import excerpt
 from .suite import Task
-from .verdict import PROFILES, Result
+from .verdict import NOT_APPLICABLE, PROFILES, Result, Subject, Verdict
 
 Progress = Callable[[list[Result]], None]
 
@@ -94,6 +107,28 @@ def run_checks(
         if how.fail_fast and any(item.verdict in ("deviation", "error") for item in results):
             break
     return [item for index in sorted(results_of) for item in results_of[index]]
+
+
+def unavailable(asked: Sequence[str] = (), source: str = "verification") -> list[Result]:
+    """Return a result for each engine that cannot be used here, of those asked for or of all.
+
+    One that is not installed is skipped. One that is installed is an error, lest half a run pass
+    for a whole one.
+    """
+    reasons: dict[str, EngineUnavailableError] = dict(broken_engines(asked))
+    for name in () if asked else checked_engines():
+        try:
+            get_engine(name)
+        except EngineUnavailableError as error:
+            reasons[name] = error
+    missing = []
+    for name, reason in reasons.items():
+        prefix = "/".join([source, *[NOT_APPLICABLE] * 3, name, NOT_APPLICABLE])
+        verdict: Verdict = "error" if asked or installed(name) else "skipped"
+        about = Subject(prefix, source, name)
+        traceback = excerpt(reason.traceback) or None
+        missing.append(Result(about, NOT_APPLICABLE, verdict, str(reason), traceback=traceback))
+    return missing
 
 
 def foreign(checks: Sequence[Task]) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from time import perf_counter
@@ -13,7 +14,6 @@ from ...reference.errors import (
     BrokenEngineError,
     CannotJudgeError,
     EngineError,
-    EngineUnavailableError,
     MbcheckError,
     UnknownNameError,
     UsageError,
@@ -25,9 +25,7 @@ from ..engines.protocol import Method
 from ..engines.registry import (
     ENGINES,
     broken_engines,
-    checked_engines,
     get_engine,
-    installed,
     resolve_selection,
 )
 from ..engines.run import describe, excerpt, noting, traceback_of
@@ -37,13 +35,11 @@ from .kinds import algebra, energy, frequency, one_step, order, parts, stability
 from .refusals import refuse_undriven, refuse_unstable
 from .rules.cautions import cautions, explained
 from .verdict import (
-    NOT_APPLICABLE,
     PROFILES,
     Finding,
     Inconclusive,
     Result,
     Subject,
-    Verdict,
     judge,
 )
 
@@ -282,13 +278,10 @@ def plan_cases(
 
 
 def planned(kind: str, case: Case, engine_name: str) -> list[Check]:
-    """Return the checks of `checks_of`; none of an engine that has failed as it was asked."""
-    try:
+    """Return the checks of `checks_of`; none of an engine that fails as it is asked."""
+    with suppress(BrokenEngineError):  # `execution.unavailable` tells it
         return list(checks_of(kind, case, engine_name))
-    except BrokenEngineError as error:
-        if not broken_engines([engine_name]):
-            get_engine(engine_name).failure = error
-        return []
+    return []
 
 
 QUICK = ("parts", "algebra", "step", "trajectory")
@@ -326,28 +319,6 @@ def kinds_of(case: Case) -> tuple[str, ...]:
         for name, kind in KINDS.items()
         if name in case.kinds or (kind.follows in case.kinds and case.watch != "elements")
     )
-
-
-def unavailable(asked: Sequence[str] = (), source: str = "verification") -> list[Result]:
-    """Return a result for each engine that cannot be used here, of those asked for or of all.
-
-    One that is not installed is skipped. One that is installed is an error, lest half a run pass
-    for a whole one.
-    """
-    reasons: dict[str, EngineUnavailableError] = dict(broken_engines(asked))
-    for name in () if asked else checked_engines():
-        try:
-            get_engine(name)
-        except EngineUnavailableError as error:
-            reasons[name] = error
-    missing = []
-    for name, reason in reasons.items():
-        prefix = "/".join([source, *[NOT_APPLICABLE] * 3, name, NOT_APPLICABLE])
-        verdict: Verdict = "error" if asked or installed(name) else "skipped"
-        about = Subject(prefix, source, name)
-        traceback = excerpt(reason.traceback) or None
-        missing.append(Result(about, NOT_APPLICABLE, verdict, str(reason), traceback=traceback))
-    return missing
 
 
 def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:

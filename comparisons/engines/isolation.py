@@ -290,8 +290,6 @@ class Worker:
 
     def end(self) -> None:
         """Kill the process, whatever it does, and those that it has started."""
-        if self.process.is_alive():
-            end_descendants(self.process.pid)
         end_group(self.process.pid)
         self.process.kill()
         self.process.join()
@@ -373,23 +371,17 @@ def lead_group() -> None:
 
 
 def end_group(leader: int | None) -> None:
-    """Kill the children of a worker that are left, which share its group."""
+    """Kill what a worker has started: its group, and on Linux sessions of their own."""
     if leader is None or not hasattr(os, "killpg"):
         return
-    with suppress(OSError):  # none is left
-        os.killpg(leader, SIGKILL)
-
-
-def end_descendants(pid: int) -> None:
-    """Kill what a process has started, sessions of their own included, where Linux lists it."""
-    family = [pid]
+    family = [leader]
     for one in family:
-        with suppress(OSError):
+        with suppress(OSError):  # it has ended, or the system does not list them
             for thread in Path(f"/proc/{one}/task").iterdir():
                 family += map(int, (thread / "children").read_text().split())
-    for one in family[1:]:
-        with suppress(OSError):  # it has ended meanwhile
-            os.kill(one, SIGKILL)
+    for end, one in ((os.killpg, leader), *((os.kill, one) for one in family[1:])):
+        with suppress(OSError):  # none is left
+            end(one, SIGKILL)
 
 
 def end_with_program(lifeline: Connection) -> None:

@@ -49,6 +49,8 @@ MAX_VALUES = 1 << 22
 MAX_TEXT = 2000
 """Characters that are kept of a text; of a traceback there are more."""
 
+ELSEWHERE = "check the engine in this process, with --in-process or mbcheck.check_engine"
+
 SECONDS = 20.0
 """Time in which a message must have come that has begun."""
 
@@ -68,14 +70,16 @@ def as_plain(value: Any) -> Any:
         value = engine_error(value)
     for name, kind in CLASSES.items():
         if isinstance(value, kind):
-            return {"type": name} | {part: getattr(value, part) for part in signature(kind).parameters}
+            return {"type": name} | {
+                part: getattr(value, part) for part in signature(kind).parameters
+            }
     if isinstance(value, Mapping):
         return dict(value)
     array = np.asarray(value)
     if array.ndim and array.dtype.kind == "O":
         return array.tolist()
     if array.dtype.kind not in "biuf" or np.ma.is_masked(value):
-        raise TypeError(f"{in_short(value)} is no plain data")
+        raise TypeError(f"{in_short(value)} is no plain data: {ELSEWHERE}")
     if not array.ndim and array.dtype.kind != "f":
         return array.item()
     data = b64encode(array.astype("<f8").tobytes()).decode()

@@ -17,6 +17,7 @@ from ...reference import SCENES
 from ...reference.errors import (
     BrokenEngineError,
     EngineUnavailableError,
+    MbcheckError,
     UnknownNameError,
     UsageError,
 )
@@ -25,7 +26,7 @@ from .plugin.adapter import PluginAdapter, adapt, adapted
 from .plugin.validation import as_engine, attributes
 from .protocol import Engine
 from .remote import RemoteEngine
-from .run import IN_SIGHT, captured, engine_error
+from .run import IN_SIGHT, call_engine, captured
 
 REFERENCE = "reference"
 """What the other engines are checked against."""
@@ -204,7 +205,9 @@ def in_this_process(engines: Sequence[str]) -> Iterator[tuple[str, ...]]:
         )
     hidden = IN_SIGHT.set(True)
     try:
-        with lent([load_plugin(name).inner if name in plugins else name for name in engines]) as names:
+        with lent(
+            [load_plugin(name).inner if name in plugins else name for name in engines]
+        ) as names:
             yield names
     finally:
         IN_SIGHT.reset(hidden)
@@ -352,16 +355,11 @@ def _imported(module: str, attribute: str) -> Any:
             f"engine {module}:{attribute}: give the module's name, without .py or a path"
         )
     try:
-        with captured() as console:
-            loaded = importlib.import_module(module)
-    except ModuleNotFoundError as error:
-        raise EngineUnavailableError(
-            f"{module} cannot be imported (ModuleNotFoundError: {error})"
-        ) from error
-    except BaseException as error:  # whatever a foreign module raises
-        told = engine_error(error, console.text)
-        reason = f"{module} cannot be imported ({told.message})"
-        raise BrokenEngineError(reason, told.traceback) from error
+        loaded = call_engine(lambda: importlib.import_module(module), container=captured)
+    except MbcheckError as error:  # whatever a foreign module raises
+        missing = isinstance(error.__cause__, ModuleNotFoundError)
+        kind = EngineUnavailableError if missing else BrokenEngineError
+        raise kind(f"{module} cannot be imported ({error})", error.traceback) from error
     try:
         place: Any = loaded
         for part in attribute.split("."):

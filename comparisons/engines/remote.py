@@ -10,10 +10,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Self
 
-from ...reference.errors import BrokenEngineError, EngineError, MbcheckError, UsageError
+from ...reference.errors import BrokenEngineError, EngineError, MbcheckError
 from .isolation import SERVING, Worker, await_call
 from .plugin.validation import ATTRIBUTES, CALLS
-from .protocol import Engine, OwnModel
+from .protocol import Engine
 from .run import call_engine
 
 Local = Callable[[tuple[tuple[str, float], ...]], Engine]
@@ -92,23 +92,9 @@ class RemoteEngine(Engine):
 def asked(
     local: Local, settings: tuple[tuple[str, float], ...], function: str, arguments: tuple[Any, ...]
 ) -> Any:
-    """Return what a function of an engine of this process returns.
-
-    Raises
-    ------
-    UsageError
-        For equations, which are functions: they cannot be sent.
-    """
+    """Return what a function of an engine of this process returns."""
     call = getattr(local(settings), function)
-    answer = call_engine(lambda: call(*arguments))
-    if isinstance(answer, OwnModel) and (
-        answer.equations is not None or answer.elements is not None
-    ):
-        raise UsageError(
-            "its equations are functions, which cannot be sent: check it in this process, with "
-            "--in-process or mbcheck.check_engine"
-        )
-    return answer
+    return call_engine(lambda: call(*arguments))
 
 
 def guarded(work: Callable[[], Any]) -> Any:

@@ -10,7 +10,7 @@ import os
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import chdir, contextmanager, suppress
+from contextlib import AbstractContextManager, chdir, contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -310,6 +310,9 @@ def contained(console: Console | None = None) -> Iterator[Console]:
         yield caught
 
 
+Container = Callable[[Console | None], AbstractContextManager[Console]]
+
+
 def flush() -> None:
     """Write out what Python buffers, unless an engine has closed or removed the streams."""
     for stream in (sys.stdout, sys.stderr):
@@ -404,7 +407,9 @@ def run_many(
     return results
 
 
-def call_engine(work: Callable[[], T], console: Console | None = None) -> T:
+def call_engine(
+    work: Callable[[], T], console: Console | None = None, container: Container = contained
+) -> T:
     """Return what a call of an engine returns, made inside the container.
 
     Raises
@@ -414,7 +419,7 @@ def call_engine(work: Callable[[], T], console: Console | None = None) -> T:
     """
     console = console or Console()
     try:
-        with contained(console):
+        with container(console):
             return work()
     except MbcheckError:
         raise

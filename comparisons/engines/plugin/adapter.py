@@ -23,13 +23,13 @@ from ....reference.errors import (
     CannotJudgeError,
     EngineError,
     EngineUnavailableError,
-    UsageError,
+    MbcheckError,
 )
 from ....reference.scene import Array, Case
 from ..equations import ModelEquations, scene_equations
 from ..mjcf import MjcfAdapter
 from ..protocol import Engine, Method, Motion, Option, OwnModel
-from ..run import VIOLATIONS, Trajectory, attempt, captured, engine_error
+from ..run import VIOLATIONS, Trajectory, attempt, call_engine, captured
 from .linear import linearise
 from .planning import UNKNOWN_SOFTNESS, description, own_reason
 from .reordered import Reordered
@@ -477,16 +477,17 @@ def adapt(name: str, offered: Any) -> PluginAdapter:
         If the class raises it, for want of a library.
     """
     try:
-        with captured() as console:
-            engine = declared(name, offered() if isinstance(offered, type) else offered)
+        engine = call_engine(
+            lambda: declared(name, offered() if isinstance(offered, type) else offered),
+            container=captured,
+        )
     except EngineUnavailableError:
         raise
-    except UsageError as error:
+    except EngineError as error:
+        reason = error.message.replace(":", " on creation:", 1)
+        raise BrokenEngineError(f"engine {name}: {reason}", error.traceback) from error
+    except MbcheckError as error:
         raise BrokenEngineError(f"{error}", error.traceback) from error
-    except BaseException as error:  # whatever a foreign class raises
-        told = engine_error(error, console.text)
-        reason = told.message.replace(":", " on creation:", 1)
-        raise BrokenEngineError(f"engine {name}: {reason}", told.traceback) from error
     return adapted(engine)
 
 

@@ -37,7 +37,7 @@ class OwnModelsAdapter(PluginAdapter):
         if "models" not in self.functions:
             return (OWN,)
         try:
-            return ahead(self.name, "models", lambda: names_of(self.inner.models(scene)))
+            return ahead(self, "models", lambda: names_of(self.inner.models(scene)))
         except Unsupported:
             return ()
 
@@ -185,4 +185,6 @@ class OwnModelsAdapter(PluginAdapter):
         """
         if "linearise" not in self.functions:
             return linearise(self, case, model, state)
-        return matrices(self.inner.linearise(self.system_at(case, model, state)))
+        answer = self.inner.linearise(self.system_at(case, model, state))
+        mass, damping, stiffness = matrices(answer)
+        return mass, damping, stiffness

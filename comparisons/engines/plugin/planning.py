@@ -51,7 +51,7 @@ def own_reason(one: PluginAdapter, case: Case, model: str, method: Method | None
     except ArithmeticError:
         return None  # whoever goes on is told, of a run also how many steps it would take
     try:
-        return ahead(one.name, "why_not", lambda: reason_of(one.inner.why_not(system, method)))
+        return ahead(one, "why_not", lambda: reason_of(one.inner.why_not(system, method)))
     except Unsupported as error:
         return str(error)
 
@@ -85,11 +85,9 @@ def described(
             system = one.systems(scene, model, parameters, placement)
         else:
             system = System(case, model, names, *np.zeros((2, len(names))))
-        about = ahead(
-            one.name, "own_model", lambda: own_model_of(one.inner.own_model(system), outputs)
-        )
+        about = ahead(one, "own_model", lambda: own_model_of(one.inner.own_model(system), outputs))
         if about.equations is not None:
-            refuse_foreign_equations(one.name, ModelEquations(*about.equations), case)
+            refuse_foreign_equations(one, ModelEquations(*about.equations), case)
     except ArithmeticError:
         return OwnModel(), None  # as in `own_reason`
     except Unsupported as error:
@@ -97,7 +95,7 @@ def described(
     return about, None
 
 
-def refuse_foreign_equations(name: str, equations: ModelEquations, case: Case) -> None:
+def refuse_foreign_equations(one: PluginAdapter, equations: ModelEquations, case: Case) -> None:
     """Refuse equations that fail in a state of the scene: those of another one, for instance.
 
     Raises
@@ -121,13 +119,13 @@ def refuse_foreign_equations(name: str, equations: ModelEquations, case: Case) -
             return scene.observables
 
     what = f"own_model: its equations for {scene.name}"
-    missing = set(scene.observables).difference(ahead(name, what, observables))
+    missing = set(scene.observables).difference(ahead(one, what, observables))
     if missing:
         missed = ", ".join(sorted(missing))
-        raise BrokenEngineError(f"engine {name}: {what} do not tell {missed}")
+        raise BrokenEngineError(f"engine {one.name}: {what} do not tell {missed}")
 
 
-def ahead(name: str, function: str, work: Callable[[], T]) -> T:
+def ahead(one: PluginAdapter, function: str, work: Callable[[], T]) -> T:
     """Return what a function of an engine answers before there is a check to judge it by.
 
     Raises
@@ -144,8 +142,9 @@ def ahead(name: str, function: str, work: Callable[[], T]) -> T:
     except MbcheckError as error:
         lines = re.findall(r'File "([^"]+)", line (\d+)', error.traceback)
         place = "".join(f" ({Path(file).name}, line {line})" for file, line in lines[-1:])
-        reason = f"engine {name}: {function}: {error}{place}"
-        raise BrokenEngineError(reason, error.traceback) from error
+        reason = f"engine {one.name}: {function}: {error}{place}"
+        one.failure = BrokenEngineError(reason, error.traceback)
+        raise one.failure from error
 
 
 def names_of(answer: Any) -> tuple[str, ...]:

@@ -56,8 +56,8 @@ def numbers(what: str, value: Any, shape: tuple[int, ...], finite: bool = False)
     return array
 
 
-def matrices(answer: Any, size: int | None = None) -> tuple[Array, Array, Array]:
-    """Return an engine's answer as M, C, K, each (n, n); without a size n is that of M.
+def matrices(answer: Any, size: int | None = None) -> Array:
+    """Return an engine's answer as M, C, K (3, n, n); without a size n is that of M.
 
     Raises
     ------
@@ -65,15 +65,10 @@ def matrices(answer: Any, size: int | None = None) -> tuple[Array, Array, Array]
         ``returned``, with what is wrong.
     """
     try:
-        mass, damping, stiffness = answer
-        n = len(mass) if size is None else size
-    except (TypeError, ValueError):
-        reason = f"linearise must return M, C, K, not {in_short(answer)}"
-        raise EngineError("returned", reason) from None
-    first, second, third = (
-        numbers("linearise", item, (n, n), finite=True) for item in (mass, damping, stiffness)
-    )
-    return first, second, third
+        n = len(answer[0]) if size is None else size
+    except (TypeError, LookupError):
+        n = 0
+    return numbers("M, C, K of linearise", answer, (3, n, n), finite=True)
 
 
 UNIT, UNITS = 1e-9, 256

@@ -129,7 +129,7 @@ def test_an_engine_of_a_package_runs_in_this_process(
     monkeypatch.setattr(registry, "load_plugin", cache(registry.load_plugin.__wrapped__))
     few = "check hula_hoop --kind algebra --id */point_mass_3hz_60n/*"
     succeeds(f"{few} --engine mine --in-process")
-    assert sys.modules["parcel"].HERE == os.getpid()
+    assert os.getpid() == sys.modules["parcel"].HERE
 
 
 def test_limits_need_a_process() -> None:
@@ -189,4 +189,6 @@ def test_what_it_printed_is_shown_beside_its_traceback(tmp_path: Path) -> None:
 
 
 def test_a_debugger_needs_an_engine_of_the_users() -> None:
-    assert "--in-process runs engines that others plug in" in refusal("check --engine mujoco --in-process")
+    assert "--in-process runs engines that others plug in" in refusal(
+        "check --engine mujoco --in-process"
+    )

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.checks import suite
+from mbcheck.comparisons.checks import execution, suite
 from mbcheck.comparisons.checks.execution import Execution, run_checks
 from mbcheck.comparisons.checks.suite import KINDS, Check, plan, run_check
 from mbcheck.comparisons.checks.verdict import Finding, Result, judge
@@ -254,11 +254,11 @@ def test_an_engine_that_cannot_be_imported(
             raise EngineUnavailableError("exudyn cannot be imported: libGL.so.1; libgl1")
         return get_engine(name)
 
-    for module in (engines, suite):
+    for module in (engines, execution):
         monkeypatch.setattr(module, "get_engine", without_exudyn)
-    monkeypatch.setattr(suite, "installed", lambda name: installed)
+    monkeypatch.setattr(execution, "installed", lambda name: installed)
     assert {check.engine for check in plan()} == {"mujoco"}
-    assert [item.verdict for item in suite.unavailable()] == [verdict]
+    assert [item.verdict for item in execution.unavailable()] == [verdict]
     with pytest.raises(EngineUnavailableError, match="libgl1"):
         plan(engines=["exudyn"])
 

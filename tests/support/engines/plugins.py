@@ -72,8 +72,7 @@ PLACES = {
     "    def methods(self): {do}; return Right.methods",
     "accelerations": "class Bad(Right):\n    name = '{name}'\n"
     "    def accelerations(self, *a): {do}; return super().accelerations(*a)",
-    "why_not": "class Bad(Right):\n    name = '{name}'\n"
-    "    def why_not(self, *a): {do}",
+    "why_not": "class Bad(Right):\n    name = '{name}'\n    def why_not(self, *a): {do}",
     "simulate": "class Bad(Right):\n    name = '{name}'\n"
     "    def simulate(self, *a): {do}; return super().simulate(*a)",
 }
@@ -157,7 +156,11 @@ ODD: dict[str, tuple[str, str, str]] = {
         f"{SIMULATE}        x = []\n        for _ in range(10**5): x = [x]\n        return x\n",
         "cannot be sent",
     ),
-    "own_words": ("", f"{SIMULATE}        return mbcheck.Motion([['1']], [['1']])\n", "real numbers"),
+    "own_words": (
+        "",
+        f"{SIMULATE}        return mbcheck.Motion([['1']], [['1']])\n",
+        "real numbers",
+    ),
     "why_not_5": ("", "    def why_not(self, *a): return 5\n", "must return a reason"),
     "why_not_usage": (
         "",
@@ -173,7 +176,11 @@ ODD: dict[str, tuple[str, str, str]] = {
     "server": ("", "    def why_not(self, *a): os.kill(os.getppid(), 9)\n", "exit code 255"),
     "models_5": ("", "    def models(self, *a): return 5\n", "a tuple of names"),
     "models_nul": ("", "    def models(self, *a): return ('a\\0',)\n", "calls a model"),
-    "models_many": ("", "    def models(self, *a): return [f'm{i}' for i in range(10**6)]\n", "100"),
+    "models_many": (
+        "",
+        "    def models(self, *a): return [f'm{i}' for i in range(10**6)]\n",
+        "100",
+    ),
     "own_model_5": ("", "    def own_model(self, *a): return 5\n", "must return an OwnModel"),
     "no_version": ("", "    version = None\n", "version must be text"),
     "long_version": ("", "    version = 'x' * 10**8\n", "version must be text"),
