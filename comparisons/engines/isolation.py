@@ -49,9 +49,6 @@ MEMORY = 4096.0 if STATM.exists() else None
 SIGKILL = 9
 """Absent from `signal` on Windows, which has no groups of processes to send it to."""
 
-PR_SET_CHILD_SUBREAPER = 36
-"""Of Linux' prctl."""
-
 SERVING = "MBCHECK_WORKER"
 """Variable of the environment of a process that makes calls for another one: its folder."""
 
@@ -231,12 +228,12 @@ class Worker:
         # a daemon may start no process, and one that makes checks starts one for each engine
         inner = SERVING in os.environ
         paths = {name: os.environ.get(name) for name in PATHS}
-        work = {"target": serve, "args": (theirs, lifeline, folder, paths), "daemon": inner}
+        arguments = theirs, lifeline, folder, paths
         try:
-            self.process = context.Process(**work)
+            self.process = context.Process(target=serve, args=arguments, daemon=inner)
             self.process.start()
         except (OSError, EOFError):  # an engine has ended the server, or removed its socket
-            self.process = get_context("spawn").Process(**work)
+            self.process = get_context("spawn").Process(target=serve, args=arguments, daemon=inner)
             self.process.start()
         atexit.register(self.end)
         theirs.close()
@@ -367,7 +364,7 @@ def lead_group() -> None:
         with suppress(OSError):
             os.setpgid(0, 0)
     if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+        ctypes.CDLL(None).prctl(36, 1, 0, 0, 0)  # PR_SET_CHILD_SUBREAPER
 
 
 def end_group(leader: int | None) -> None:

@@ -40,22 +40,12 @@ CLASSES: dict[str, type] = {
 }  # fmt: skip
 """Classes whose objects a message may hold, each before those that it derives from."""
 
-MAX_BYTES = 1 << 28
-"""Length of a message above which it is refused before memory is taken for it."""
-
-MAX_VALUES = 1 << 22
-"""Number of values outside arrays above which a message is refused before it is parsed."""
-
-MAX_TEXT = 2000
-"""Characters that are kept of a text; of a traceback there are more."""
-
-ELSEWHERE = "check the engine in this process, with --in-process or mbcheck.check_engine"
+MAX_BYTES, MAX_VALUES, MAX_TEXT = 1 << 28, 1 << 22, 2000
+"""Length of a message, and number of values outside its arrays, above which it is refused before
+memory is taken for it; characters that are kept of a text, of a traceback there are more."""
 
 SECONDS = 20.0
 """Time in which a message must have come that has begun."""
-
-Message = tuple[bool, Any]
-"""Whether a call has ended, and its result."""
 
 
 def as_plain(value: Any) -> Any:
@@ -79,7 +69,10 @@ def as_plain(value: Any) -> Any:
     if array.ndim and array.dtype.kind == "O":
         return array.tolist()
     if array.dtype.kind not in "biuf" or np.ma.is_masked(value):
-        raise TypeError(f"{in_short(value)} is no plain data: {ELSEWHERE}")
+        raise TypeError(
+            f"{in_short(value)} is no plain data: check the engine in this process, with "
+            "--in-process or mbcheck.check_engine"
+        )
     if not array.ndim and array.dtype.kind != "f":
         return array.item()
     data = b64encode(array.astype("<f8").tobytes()).decode()
@@ -111,8 +104,11 @@ def from_plain(value: Any) -> Any:
     return parts if name is None else CLASSES[name](**parts)
 
 
-def encoded(message: Message, plain: bool) -> bytes:
-    """Return a message as bytes; an `EngineError` in place of a result that cannot be sent."""
+def encoded(message: tuple[bool, Any], plain: bool) -> bytes:
+    """Return a message as bytes: whether a call has ended, and its result.
+
+    An `EngineError` is put in place of a result that cannot be sent.
+    """
     try:
         data = json.dumps(message, default=as_plain).encode() if plain else pickle.dumps(message)
         if len(data) > MAX_BYTES:
@@ -123,7 +119,7 @@ def encoded(message: Message, plain: bool) -> bytes:
         return encoded((True, EngineError("returned", reason)), plain)
 
 
-def decoded(data: bytes, plain: bool) -> Message:
+def decoded(data: bytes, plain: bool) -> tuple[bool, Any]:
     """Return a message from bytes; an `EngineError` where they are none."""
     try:
         if not plain:
@@ -137,7 +133,7 @@ def decoded(data: bytes, plain: bool) -> Message:
         return True, EngineError("returned", reason)
 
 
-def received(pipe: Connection, plain: bool) -> Message:
+def received(pipe: Connection, plain: bool) -> tuple[bool, Any]:
     """Return the message whose first bytes have come, see `decoded`.
 
     A thread reads it: nothing makes sure that the rest of it ever comes.

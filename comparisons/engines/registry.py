@@ -145,9 +145,10 @@ def get_engine(name: str) -> Adapter:
         If a plugged-in engine does not follow the protocol.
     """
     engine = _named.get(name) or _loaded(name)
-    failure = engine if isinstance(engine, BrokenEngineError) else engine.failure
-    if failure is not None:
-        raise failure
+    if isinstance(engine, BrokenEngineError):
+        raise engine
+    if engine.failure is not None:
+        raise engine.failure
     return engine
 
 

@@ -10,7 +10,7 @@ import os
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, chdir, contextmanager, suppress
+from contextlib import chdir, contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -279,10 +279,7 @@ class Console:
 
 @contextmanager
 def captured(console: Console | None = None) -> Iterator[Console]:
-    """Capture what is written to the console, unless engines' console is the user's.
-
-    Engines log from C code, so the file descriptors themselves are redirected.
-    """
+    """Capture what is written, from C code too, unless the console of engines is the user's."""
     console = console or Console()
     if IN_SIGHT.get():
         yield console
@@ -308,9 +305,6 @@ def contained(console: Console | None = None) -> Iterator[Console]:
     """Run engine code in a temporary working directory, with the console captured."""
     with captured(console) as caught, tempfile.TemporaryDirectory() as folder, chdir(folder):
         yield caught
-
-
-Container = Callable[[Console | None], AbstractContextManager[Console]]
 
 
 def flush() -> None:
@@ -408,7 +402,7 @@ def run_many(
 
 
 def call_engine(
-    work: Callable[[], T], console: Console | None = None, container: Container = contained
+    work: Callable[[], T], console: Console | None = None, container: Callable[..., Any] = contained
 ) -> T:
     """Return what a call of an engine returns, made inside the container.
 
