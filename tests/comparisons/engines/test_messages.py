@@ -6,9 +6,12 @@ import json
 import math
 import os
 import pickle
+import re
 import struct
 from base64 import b64encode
 from multiprocessing import Pipe
+from pathlib import Path
+from textwrap import dedent
 from typing import Any
 
 import numpy as np
@@ -172,3 +175,16 @@ def test_text_is_cut_at_the_door() -> None:
         assert text.startswith("\\x1b[2J\\u202exx")
         assert len(text) <= MAX_TEXT
     assert len(failure.traceback) <= 8000
+
+
+def test_the_message_of_the_page_is_read() -> None:
+    """Written by the few lines of docs/engines.md, as a process without mbcheck does."""
+    page = (Path(__file__).resolve().parents[3] / "docs" / "engines.md").read_text()
+    (lines,) = re.findall(r"^    import base64\n(?:    .*\n|\n)+", page, re.MULTILINE)
+    space: dict[str, Any] = {}
+    exec(dedent(lines), space)
+    ours, theirs = Pipe()
+    os.write(theirs.fileno(), space["message"])
+    ended, motion = received(ours, plain=True)
+    assert ended
+    assert motion.positions.tolist() == [[0.0], [0.1]]
