@@ -55,7 +55,7 @@ def array(shape: Any, data: Any) -> str:
 
 
 ROW = b64encode(np.zeros(4).tobytes()).decode()
-REFUSED = {
+REFUSED: dict[str, str | bytes] = {
     "nothing": "",
     "half a message": '[true, {"type": "arr',
     "a number": "5",
@@ -139,11 +139,11 @@ def test_arrays_arrive_as_numbers_to_the_last_bit() -> None:
         (EngineError("clock", "no", "line 1\nline 2"), EngineError),
     ],
 )
-def test_errors_arrive_as_one_of_a_few_classes(error: Exception, kind: type) -> None:
+def test_errors_arrive_as_one_of_a_few_classes(error: MbcheckError, kind: type) -> None:
     found = plain(error)
     assert type(found) is kind
     assert f"{error}" in f"{found}"
-    assert found.traceback == getattr(error, "traceback", "")
+    assert found.traceback == error.traceback
     assert getattr(found, "kind", "") == getattr(error, "kind", "")
     assert plain(ValueError("no")).kind == "raised"
 
@@ -169,7 +169,8 @@ def test_arrays_of_text_are_no_numbers(value: Any) -> None:
 
 def test_text_is_cut_at_the_door() -> None:
     long = "\x1b[2J\u202e" + "x" * 10**6
-    (key, in_a_table), (in_a_list,) = *plain({long: long}).items(), plain([long])
+    ((key, in_a_table),) = plain({long: long}).items()
+    (in_a_list,) = plain([long])
     refusal, failure = plain(mbcheck.Unsupported(long)), plain(EngineError(long, "b", long))
     for text in (plain(long), key, in_a_table, in_a_list, f"{refusal}", failure.kind):
         assert text.startswith("\\x1b[2J\\u202exx")
