@@ -200,10 +200,10 @@ def test_descriptions_that_have_no_sense_are_refused(name: str) -> None:
 @pytest.mark.parametrize(
     ("answer", "words"),
     [
-        ("rigid", "must return a tuple of names, not str 'rigid'"),
+        ("rigid", "a tuple of names, 100 at most, not str 'rigid'"),
         (("rigid", "rigid"), "two models have the same name"),
         (("a/b",), "calls a model 'a/b'; a name has"),
-        (3, "must return a tuple of names, not int 3"),
+        (3, "a tuple of names, 100 at most, not int 3"),
     ],
 )
 def test_names_of_models_that_have_no_sense_are_refused(answer: Any, words: str) -> None:
