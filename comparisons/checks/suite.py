@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from time import perf_counter
@@ -279,9 +278,12 @@ def plan_cases(
 
 def planned(kind: str, case: Case, engine_name: str) -> list[Check]:
     """Return the checks of `checks_of`; none of an engine that fails as it is asked."""
-    with suppress(BrokenEngineError):  # `execution.unavailable` tells it
+    try:
         return list(checks_of(kind, case, engine_name))
-    return []
+    except BrokenEngineError:
+        if not broken_engines([engine_name]):
+            raise
+        return []  # `execution.unavailable` tells it
 
 
 QUICK = ("parts", "algebra", "step", "trajectory")

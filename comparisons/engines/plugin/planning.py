@@ -110,19 +110,17 @@ def refuse_foreign_equations(one: PluginAdapter, equations: ModelEquations, case
     except (ArithmeticError, MbcheckError):
         return  # no state of the scene with these parameters
 
-    def observables() -> Collection[str]:
+    def refuse_missing() -> None:
         try:
             state = equations.start(first)
             equations.scene.right_hand_side(equations.parameters)(float(first.start_time), state)
-            return equations.scene.observe(state, equations.parameters)
+            told = equations.scene.observe(state, equations.parameters)
         except ArithmeticError:  # of these parameters, as of a body without mass
-            return scene.observables
+            return
+        if missing := set(scene.observables).difference(told):
+            raise EngineError("returned", f"they do not tell {', '.join(sorted(missing))}")
 
-    what = f"own_model: its equations for {scene.name}"
-    missing = set(scene.observables).difference(ahead(one, what, observables))
-    if missing:
-        missed = ", ".join(sorted(missing))
-        raise BrokenEngineError(f"engine {one.name}: {what} do not tell {missed}")
+    ahead(one, f"own_model: its equations for {scene.name}", refuse_missing)
 
 
 def ahead(one: PluginAdapter, function: str, work: Callable[[], T]) -> T:
