@@ -114,10 +114,10 @@ def refuse_foreign_equations(one: PluginAdapter, equations: ModelEquations, case
         try:
             state = equations.start(first)
             equations.scene.right_hand_side(equations.parameters)(float(first.start_time), state)
-            told = equations.scene.observe(state, equations.parameters)
+            values = equations.scene.observe(state, equations.parameters)
         except ArithmeticError:  # of these parameters, as of a body without mass
             return
-        if missing := set(scene.observables).difference(told):
+        if missing := set(scene.observables).difference(values):
             raise EngineError("returned", f"they do not tell {', '.join(sorted(missing))}")
 
     ahead(one, f"own_model: its equations for {scene.name}", refuse_missing)
