@@ -105,7 +105,9 @@ def test_equations_of_another_scene_are_refused() -> None:
             return mbcheck.OwnModel(equations=(SOFT, ROTATION.parameters))
 
     hoop = get_scene("hula_hoop")
-    with pytest.raises(UsageError, match="own_model: its equations for hula_hoop: they do not tell"):
+    with pytest.raises(
+        UsageError, match="own_model: its equations for hula_hoop: they do not tell"
+    ):
         adapt("own", Everywhere()).why_not(hoop.cases[0], "rigid", None)
 
 
