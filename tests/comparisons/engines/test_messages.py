@@ -139,7 +139,9 @@ def test_arrays_arrive_as_numbers_to_the_last_bit() -> None:
         (EngineError("clock", "no", "line 1\nline 2"), EngineError),
     ],
 )
-def test_errors_arrive_as_one_of_a_few_classes(error: MbcheckError, kind: type) -> None:
+def test_errors_arrive_as_one_of_a_few_classes(
+    error: MbcheckError, kind: type[MbcheckError]
+) -> None:
     found = plain(error)
     assert type(found) is kind
     assert f"{error}" in f"{found}"
