@@ -209,14 +209,14 @@ def check_verb(
         markdown_file.write(summary)
     if html_file:
         write_page(html_file, outcome)
+    if draft_file and not outcome.run.interrupted:
+        draft_file.write(known.draft(outcome.results))
     if failure := github.append_step_summary(summary):
         click.echo(f"Warning: {failure}", err=True)
     with github.annotated(outcome, annotations, err=to_stdout(*files)):
         print_report(console(*files), outcome, verbosity=int(verbose) - int(quiet))
     if outcome.run.interrupted:
         return complain("interrupted", INTERRUPTED)
-    if draft_file:
-        draft_file.write(known.draft(outcome.results))
     return outcome.exit_code
 
 

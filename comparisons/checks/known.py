@@ -14,13 +14,13 @@ import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
-from pathlib import Path
 from typing import Any, Literal
 
 from packaging.specifiers import InvalidSpecifier, SpecifierSet
 from packaging.version import InvalidVersion, Version
 
 from ...reference.errors import UnknownNameError, UsageError
+from ..documents.reading import read_document
 from .verdict import Result
 
 KEYS = ("id", "reason", "engine", "versions", "verdict", "max_error")
@@ -263,13 +263,7 @@ def read(file: str, version_of: Callable[[str], str]) -> Listing:
         If it cannot be read, is not TOML, or an entry is not what docs/ci.md tells; the message
         names the entry.
     """
-    try:
-        text = Path(file).read_bytes().decode()
-        document = tomllib.loads(text)
-    except OSError as error:
-        raise UsageError(f"--known: cannot read {file!r}: {error.strerror}") from None
-    except ValueError as error:  # not UTF-8, not TOML, or a name that no file can have
-        raise UsageError(f"--known: {file!r} is not TOML: {error}") from None
+    text, document = read_document(file, "TOML", tomllib.loads, "--known: ")
     for key in document:
         if key != "known":
             raise UsageError(f"--known: {file!r}: unknown key {key!r}; entries are [[known]]")

@@ -6,6 +6,7 @@ but its folders, and says nothing until the checks are asked for or collected.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Generator
 from dataclasses import replace
 from pathlib import Path
@@ -247,7 +248,7 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     if is_worker(config) or config.option.collectonly or not concerned(config):
         return
     from ..checks.verdict import result_from
-    from ..reports.files import Destination
+    from ..reports.files import Destination, collect_unwritten
     from ..reports.run import github
     from ..reports.run.markdown import run_summary
     from ..terminal.program import json_text
@@ -257,13 +258,16 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     results = [result_from(item) for item in config.stash[DOCUMENTS]]  # as workers happened to end
     results.sort(key=lambda result: order[result.id])
     outcome = config.stash[REPORT] = plan.report(results)
-    if config.option.mbcheck_json:
-        Destination("--mbcheck-json", config.option.mbcheck_json).write(
-            json_text(outcome.as_json())
-        )
+    with collect_unwritten() as unwritten:
+        if config.option.mbcheck_json:
+            Destination("--mbcheck-json", config.option.mbcheck_json).write(
+                json_text(outcome.as_json())
+            )
     github.append_step_summary(run_summary(outcome))
     if session.exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED):
-        session.exitstatus = outcome.exit_code
+        session.exitstatus = outcome.exit_code or int(bool(unwritten))
+    for words in unwritten:
+        print(f"mbcheck: {words}", file=sys.stderr)
 
 
 def concerned(config: pytest.Config) -> bool:

@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
+from functools import partial
 from typing import Any, NoReturn
+
+from msgspec import ValidationError, convert
 
 from ...reference.errors import UsageError
 from ..checks.verdict import Result, result_from
-from ..documents import SCHEMA
-from ..reports.run.results import MEASURES, VERDICTS
+from ..documents import SCHEMA, check
+from ..documents.reading import read_document
+from ..reports.run.results import MEASURES
 
-WORDS = ("id", "scene", "case", "kind", "source", "engine", "model", "quantity", "unit", "reason")
+FIELDS = (
+    "id", "scene", "case", "kind", "source", "engine", "model", "quantity", "unit", "reason",
+    "method", "verdict", *MEASURES,
+)  # fmt: skip
+"""Fields of a result that are compared."""
 
 
 @dataclass(frozen=True)
@@ -60,12 +67,7 @@ def read(file: str) -> Document:
     def constant(word: str) -> NoReturn:
         raise ValueError(f"{word} is no JSON")
 
-    try:
-        content = json.loads(Path(file).read_bytes(), parse_constant=constant)
-    except OSError as error:
-        raise UsageError(f"cannot read {file!r}: {error.strerror}") from None
-    except (ValueError, RecursionError) as error:
-        raise UsageError(f"{file!r} is not JSON: {error}") from None
+    _, content = read_document(file, "JSON", partial(json.loads, parse_constant=constant))
     if not isinstance(content, dict) or "schema" not in content:
         raise UsageError(f"{file!r} is no document of mbcheck: write one with `check --json`")
     if content["schema"] != SCHEMA:
@@ -74,10 +76,9 @@ def read(file: str) -> Document:
         )
     try:
         return run_of(file, content)
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise UsageError(
-            f"{file!r} is not what `mbcheck check --json` writes ({type(error).__name__}: {error})"
-        ) from None
+    except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
+        why = f"there is no {error}" if isinstance(error, KeyError) else error
+        raise UsageError(f"{file!r} is not what `mbcheck check --json` writes: {why}") from None
 
 
 def run_of(file: str, content: Mapping[str, Any]) -> Document:
@@ -85,7 +86,7 @@ def run_of(file: str, content: Mapping[str, Any]) -> Document:
 
     Raises
     ------
-    KeyError, TypeError, ValueError, AttributeError
+    KeyError, TypeError, ValueError, AttributeError, OverflowError
         If it is not as in docs/json.md.
     """
     results: dict[str, Result] = {}
@@ -98,11 +99,12 @@ def run_of(file: str, content: Mapping[str, Any]) -> Document:
             unavailable[result.engine] = result.reason
         else:
             results[result.id] = result
+    selection = content.get("selection", {})
     return Document(
         file,
         words(content["versions"]),
         words(content.get("environment", {})),
-        dict(content.get("selection", {})),
+        typed(check.Selection, selection, selection),
         int(content.get("checks", {}).get("not_reached", 0)),
         results,
         unavailable,
@@ -121,12 +123,22 @@ def read_result(item: Mapping[str, Any]) -> Result:
     ------
     KeyError, TypeError, ValueError
     """
-    for name in WORDS:
-        if not isinstance(item[name], str):
-            raise TypeError(f"{name} is {item[name]!r}")
-    if item["verdict"] not in VERDICTS:
-        raise ValueError(f"verdict is {item['verdict']!r}")
-    fields: dict[str, Any] = {name: item[name] for name in (*WORDS, "method", "verdict")}
-    for name in MEASURES:
-        fields[name] = None if item[name] is None else float(item[name])
-    return result_from(fields | {"known": item.get("known")})
+    known = typed(check.Result, {"known": None, **item}, ["known"])
+    return result_from(typed(check.Result, item, FIELDS) | known)
+
+
+def typed(kind: Any, values: Mapping[str, Any], names: Iterable[str]) -> dict[str, Any]:
+    """Return some fields of a document, each of the type that it has there.
+
+    Raises
+    ------
+    KeyError, TypeError, ValueError
+    """
+    types = kind.__annotations__
+    fields = {}
+    for name in names:
+        try:
+            fields[name] = convert(values[name], types.get(name, Any))
+        except ValidationError as error:
+            raise ValueError(f"{name} is {values[name]!r:.40}: {error}") from None
+    return fields

@@ -8,6 +8,7 @@ import os
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -15,6 +16,7 @@ from typing import Any
 
 from ...reference.errors import MbcheckError, UnknownNameError, UsageError
 from ..documents import document
+from ..documents.reading import read_bytes, read_document
 from ..reports.remarks import Remark
 from .findings import Selection
 from .inspection import Inspection, inspect
@@ -79,9 +81,8 @@ def whole_models(names: Sequence[str]) -> list[str]:
         try:
             source = read(Path(name))
         except MbcheckError:
-            if f"<{ROOT}" not in Path(name).read_text(errors="replace"):
-                continue
-            models.append(name)
+            with suppress(UsageError):
+                models += [name] if f"<{ROOT}".encode() in read_bytes(name) else []
             continue
         if any(child.tag == "worldbody" for child in source.root.children):
             models.append(name)
@@ -162,15 +163,12 @@ def waivers_of(place: Path, file: str) -> tuple[Waiver, ...]:
     UsageError
         If it cannot be read, or an entry is not what it must be.
     """
-    try:
-        text = place.read_text(encoding="utf-8")
-        content = tomllib.loads(text)
-    except (OSError, ValueError) as error:
-        raise UsageError(f"cannot read {place}: {error}") from None
+    text, content = read_document(place, "TOML", tomllib.loads, "--waivers: ")
     for key in content:
         if key != "waive":
             raise UnknownNameError(f"table of {place}", key, ("waive",))
     entries = content.get("waive", [])
+    entries = entries if isinstance(entries, list) else [entries]
     lines = [text[: match.start()].count("\n") + 1 for match in HEADER.finditer(text)]
     waivers = []
     for number, entry in enumerate(entries):
@@ -220,8 +218,8 @@ def baseline_of(name: str) -> dict[str, dict[tuple[str, str], float | None]]:
     UsageError
         If it cannot be read.
     """
+    _, content = read_document(name, "JSON", json.loads, "--baseline: ")
     try:
-        content = json.loads(Path(name).read_text(encoding="utf-8"))
         return {
             file: {
                 (str(rule), str(element)): None if measure in ([], [None]) else float(*measure)
@@ -229,7 +227,7 @@ def baseline_of(name: str) -> dict[str, dict[tuple[str, str], float | None]]:
             }
             for file, entries in content["findings"].items()
         }
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+    except (ArithmeticError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise UsageError(f"{name} is no baseline: {error}") from None
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ...reference.errors import UsageError
+from ..documents.reading import read_bytes
 from ..reports.files import write_whole
 from ..reports.words import plural
 from .batch import FIXED
@@ -77,10 +78,7 @@ def neutral_edit(inspection: Inspection) -> NeutralEdit:
         If the file cannot be read again, or does not compile to the same from one text.
     """
     loaded, path = inspection.loaded, Path(inspection.file)
-    try:
-        raw = path.read_bytes()
-    except OSError as error:
-        raise UsageError(f"cannot read {inspection.file}: {error.strerror}") from None
+    raw = read_bytes(path, shown=inspection.file)
     asked = [one for one in inspection.unwaived if one.rule in FIXED]
     places = {(one.file, one.line, one.element, one.attribute) for one in asked}
     own = loaded.source.files[0]

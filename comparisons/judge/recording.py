@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import math
 import re
-import sys
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -17,7 +16,7 @@ import numpy as np
 
 from ...reference.errors import UsageError
 from ...reference.scene import Array
-from ..reports.files import STDOUT
+from ..documents.reading import STDIN, read_document
 
 PlaceOf = Callable[[int], str]
 """Names the place of a row of numbers."""
@@ -138,36 +137,22 @@ def from_file(name: str) -> Recording:
     UsageError
         If it cannot be read, naming the line.
     """
-    where = "standard input" if name == STDOUT else name
-    lines = text_of(name, where).replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    head, names, delimiter = header(lines, where)
-    heading = named(names, where)
-    table = numbers(lines, head, names, delimiter, where)
-    stem = "stdin" if name == STDOUT else Path(name).stem
+    where = "standard input" if name == STDIN else name
+    text, _ = read_document(name, "text in UTF-8: write it as CSV", str, shown=where)
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    try:
+        head, names, delimiter = header(lines, where)
+        heading = named(names, where)
+        table = numbers(lines, head, names, delimiter, where)
+    except csv.Error as error:  # a cell is longer than any number or name
+        raise UsageError(f"{where}: {error}") from None
+    stem = "stdin" if name == STDIN else Path(name).stem
 
     def line_of(row: int) -> str:
         filled = [i for i, line in enumerate(lines) if i > head and line.partition("#")[0].strip()]
         return f"line {filled[row] + 1}"
 
     return assembled(stem, heading, list(table.T), where, line_of)
-
-
-def text_of(name: str, where: str) -> str:
-    """Return the text of a file.
-
-    Raises
-    ------
-    UsageError
-        If it cannot be read, or is no text.
-    """
-    try:
-        data = sys.stdin.buffer.read() if name == STDOUT else Path(name).read_bytes()
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise UsageError(f"{where} is no text in UTF-8: write it as CSV") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise UsageError(f"cannot read {where}: {reason}") from None
 
 
 def header(lines: Sequence[str], where: str) -> tuple[int, list[str], str | None]:

@@ -29,6 +29,7 @@ from scipy.io import netcdf_file
 from ...reference import get_scene
 from ...reference.errors import UsageError
 from ...reference.scene import Array
+from ..documents.reading import read_bytes
 from ..reports.files import write_whole
 from ..scenes.quantity import NO_VALUE, QuantityValues, Variable
 from .request import Axis, Request, axis_names
@@ -38,6 +39,9 @@ COMPUTED = Variable("1", "1 where computed, 0 where taken from the nearest compu
 
 MOST_BYTES = 1 << 30
 """Longer files are none of a map, or of a block."""
+
+ABOUT = "settings.json"
+"""File beside the blocks that tells what they depend on."""
 
 BLANK = b"0" * 64
 """What stands in a map for its digest, which is of all its bytes, as it is computed."""
@@ -169,11 +173,7 @@ def read(path: str | Path) -> Map:
     UsageError
         If there is no such file, or it is none of a map.
     """
-    try:
-        with open(path, "rb") as stored:
-            data = stored.read(MOST_BYTES + 1)
-    except OSError as error:
-        raise UsageError(f"cannot read {str(path)!r}: {error.strerror or error}") from None
+    data = read_bytes(path)
     try:
         refuse_damage(data)
         return from_bytes(data)
@@ -189,7 +189,7 @@ def refuse_damage(data: bytes) -> None:
     ValueError
     """
     match = DIGEST.search(data)
-    if match is None or len(data) > MOST_BYTES:
+    if match is None:
         raise ValueError("no digest")
     place = slice(*match.span(1))
     if sha256(data[: place.start], BLANK, data[place.stop :]) != match[1].decode():
@@ -250,22 +250,17 @@ class Blocks:
     def __post_init__(self) -> None:
         if self.folder is None:
             return
-        settings = self.settings
-        about = self.folder / "settings.json"
-        try:
-            with about.open("rb") as stored:
-                before = stored.read(1 << 20).decode(errors="replace")
-        except FileNotFoundError:
-            self.folder.mkdir(parents=True, exist_ok=True)
-            write_whole(about, settings.encode())
+        about = self.folder / ABOUT
+        if not about.exists():
             return
         if not self.resume:
             raise UsageError(
                 f"{self.folder} holds an unfinished map: go on with --resume, or delete it"
             )
-        if before != settings:
+        before = read_bytes(about).decode(errors="replace")
+        if before != self.settings:
             raise UsageError(
-                f"--resume: {self.folder} is of another map ({difference(before, settings)}); "
+                f"--resume: {self.folder} is of another map ({difference(before, self.settings)}); "
                 "ask for the same, or delete it"
             )
 
@@ -303,10 +298,13 @@ class Blocks:
         return sha256(self.name(places).encode(), self.settings.encode(), data)
 
     def put(self, places: NDArray[np.int_], block: QuantityValues) -> None:
-        """Keep a block: whole, or not at all."""
+        """Keep a block: whole, or not at all; the first one makes the folder."""
         name = self.name(places)
         self.finished[name] = block
         if self.folder is not None:
+            if not (self.folder / ABOUT).exists():
+                self.folder.mkdir(parents=True, exist_ok=True)
+                write_whole(self.folder / ABOUT, self.settings.encode())
             data = io.BytesIO()
             arrays: dict[str, Any] = {**block.values}
             np.savez(data, problems=np.array(json.dumps(dict(block.problems))), **arrays)

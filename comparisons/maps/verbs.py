@@ -111,8 +111,7 @@ def map_(
         result = run.compute(
             wanted, workers=workers, dask=dask, folder=folder, resume=resume, progress=advance
         )
-    output.write_bytes(store.to_bytes(result))
-    if folder is not None:
+    if output.write_bytes(store.to_bytes(result)) and folder is not None:
         store.remove(folder)
     if plot:
         draw.draw_map(result, plot.path, curves)

@@ -56,18 +56,18 @@ class Folder:
             for path in (self.figures, self.work):
                 path.mkdir(parents=True, exist_ok=True)
             self._refresh_work()
-            text = self.file.read_text("utf-8") if self.file.exists() else "{}"
+            text = self.file.read_text("utf-8", "replace") if self.file.exists() else "{}"
         except OSError as error:
             raise UsageError(f"--out: cannot write {str(out)!r}: {error.strerror}") from None
         try:
             self._take(json.loads(text))
-        except (ValueError, LookupError, TypeError):
+        except (ValueError, LookupError, TypeError, RecursionError):
             LOG.warning("Warning: %s is damaged, or another document: replaced", self.file)
 
     def _refresh_work(self) -> None:
         """Remove the maps of other versions, and remember which these are."""
         stamp, now = self.work / "versions.json", json.dumps(self.made.versions)
-        if not stamp.exists() or stamp.read_text("utf-8") != now:
+        if not stamp.exists() or stamp.read_text("utf-8", "replace") != now:
             shutil.rmtree(self.work)
             self.work.mkdir()
             stamp.write_text(now, "utf-8")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from ...reference.errors import MbcheckError, UsageError
 from ...reference.scene import Array
 from ..documents import type_of
 from ..documents.core import to_document
+from ..documents.reading import read_bytes
 from .drawing import FAINT, INK, PALETTE
 
 COLOURS = {
@@ -44,9 +46,6 @@ FATES = {
 DASHES = (0, (4, 1.2))
 """Of curves of orbits that lack the symmetry over half a period."""
 
-MOST_BYTES = 1 << 28
-"""Longer files are none of a boundary."""
-
 PIECES = 8
 """Of a curve between two points."""
 
@@ -66,14 +65,9 @@ def read(path: Path, option: str) -> dict[str, Any] | None:
     UsageError
         If the file is none of a boundary.
     """
-    try:
-        with path.open("rb") as stored:
-            data = stored.read(MOST_BYTES + 1)
-    except FileNotFoundError:
+    if not os.path.lexists(path):
         return None
-    except (OSError, ValueError) as error:  # a null byte in a name is a ValueError
-        why = getattr(error, "strerror", None) or error
-        raise UsageError(f"{option}: cannot read {str(path)!r}: {why}") from None
+    data = read_bytes(path, f"{option}: ")
     try:
         return to_document(type_of("boundary"), json.loads(data))
     except (MbcheckError, ValueError, TypeError, AttributeError, RecursionError):

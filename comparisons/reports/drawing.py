@@ -13,6 +13,7 @@ import numpy as np
 from ...reference.errors import UsageError
 from ...reference.scene import Array
 from ..engines.registry import ENGINES, REFERENCE, offered
+from .files import deliver
 
 DOTS_PER_INCH, COLOURS = 150, 48
 SUFFIXES = (".png", ".svg")
@@ -149,14 +150,16 @@ def class_map(
 
 def save(figure: Any, path: Path, dots: int = DOTS_PER_INCH) -> None:
     """Write a figure: SVG without its date, PNG with few colours, half the size."""
-    if path.suffix.lower() == ".svg":
-        figure.savefig(path, metadata={"Date": None})
-        return
-    from PIL import Image
-
     buffer = BytesIO()
-    figure.savefig(buffer, format="png", dpi=dots)
-    Image.open(buffer).convert("RGB").quantize(COLOURS, kmeans=1).save(path, optimize=True)
+    if path.suffix.lower() == ".svg":
+        figure.savefig(buffer, format="svg", metadata={"Date": None})
+    else:
+        from PIL import Image
+
+        figure.savefig(buffer, format="png", dpi=dots)
+        picture = Image.open(buffer).convert("RGB").quantize(COLOURS, kmeans=1)
+        picture.save(buffer := BytesIO(), format="png", optimize=True)
+    deliver(path, buffer.getvalue())
 
 
 def save_and_close(figure: Any, *paths: Path, dots: int = DOTS_PER_INCH) -> None:

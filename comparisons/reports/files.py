@@ -6,6 +6,9 @@ import os
 import shutil
 import sys
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from pathlib import Path
 from secrets import token_hex
@@ -13,6 +16,9 @@ from secrets import token_hex
 from ...reference.errors import MbcheckError, UsageError
 
 STDOUT = "-"
+
+UNWRITTEN: ContextVar[dict[str, OSError] | None] = ContextVar("UNWRITTEN", default=None)
+"""What could not be written, and why, while `collect_unwritten` is active."""
 
 
 @dataclass(frozen=True)
@@ -67,40 +73,79 @@ class Destination:
         with tempfile.NamedTemporaryFile(dir=self.path.parent):
             pass
 
-    def write(self, text: str) -> None:
-        """Write a text, see `write_bytes`."""
-        self.write_bytes(text.encode())
+    def write(self, text: str) -> bool:
+        """Write a text, see `deliver`."""
+        return self.write_bytes(text.encode())
 
-    def write_bytes(self, data: bytes) -> None:
-        """Write bytes: to a file beside it first, which then takes its place.
+    def write_bytes(self, data: bytes) -> bool:
+        """Write bytes, see `deliver`."""
+        place = None if self.standard_output else self.path
+        return deliver(place, data, f"{self.option}: cannot write {self.name!r}")
 
-        Raises
-        ------
-        UsageError
-            If the file cannot be written after all.
-        """
-        if self.standard_output:
+
+@contextmanager
+def collect_unwritten() -> Iterator[dict[str, OSError]]:
+    """Lend what could not be written meanwhile, and why: it keeps nothing else from being written.
+
+    A command tells it at its end.
+    """
+    unwritten: dict[str, OSError] = {}
+    before = UNWRITTEN.set(unwritten)
+    try:
+        yield unwritten
+    finally:
+        UNWRITTEN.reset(before)
+
+
+def deliver(path: Path | None, data: bytes, failure: str = "") -> bool:
+    """Write what was computed to a file, as `replace` does, or to standard output; return success.
+
+    Parameters
+    ----------
+    path : Path or None
+        None for standard output.
+    data : bytes
+    failure : str
+        What to say if it cannot be written, if more than that.
+
+    Raises
+    ------
+    UsageError
+        If it cannot be written, and nothing collects that.
+    """
+    try:
+        if path is None:
             write_out(data)
-            return
-        try:
-            if self.path.exists() and not self.path.is_file():
-                self.path.write_bytes(data)
-            else:
-                replace(self.path, data)
-        except OSError as error:
-            raise UsageError(
-                f"{self.option}: cannot write {self.name!r}: {error.strerror}"
-            ) from None
+        elif path.exists() and not path.is_file():
+            path.write_bytes(data)
+        else:
+            replace(path, data)
+    except OSError as error:
+        unwritten = UNWRITTEN.get()
+        words = f"{failure or f'cannot write {str(path)!r}'}: {error.strerror}"
+        if unwritten is None:
+            raise UsageError(words) from None
+        unwritten[words] = error
+        if path is None:
+            discard_output()
+        return False
+    return True
+
+
+def discard_output() -> None:
+    """Send what is still to be flushed to standard output nowhere."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def replace(path: Path, data: bytes) -> None:
-    """Write a file that is there whole or not at all.
+    """Write a file that is there whole or not at all; through a link, what it points to.
 
     Raises
     ------
     OSError
         If it cannot be written.
     """
+    path = Path(os.path.realpath(path))
     beside = path.with_name(f".{path.name[:200]}.{token_hex(8)}.tmp")
     try:
         with beside.open("xb") as file:  # what nobody can have put there, a link for one

@@ -26,7 +26,7 @@ import numpy as np
 from ...reference.errors import MbcheckError, UnknownNameError, UsageError
 from ...reference.parameters import as_number
 from ..checks.verdict import PROFILES
-from ..reports.files import Destination
+from ..reports.files import Destination, collect_unwritten, discard_output
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -68,7 +68,12 @@ class Program(click.Group):
             return complain("standard output and standard error must be open", MISUSED)
         with interrupts() as interrupted, warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)  # what matters becomes an error
-            code = self.outcome(*args, **extra)
+            with collect_unwritten() as unwritten:
+                code = self.outcome(*args, **extra)
+            if any(isinstance(error, BrokenPipeError) for error in unwritten.values()):
+                return BROKEN_PIPE
+            for words in unwritten:
+                code = complain(words, code or FAILED)
             if interrupted() and code != INTERRUPTED:
                 complain("interrupted", INTERRUPTED)
             return 128 + interrupted() if interrupted() else code
@@ -98,7 +103,7 @@ class Program(click.Group):
             discard_output()
             if isinstance(error, BrokenPipeError):
                 return BROKEN_PIPE
-            return complain(f"{error.strerror or error}", MISUSED)
+            return complain(f"{error.strerror or error}", FAILED)
         return outcome
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
@@ -128,11 +133,6 @@ def interrupts() -> Iterator[Callable[[], int]]:
     finally:
         for number, handler in handlers.items():
             signal.signal(number, handler)
-
-
-def discard_output() -> None:
-    """Send what is still to be flushed to standard output nowhere."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def complain(message: str, code: int) -> int:

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from ....reference.errors import UsageError
-from ...reports.files import write_whole
+from ...documents.reading import read_document
+from ...reports.files import deliver
 from .converged import Converged
 from .runs import SampledRun, Setting, Start
 
@@ -56,10 +57,10 @@ class RunStore:
         """
         if self.path is None or not self.path.exists():
             return {}
+        _, content = read_document(self.path, "JSON", json.loads, "--resume: ")
         try:
-            content = json.loads(self.path.read_text(encoding="utf-8"))
             purpose, about, entries = (content[key] for key in ("what", "about", "entries"))
-        except (OSError, ValueError, KeyError, TypeError):
+        except (KeyError, TypeError):
             raise UsageError(f"--resume {self.path}: that holds no {PURPOSE}") from None
         whole = isinstance(about, dict) and isinstance(entries, dict)
         if purpose != PURPOSE or not whole or any(map(is_broken, entries.values())):
@@ -80,7 +81,7 @@ class RunStore:
         """Write the file, if there is one."""
         if self.path is not None:
             content = {"what": PURPOSE, "about": self.about, "entries": self.entries}
-            write_whole(self.path, (json.dumps(content) + "\n").encode())
+            deliver(self.path, (json.dumps(content) + "\n").encode())
         self.written = monotonic()
 
 

@@ -12,12 +12,10 @@ from xml.parsers import expat
 
 from ....models.mjcf import address
 from ....reference.errors import UsageError
+from ...documents.reading import read_bytes
 
 ROOT = "mujoco"
 """Tag of the root of an MJCF file."""
-
-LARGEST = 256 * 2**20
-"""Largest size [bytes] of a file that is read; no model is written in more."""
 
 WAIVER = re.compile(r"allow\s+(\w+)\s*(?:,\s*(.*?))?\s*:(?:\s+(.*))?", re.DOTALL)
 """``allow RULE[, element]: reason``; the colon ends the element where a blank follows it."""
@@ -194,8 +192,10 @@ def parse(
     parser.CommentHandler = comment
     try:
         parser.Parse(raw, True)
-    except expat.ExpatError as error:
+    except (expat.ExpatError, ValueError, LookupError) as error:  # or an encoding is not known
         raise UsageError(f"{name} is not XML: {error}") from None
+    except RecursionError:
+        raise UsageError(f"{name} is included by too many files in turn") from None
     return document.children[0]
 
 
@@ -228,17 +228,7 @@ def content(path: Path, name: str) -> bytes:
             f"{name} is a compiled model, which has no text to inspect: give the MJCF that it "
             "was compiled from"
         )
-    try:
-        if path.is_dir():
-            raise UsageError(f"{name} is a folder: give one of its files")
-        if path.exists() and not path.is_file():
-            raise UsageError(f"{name} is no file")
-        if path.stat().st_size > LARGEST:
-            raise UsageError(f"{name} has more than {LARGEST // 2**20} MiB: that is no MJCF")
-        raw = path.read_bytes()
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise UsageError(f"cannot read {name}: {reason}") from None
+    raw = read_bytes(path, shown=name)
     if not raw.strip():
         raise UsageError(f"{name} is empty")
     if b"\0" in raw[:4096] and not raw.startswith((b"\xff\xfe", b"\xfe\xff")):

@@ -485,4 +485,4 @@ def test_a_full_disk() -> None:
         done = subprocess.run(
             [*MAIN, "list"], stdout=full, stderr=subprocess.PIPE, text=True, check=False
         )
-    assert (done.returncode, done.stderr) == (2, "Error: No space left on device\n")
+    assert (done.returncode, done.stderr) == (1, "Error: No space left on device\n")

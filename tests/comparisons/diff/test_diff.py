@@ -369,7 +369,7 @@ def test_what_cannot_be_read(text: str, words: str) -> None:
 def test_other_misuse() -> None:
     good = write("good.json", [])
     assert "No such file" in refusal(f"diff {good} nowhere.json")
-    assert "Is a directory" in refusal(f"diff {good} .")
+    assert "it is a folder" in refusal(f"diff {good} .")
     assert "NEW.json" in refusal(f"diff {good}")
     assert "both go to" in refusal(f"diff {good} {good} --json - --markdown -")
 

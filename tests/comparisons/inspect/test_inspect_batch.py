@@ -136,7 +136,8 @@ def test_a_waiver_beside_the_model_that_waives_nothing(
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("[[waive", "cannot read"),
+        ("[[waive", "'own.toml' is not TOML"),
+        ("waive = 3", "an entry is a table of strings"),
         ('[[waive]]\nrule = "range_ignored"\n', "line 1: there is no reason"),
         ('\n[[waive]]\nrule = "range"\nreason = "x"\n', "did you mean"),
         (WAIVE + 'elment = "x"\n', "did you mean 'element'"),

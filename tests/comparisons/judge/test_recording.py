@@ -115,7 +115,7 @@ def test_a_file_that_is_refused(text: str, words: str) -> None:
 
 def test_bytes_that_are_no_text() -> None:
     Path("a.csv").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(UsageError, match="no text in UTF-8"):
+    with pytest.raises(UsageError, match="is not text in UTF-8"):
         recording("a.csv")
 
 
