@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from contextlib import nullcontext
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -213,7 +214,8 @@ def check_verb(
         draft_file.write(known.draft(outcome.results))
     if failure := github.append_step_summary(summary):
         click.echo(f"Warning: {failure}", err=True)
-    with github.annotated(outcome, annotations, err=to_stdout(*files)):
+    commands = partial(github.workflow_commands, outcome)
+    with github.annotated(commands, annotations, err=to_stdout(*files)):
         print_report(console(*files), outcome, verbosity=int(verbose) - int(quiet))
     if outcome.run.interrupted:
         return complain("interrupted", INTERRUPTED)

@@ -68,6 +68,14 @@ HANGING = 900.0
 LIMITS: ContextVar[tuple[float | None, float | None]] = ContextVar("limits", default=(None, None))
 """Time [s] and memory [MiB] of what this process does for another one, or for the user."""
 
+
+def unheard(message: Any) -> None:
+    """Take no notice."""
+
+
+TELL: ContextVar[Callable[[Any], None]] = ContextVar("TELL", default=unheard)
+"""Sends what a call has to say to the process that waits for it."""
+
 Groups = Sequence[Sequence[int]]
 
 
@@ -218,6 +226,11 @@ class Worker:
     """A process that makes one call at a time.
 
     That of an engine has its folder, and answers in plain data.
+
+    Attributes
+    ----------
+    heard : callable
+        Is given what a call tells meanwhile, see `tell`.
     """
 
     def __init__(self, folder: Path | None = None) -> None:
@@ -235,6 +248,7 @@ class Worker:
         except (OSError, EOFError):  # an engine has ended the server, or removed its socket
             self.process = get_context("spawn").Process(target=serve, args=arguments, daemon=inner)
             self.process.start()
+        self.heard: Callable[[Any], None] = unheard
         atexit.register(self.end)
         theirs.close()
         lifeline.close()
@@ -256,6 +270,8 @@ class Worker:
                 if done:
                     return True
                 self.deadline = min(self.deadline, monotonic() + self.seconds)
+                if self.outcome is not None:
+                    self.heard(self.outcome)
         except (EOFError, OSError):
             self.process.join(GRACE)
             end_group(self.process.pid)
@@ -339,7 +355,13 @@ def answer_next(pipe: Connection, plain: bool) -> None:
         pipe.send_bytes(encoded((True, engine_error(error)), plain))
     else:
         pipe.send_bytes(encoded((False, None), plain))
+        TELL.set(lambda message: pipe.send_bytes(encoded((False, message), plain)))
         pipe.send_bytes(encoded((True, outcome(call, *limits)), plain))
+
+
+def tell(message: Any) -> None:
+    """Send what a call of this process has to say before it ends, to `Worker.heard`."""
+    TELL.get()(message)
 
 
 def forget_files(*needed: int) -> None:

@@ -18,10 +18,10 @@ from ...reference.errors import MbcheckError, UnknownNameError, UsageError
 from ..documents import document
 from ..documents.reading import read_bytes, read_document
 from ..reports.remarks import Remark
+from ..reports.words import plural
 from .findings import Selection
-from .inspection import Inspection, inspect
 from .mujoco.source import ROOT, Waiver, read
-from .pace import Pace
+from .pace import has_unasked_rules
 from .rules.table import RULES
 from .subject import SEVERITIES, Severity
 
@@ -130,6 +130,19 @@ class InspectRequest:
         asked = matching(self.select) if self.select else default
         return frozenset(asked - matching(self.ignore))
 
+    def refuse_slips(self) -> None:
+        """Refuse names that nothing answers to, and files that cannot be read, before any work.
+
+        Raises
+        ------
+        UsageError
+        """
+        self.rules()
+        if self.waivers:
+            waivers_of(Path(self.waivers), "")
+        if self.baseline:
+            baseline_of(self.baseline)
+
     def fixing(self) -> InspectRequest:
         """Return the request for what can be fixed, which rules of the house find."""
         return self if self.select else replace(self, select=FIXED)
@@ -236,43 +249,56 @@ def baseline_of(name: str) -> dict[str, dict[tuple[str, str], float | None]]:
 
 @dataclass(frozen=True)
 class Inspections:
-    """Many files: those that were inspected, and those that could not be, with the reason."""
+    """Many files: those that were inspected, and those that could not be, with the reason.
 
-    models: tuple[Inspection, ...]
+    Attributes
+    ----------
+    models : tuple of mapping
+        An ``inspect`` document for each; of a file that ended its process, what was found before.
+    unreadable : mapping of str to str
+    """
+
+    models: tuple[Mapping[str, Any], ...]
     unreadable: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def files(self) -> list[str]:
         """All files, as they were given."""
-        return [*(one.file for one in self.models), *self.unreadable]
+        return list(dict.fromkeys([*(one["file"] for one in self.models), *self.unreadable]))
 
     @property
     def summary(self) -> dict[str, int]:
         """Number of findings by severity, and of those that are waived."""
         names = (*SEVERITIES, "waived")
-        return {name: sum(one.summary[name] for one in self.models) for name in names}
+        return {name: sum(one["summary"][name] for one in self.models) for name in names}
 
     def remarks(self) -> list[Remark]:
         """Return what is said about lines, file by file."""
+        names = ("line", "severity", "rule", "element", "attribute", "message", "fix")
         return [
             Remark(
-                file=path_of(one, finding.file),
-                line=finding.line,
-                severity=finding.severity,
-                rule=finding.rule,
-                message=finding.message,
-                fix=finding.fix,
-                subject=one.file,
+                **{name: finding[name] for name in names},
+                file=path_of(one, finding["file"]),
+                subject=one["file"],
             )
             for one in self.models
-            for finding in one.unwaived
+            for finding in unwaived(one)
         ]
 
     def exit_code(self, fail_on: str) -> int:
         """Return 2 if a file could not be read, 1 if a finding is to fail or a rule had no time."""
         fails = any(self.summary[name] for name in FAIL_ON[fail_on])
-        fails |= any(one.pace.has_unasked_rules for one in self.models)
+        fails |= any(has_unasked_rules(one["left_out"]) for one in self.models)
         return 2 if self.unreadable else int(fails)
+
+    def verdict(self, fail_on: str) -> str:
+        """Return one line that counts findings."""
+        counts, files = self.summary, self.files
+        words = [plural(counts[name], name) for name in SEVERITIES]
+        words += [f"{counts['waived']} waived"] if counts["waived"] else []
+        words += [f"{len(self.unreadable)} cannot be read"] if self.unreadable else []
+        of = f"{plural(len(files), 'file')}, " if len(files) > 1 else ""
+        return f"{'FAIL' if self.exit_code(fail_on) else 'OK'}: {of}{', '.join(words)}"
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``inspections`` document of docs/json.md."""
@@ -281,7 +307,6 @@ class Inspections:
             self,
             summary=self.summary,
             unreadable=[{"file": file, "reason": why} for file, why in self.unreadable.items()],
-            models=[one.as_json() for one in self.models],
         )
 
     def baseline(self) -> str:
@@ -289,12 +314,17 @@ class Inspections:
         content = {}
         for one in self.models:
             worst: dict[tuple[str, str], float | None] = {}
-            for finding in one.unwaived:
-                key, measure = (finding.rule, finding.element), finding.measure
+            for finding in unwaived(one):
+                key, measure = (finding["rule"], finding["element"]), finding["measure"]
                 both = [value for value in (worst.get(key), measure) if value is not None]
                 worst[key] = max(both, default=None)
-            content[key_of(one.file)] = [[*key, value] for key, value in sorted(worst.items())]
+            content[key_of(one["file"])] = [[*key, value] for key, value in sorted(worst.items())]
         return json.dumps({"findings": content}, indent=1) + "\n"
+
+
+def unwaived(model: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """Return the findings of an ``inspect`` document that its file does not waive."""
+    return [one for one in model["findings"] if one["waived"] is None]
 
 
 def named_once(file: str, why: str) -> str:
@@ -304,36 +334,8 @@ def named_once(file: str, why: str) -> str:
     return words if count else f"{file}: {why}"
 
 
-def path_of(one: Inspection, file: str | None) -> str:
+def path_of(model: Mapping[str, Any], file: str | None) -> str:
     """Return the path of a file that a model consists of, from where the user stands."""
-    if file is None or file == one.files[0]:
-        return one.file
-    return os.path.normpath(Path(one.file).parent / file)
-
-
-def inspect_files(
-    files: Sequence[str],
-    request: InspectRequest,
-    modes: bool | None,
-    pace: Pace,
-) -> Inspections:
-    """Inspect files one after the other; one that cannot be read does not end the others.
-
-    Parameters
-    ----------
-    files : sequence of str
-    request : InspectRequest
-    modes : bool or None
-        See `inspect`.
-    pace : Pace
-        The time for all of them; it is told which file is next.
-    """
-    models, unreadable = [], {}
-    for number, file in enumerate(files):
-        pace.progress(number, len(files), file)
-        selection, own = request.selection(file), pace.remaining()
-        try:
-            models.append(inspect(file, None, modes, request.strict, selection, own))
-        except MbcheckError as error:
-            unreadable[file] = str(error)
-    return Inspections(tuple(models), unreadable)
+    if file is None or file == model["files"][0]:
+        return str(model["file"])
+    return os.path.normpath(Path(model["file"]).parent / file)

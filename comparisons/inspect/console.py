@@ -9,13 +9,14 @@ from rich.console import Console
 from rich.text import Text
 
 from ..reports.remarks import remark_lines
-from ..reports.text import STYLES, print_line, print_table, print_wrapped
+from ..reports.text import STYLES, encodable, print_line, print_table, print_wrapped
 from ..reports.words import number, plural
 from .batch import Inspections
 from .difference import ModelDifference
 from .inspection import Inspection
 from .mujoco.facts import BodyFacts, Facts, JointFacts
 from .mujoco.model import ENGINE
+from .pace import omissions
 from .rules.stability import why_untold
 from .rules.table import RULES
 from .subject import SEVERITIES, Severity, View
@@ -67,9 +68,9 @@ def print_inspection(
         print_line(console, f"... {len(inspection.views) - len(views)} states more, with --full")
     print_steps(console, inspection)
     print_closures(console, inspection, MOST_CLOSURES if full else FEW_CLOSURES)
-    if inspection.pace.omissions:
-        print_wrapped(console, inspection.pace.omissions)
-    print_verdict(console, inspection, fail_on)
+    if words := omissions(inspection.pace.left_out):
+        print_wrapped(console, words)
+    print_verdict(console, Inspections((inspection.as_json(),)), fail_on)
 
 
 def calling_for_attention(views: Sequence[View]) -> Sequence[View]:
@@ -82,15 +83,15 @@ def print_lines(console: Console, every: Inspections, fail_on: str) -> None:
     for line in remark_lines(every.remarks()):
         print_line(console, line)
     for one in every.models:
-        if one.pace.omissions:
-            print_line(console, f"{one.file}: {one.pace.omissions}")
-    counts = every.summary
-    words = [plural(counts[name], name) for name in SEVERITIES]
-    words += [f"{counts['waived']} waived"] if counts["waived"] else []
-    words += [f"{len(every.unreadable)} cannot be read"] if every.unreadable else []
-    verdict = "FAIL" if every.exit_code(fail_on) else "OK"
-    style = next((COLOURS[name] for name in SEVERITIES if counts[name]), STYLES["pass"])
-    print_line(console, f"{verdict}: {plural(len(every.files), 'file')}, {', '.join(words)}", style)
+        if words := omissions(one["left_out"]):
+            print_line(console, f"{one['file']}: {words}")
+    print_verdict(console, every, fail_on)
+
+
+def print_verdict(console: Console, every: Inspections, fail_on: str) -> None:
+    """Print one line that counts findings."""
+    worst = (COLOURS[name] for name in SEVERITIES if every.summary[name])
+    print_line(console, every.verdict(fail_on), next(worst, STYLES["pass"]))
 
 
 def print_facts(console: Console, inspection: Inspection) -> None:
@@ -298,7 +299,8 @@ def print_findings(console: Console, inspection: Inspection, full: bool) -> None
         for one in same[:most]:
             place = "" if one.line is None else f" ({one.file}:{one.line})"
             severity = (one.severity, COLOURS[one.severity])
-            console.print(Text.assemble(severity, f" {rule} {one.element}{place}"), soft_wrap=True)
+            words = encodable(f" {rule} {one.element}{place}", console)
+            console.print(Text.assemble(severity, words), soft_wrap=True)
             print_wrapped(console, one.message, indent="    ")
         if len(same) > most:
             print_line(console, f"    ... and {len(same) - most} more of {rule}")
@@ -312,16 +314,6 @@ def print_findings(console: Console, inspection: Inspection, full: bool) -> None
         console.print()
 
 
-def print_verdict(console: Console, inspection: Inspection, fail_on: str) -> None:
-    """Print one line of summary."""
-    counts = inspection.summary
-    words = [plural(counts[name], name) for name in SEVERITIES]
-    words += [f"{counts['waived']} waived"] if counts["waived"] else []
-    style = next((COLOURS[name] for name in SEVERITIES if counts[name]), STYLES["pass"])
-    verdict = "FAIL" if Inspections((inspection,)).exit_code(fail_on) else "OK"
-    print_line(console, f"{verdict}: {', '.join(words)}", style)
-
-
 def print_difference(console: Console, result: ModelDifference) -> None:
     """Print what differs between two models."""
     if not result:
@@ -333,7 +325,7 @@ def print_difference(console: Console, result: ModelDifference) -> None:
     for word, listed in (("new", result.new), ("gone", result.gone)):
         for one in listed:
             severity = (one.severity, COLOURS[one.severity])
-            text = f" {one.rule} {one.element}: {' '.join(one.message.split())}"
+            text = encodable(f" {one.rule} {one.element}: {one.message}", console)
             console.print(Text.assemble(f"{word}: ", severity, text), soft_wrap=True)
 
 

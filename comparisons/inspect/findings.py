@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -94,15 +95,28 @@ Hits = list[tuple[str, Hit]]
 """What rules find, with their names."""
 
 
-def hits_of(s: InspectedModel, rules: Collection[str]) -> Hits:
-    """Return what some rules find, those for which there is time."""
-    with np.errstate(all="ignore"):
-        return [
-            (name, hit)
-            for name, rule in RULES.items()
-            if rule.find and name in rules and s.pace.begins(f"rule {name}")
-            for hit in rule.find(s)
-        ]
+def hits_of(s: InspectedModel, selection: Selection, quick: Hits | None = None) -> Hits:
+    """Return what rules find, those for which there is time: of `QUICK`, or all after these."""
+    first = quick is None
+    hits = list(quick or ())
+    names = [name for name in RULES if name in selection.rules and (name in QUICK) == first]
+    for place, name in enumerate(names, start=1):
+        find = RULES[name].find
+        if find and s.pace.begins(f"rule {name}"):
+            with np.errstate(all="ignore"):
+                hits += [(name, hit) for hit in find(s)]
+        asked = {*names[:place], *(() if first else QUICK)}
+        s.pace.keep(partial(so_far, s, selection, hits, asked), first and place == len(names))
+    return hits
+
+
+def so_far(
+    s: InspectedModel, selection: Selection, hits: Hits, asked: Collection[str]
+) -> tuple[InspectedModel, tuple[ModelFinding, ...]]:
+    """Return a model and its findings as they are if the other rules are never asked."""
+    rest = [f"rule {name}" for name in RULES if name in selection.rules and name not in asked]
+    s = replace(s, pace=replace(s.pace, left_out=[*s.pace.left_out, *rest]))
+    return s, findings_of(s, selection, hits)
 
 
 def findings(
@@ -110,13 +124,10 @@ def findings(
 ) -> tuple[tuple[ModelFinding, ...], str | None]:
     """Return all findings, errors first, and why some attributes were not tried, if any.
 
-    Those that are waived say so, and come last. A waiver of what was not looked for may be
-    of use another time. ``budget`` is what `repeated_default` may spend, ``quick`` what the
-    rules of `QUICK` found, if they were asked before.
+    ``budget`` is what `repeated_default` may spend, ``quick`` what the rules of `QUICK` found, if
+    they were asked before.
     """
-    if quick is None:
-        quick = hits_of(s, selection.rules & QUICK)
-    hits = [*quick, *hits_of(s, selection.rules - QUICK)]
+    hits = hits_of(s, selection, hits_of(s, selection) if quick is None else quick)
     hits.sort(key=lambda hit: list(RULES).index(hit[0]))
     with np.errstate(all="ignore"):
         stated = {(hit.element, hit.attribute) for _, hit in hits if hit.element and hit.attribute}
@@ -126,6 +137,17 @@ def findings(
             else ([], None)
         )
     hits += [(REPEATED_DEFAULT, hit) for hit in repeated]
+    return findings_of(s, selection, hits, {REPEATED_DEFAULT} if untried else set()), untried
+
+
+def findings_of(
+    s: InspectedModel, selection: Selection, hits: Hits, untried: Collection[str] = ()
+) -> tuple[ModelFinding, ...]:
+    """Return what rules found as findings, errors first.
+
+    Those that are waived say so, and come last. A waiver of what was not looked for, or of a rule
+    that was not tried on all, may be of use another time.
+    """
     waivers = (*s.loaded.source.waivers, *selection.waivers)
     allowed = [
         next((i for i, waiver in enumerate(waivers) if waiver.covers(rule, hit.name)), None)
@@ -140,9 +162,8 @@ def findings(
         else:
             before = (rule, hit.name) in selection.baseline
             results.append(finding(rule, hit, BEFORE if before else None))
-    skipped = {REPEATED_DEFAULT} if untried else set()
-    skipped |= {name for name in RULES if f"rule {name}" in s.pace.left_out}
-    skipped |= set(RULES) - selection.rules
+    skipped = {name for name in RULES if f"rule {name}" in s.pace.left_out}
+    skipped |= set(RULES) - selection.rules | set(untried)
     if not any(view.linear for view in s.views):
         skipped |= NEED_MODES
     own = len(s.loaded.source.waivers)
@@ -154,8 +175,9 @@ def findings(
     ]
     complained = [finding(*one) for one in complaints(idle)]
     results += [one for one in complained if one.rule in selection.rules]
-    results.sort(key=lambda one: (one.waived is not None, SEVERITIES.index(one.severity)))
-    return tuple(results), untried
+    return tuple(
+        sorted(results, key=lambda one: (one.waived is not None, SEVERITIES.index(one.severity)))
+    )
 
 
 def finding(rule: str, hit: Hit, waived: str | None = None) -> ModelFinding:

@@ -20,7 +20,7 @@ from .mujoco.facts import facts
 from .mujoco.linear import Linear
 from .mujoco.model import ENGINE, Loaded, NotFiniteError, load
 from .pace import Pace
-from .rules.table import QUICK, RULES
+from .rules.table import RULES
 from .spectrum import Shape
 from .subject import SEVERITIES, InspectedModel, View
 from .views import MOST_STATES, shortest_period_of, state_views, step_limits
@@ -167,13 +167,23 @@ def inspect(
         If MuJoCo cannot be imported.
     """
     pace, selection = pace or Pace(), selection or Selection.of_profile(strict)
-    with pace.outside(f"MuJoCo compiles {Path(path).name}"):
-        loaded = load(path)
+    pace.progress(0, 1, f"MuJoCo compiles {Path(path).name}")
+    loaded = load(path)
     with quiet(loaded.mujoco):
         still = without_motion(loaded, strict, pace)
-        quick = hits_of(still, selection.rules & QUICK)
+        quick = hits_of(still, selection)
         subject = with_motion(still, about_rotation, modes)
-        results, untried = findings(subject, selection, quick=quick)
+        return inspection_of(path, subject, *findings(subject, selection, quick=quick))
+
+
+def inspection_of(
+    path: str | Path,
+    subject: InspectedModel,
+    results: tuple[ModelFinding, ...],
+    untried: str | None = None,
+) -> Inspection:
+    """Return what is found about a file."""
+    loaded = subject.loaded
     return Inspection(
         **{item.name: getattr(subject, item.name) for item in fields(subject)},
         file=str(path),

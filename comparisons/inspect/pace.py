@@ -2,19 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import inf
 from time import monotonic
+from typing import Any
 
 from ...reference.errors import UsageError
 
 LEAST = 1e-9
 """Time [s] that is none."""
 
+OFTEN = 1.0
+"""Time [s] between two checkpoints."""
+
 UP = "the time was up"
 """Why something was left out."""
+
+
+def has_unasked_rules(left_out: Sequence[str]) -> bool:
+    """Return whether there was no time for a rule: what it would find is not known."""
+    return any(part.startswith("rule ") for part in left_out)
+
+
+def omissions(left_out: Sequence[str]) -> str:
+    """Return in words what was left out; empty if nothing was."""
+    rules = [part.removeprefix("rule ") for part in left_out if part.startswith("rule ")]
+    others = [part for part in left_out if not part.startswith("rule ")]
+    others += [f"the rules {', '.join(rules)}"] if rules else []
+    return f"{UP}, and left out are {'; '.join(others)}" if others else ""
 
 
 def unseen(done: int, total: int, now: str) -> None:
@@ -33,45 +49,32 @@ class Pace:
         Is told how many parts are done, of how many, and which is next.
     left_out : list of str
         Parts for which there was no time.
+    checkpoint : callable or None
+        Is given a model and its findings so far, to outlive a process that is stopped.
     """
 
     budget: float = inf
     progress: Callable[[int, int, str], None] = unseen
     left_out: list[str] = field(default_factory=list)
+    checkpoint: Callable[[Any, Any], None] | None = None
     done: int = 0
     total: int = 0
 
     def __post_init__(self) -> None:
         if not self.budget > 0:
             raise UsageError(f"--budget must be a positive number, not {self.budget:g}")
-        self.end = monotonic() + self.budget
+        self.kept = monotonic()
+        self.end = self.kept + self.budget
 
     def remaining(self) -> Pace:
         """Return the pace of one of several tasks that share the time."""
         return Pace(max(self.end - monotonic(), LEAST))
 
-    @contextmanager
-    def outside(self, part: str) -> Iterator[None]:
-        """Do a part that takes as long as it takes, and does not count."""
-        self.progress(self.done, max(self.done, self.total, 1), part)
-        begun = monotonic()
-        try:
-            yield
-        finally:
-            self.end += monotonic() - begun
-
-    @property
-    def has_unasked_rules(self) -> bool:
-        """Whether there was no time for a rule: what it would find is not known."""
-        return any(part.startswith("rule ") for part in self.left_out)
-
-    @property
-    def omissions(self) -> str:
-        """What was left out, in words; empty if nothing was."""
-        rules = [part.removeprefix("rule ") for part in self.left_out if part.startswith("rule ")]
-        others = [part for part in self.left_out if not part.startswith("rule ")]
-        others += [f"the rules {', '.join(rules)}"] if rules else []
-        return f"{UP}, and left out are {'; '.join(others)}" if others else ""
+    def keep(self, found: Callable[[], Sequence[Any]], now: bool = False) -> None:
+        """Hand on what is found so far, now and then."""
+        if self.checkpoint and (now or monotonic() - self.kept > OFTEN):
+            self.checkpoint(*found())
+            self.kept = monotonic()
 
     def begins(self, part: str) -> bool:
         """Return whether there is time to begin a part, which is left out if there is none."""

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-import math
-import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import partial
+from math import inf
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -23,13 +25,19 @@ from ..terminal.program import (
     examples,
     into,
     json_text,
+    one_line,
     progress_bar,
     several,
     to_stdout,
 )
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
+    from ..reports.remarks import Remark
     from .batch import Inspections, InspectRequest
+    from .pace import Pace
+    from .sandbox import Screen
 
 DOCUMENTS = ("json", "junit", "sarif")
 """Options that write a document, which may go to standard output."""
@@ -129,7 +137,9 @@ def inspect(models: tuple[str, ...], **options: Any) -> int:
         raise UsageError("which file? mbcheck inspect MODEL.xml")
     documents = [options[f"{name}_file"] for name in (*DOCUMENTS, "write_baseline")]
     refuse_conflicts(*documents)
-    from .batch import InspectRequest, files_of
+    from ..reports.remarks import github_annotations
+    from ..reports.run.github import annotated
+    from .batch import InspectRequest
 
     request = InspectRequest(
         options["strict"],
@@ -138,122 +148,122 @@ def inspect(models: tuple[str, ...], **options: Any) -> int:
         options["waivers"],
         options["baseline"],
     )
-    request.rules()  # a slip of the pen is told before anything is read
+    request.refuse_slips()
     if options["dry_run"] and not options["fix"]:
         raise UsageError("--dry-run is for --fix")
-    if options["compare"]:
+    remarks: list[Remark] = []
+    quiet = to_stdout(*documents[:-1])
+    with annotated(lambda: github_annotations(remarks), options["annotations"], quiet):
+        if not options["compare"]:
+            return inspect_all(models, request, options, remarks)
         if options["fix"]:
             raise UsageError("--fix is of files: leave out --diff")
         return inspect_two(models, request, options)
-    single = len(models) == 1 and not os.path.isdir(models[0])
-    files = files_of(models)
+
+
+def inspect_all(
+    models: Sequence[str],
+    request: InspectRequest,
+    options: Mapping[str, Any],
+    remarks: list[Remark],
+) -> int:
+    """Inspect models: reports and documents; return the exit code, and add to remarks."""
+    from ..reports.remarks import step_summary
+    from ..reports.run.github import append_step_summary
+    from ..reports.text import in_encoding
+    from .batch import files_of, named_once
+    from .console import print_lines
+    from .sandbox import found_in, inspect_files
+
+    files, fail_on = files_of(models), options["fail_on"]
+    single = len(models) == 1 and files == list(models)
+    if not single:
+        refuse_single(options)
     if options["fix"]:
         code = fix_files(files, request, options)
         if options["dry_run"] or code == MISUSED:
             return code
-    if single and files == list(models):
-        return inspect_one(models[0], request, options)
-    refuse_single(options)
-    return inspect_many(files, request, options)
+    screen = console(*(options[f"{name}_file"] for name in DOCUMENTS))
+    with paced(options) as pace:
+        every, reports = inspect_files(
+            files, lambda file: partial(found_in, file, request, options, on(screen, options)), pace
+        )
+    if single and not reports:
+        raise UsageError(named_once(*next(iter(every.unreadable.items()))))
+    remarks += every.remarks()
+    write_documents(every, single, options)
+    if not screen.stderr:
+        if single and not options["lines"]:
+            screen.file.write(in_encoding(reports[0], screen))
+        else:
+            print_lines(screen, every, fail_on)
+    for file, why in every.unreadable.items():
+        complain(named_once(file, why), MISUSED)
+    if failure := append_step_summary(step_summary(every.verdict(fail_on), remarks)):
+        click.echo(f"Warning: {failure}", err=True)
+    return every.exit_code(fail_on)
 
 
-def inspect_one(model: str, request: InspectRequest, options: Mapping[str, Any]) -> int:
-    """Inspect a model: its report and its documents; return the exit code."""
-    from . import console as output
-    from . import inspection
-    from .batch import Inspections
+@contextmanager
+def paced(options: Mapping[str, Any]) -> Iterator[Pace]:
+    """Lend the time that there is, with progress."""
     from .pace import Pace
 
-    selection = request.selection(model)
     with progress_bar(True, "inspect", lines=True) as progress:
-        pace = Pace(budget_of(options), progress)
-        result = inspection.inspect(
-            model, options["rotation"], options["modes"], request.strict, selection, pace
-        )
-    every = Inspections((result,))
-    if options["json_file"]:
-        options["json_file"].write(json_text(result.as_json()))
-    write_documents(every, options)
-    quiet = to_stdout(*(options[f"{name}_file"] for name in DOCUMENTS))
-    if options["lines"] and not quiet:
-        output.print_lines(console(), every, options["fail_on"])
-    elif not quiet:
-        output.print_inspection(console(), result, options["full"], options["fail_on"])
-    annotate(every, options)
-    return every.exit_code(options["fail_on"])
+        yield Pace(inf if options["budget"] is None else float(options["budget"]), progress)
+
+
+def on(screen: Console, options: Mapping[str, Any]) -> Screen:
+    """Return what a report is written for."""
+    from .sandbox import Screen
+
+    colours = screen.color_system if not screen.no_color else None
+    about = screen.width, screen.is_terminal, colours
+    return Screen(*about, options["full"], options["fail_on"])
 
 
 def fix_files(files: Sequence[str], request: InspectRequest, options: Mapping[str, Any]) -> int:
     """Leave out what models do without; return 1 if a dry run would, 2 if a file is not read."""
+    from ..reports.words import printable
     from .batch import named_once
-    from .fixes import neutral_edit
-    from .inspection import inspect as inspect_model
-    from .pace import Pace
+    from .sandbox import Sandbox, fix
 
-    code, pace = 0, Pace(budget_of(options))
-    for file in files:
-        selection = request.fixing().selection(file)
-        try:
-            own = pace.remaining()
-            edit = neutral_edit(inspect_model(file, modes=False, selection=selection, pace=own))
-        except MbcheckError as error:
-            code = complain(named_once(file, str(error)), MISUSED)
-            continue
-        if options["dry_run"]:
-            click.echo(edit.diff, nl=False)
-            code = code or int(bool(edit.attributes))
-        else:
-            edit.write()
-        click.echo(edit.summary, err=True)
-        if own.omissions:
-            click.echo(f"{file}: {own.omissions}", err=True)
+    code, dry_run = 0, options["dry_run"]
+    with paced(options) as pace, Sandbox(pace) as sandbox:
+        for file in files:
+            try:
+                work = partial(fix, file, request, dry_run)
+                edit, summary, any_edit = sandbox.run(work, len(files) == 1)
+            except MbcheckError as error:
+                code = complain(named_once(file, str(error)), MISUSED)
+                continue
+            if dry_run:
+                click.echo(
+                    "".join(f"{printable(line)}\n" for line in edit.split("\n")[:-1]), nl=False
+                )
+                code = code or int(any_edit)
+            for line in summary.split("\n"):
+                click.echo(printable(line), err=True)
     return code
 
 
 def inspect_two(models: Sequence[str], request: InspectRequest, options: Mapping[str, Any]) -> int:
     """Print what differs between two models; return the exit code."""
-    from . import console as output
+    from ..reports.text import in_encoding
     from .batch import FAIL_ON
-    from .difference import model_difference
-    from .inspection import inspect as inspect_model
+    from .sandbox import Sandbox, compare
 
     if len(models) != 2:
         raise UsageError("--diff compares two models: OLD.xml NEW.xml")
     refuse_single(options)
     if any(options[f"{name}_file"] for name in (*DOCUMENTS, "write_baseline")):
         raise UsageError("--diff prints a table, and writes no document")
-    old, new = (
-        inspect_model(name, None, options["modes"], request.strict, request.selection(name))
-        for name in models
-    )
-    result = model_difference(old, new)
-    output.print_difference(console(), result)
-    return int(any(one.severity in FAIL_ON[options["fail_on"]] for one in result.new))
-
-
-def inspect_many(files: Sequence[str], request: InspectRequest, options: Mapping[str, Any]) -> int:
-    """Inspect several models: a line for each finding, their documents; return the exit code."""
-    from . import console as output
-    from .batch import inspect_files, named_once
-    from .pace import Pace
-
-    with progress_bar(True, "inspect", lines=True) as progress:
-        pace = Pace(budget_of(options), progress)
-        every = inspect_files(files, request, options["modes"], pace)
-    if options["json_file"]:
-        options["json_file"].write(json_text(every.as_json()))
-    write_documents(every, options)
-    if not to_stdout(*(options[f"{name}_file"] for name in DOCUMENTS)):
-        output.print_lines(console(), every, options["fail_on"])
-    annotate(every, options)
-    for file, why in every.unreadable.items():
-        complain(named_once(file, why), MISUSED)
-    return every.exit_code(options["fail_on"])
-
-
-def budget_of(options: Mapping[str, Any]) -> float:
-    """Return the time that there is [s]."""
-    return math.inf if options["budget"] is None else float(options["budget"])
+    screen = console()
+    with paced(options) as pace, Sandbox(pace) as sandbox:
+        work = partial(compare, models, request, options["modes"], on(screen, options))
+        text, new = sandbox.run(work, alone=True)
+    screen.file.write(in_encoding(text, screen))
+    return int(any(one in FAIL_ON[options["fail_on"]] for one in new))
 
 
 def refuse_single(options: Mapping[str, Any]) -> None:
@@ -269,14 +279,16 @@ def refuse_single(options: Mapping[str, Any]) -> None:
             raise UsageError(f"--{option} is for one model")
 
 
-def write_documents(every: Inspections, options: Mapping[str, Any]) -> None:
-    """Write what is the same for one model and for many."""
+def write_documents(every: Inspections, single: bool, options: Mapping[str, Any]) -> None:
+    """Write documents; JSON of a single model is of that one."""
     from ..queries.environment import versions
     from ..reports.remarks import junit_of_files, sarif
     from .batch import FAIL_ON
     from .rules.table import RULES
 
     remarks = every.remarks()
+    if options["json_file"]:
+        options["json_file"].write(json_text(every.models[0] if single else every.as_json()))
     if options["junit_file"]:
         fails = FAIL_ON[options["fail_on"]]
         text = junit_of_files(every.files, remarks, fails, every.unreadable)
@@ -286,17 +298,6 @@ def write_documents(every: Inspections, options: Mapping[str, Any]) -> None:
         options["sarif_file"].write(sarif(remarks, rules, versions(())["mbcheck"]))
     if options["write_baseline_file"]:
         options["write_baseline_file"].write(every.baseline())
-
-
-def annotate(every: Inspections, options: Mapping[str, Any]) -> None:
-    """Print annotations for GitHub, where they are asked for."""
-    from ..reports.remarks import github_annotations
-    from ..reports.run.github import wants_annotations
-
-    if wants_annotations(options["annotations"]):
-        err = to_stdout(*(options[f"{name}_file"] for name in DOCUMENTS))
-        for line in github_annotations(every.remarks()):
-            click.echo(line, err=err)
 
 
 def explain_rule(name: str) -> None:

@@ -3,18 +3,30 @@
 from __future__ import annotations
 
 import json
+import os
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from hashlib import sha256
 from typing import Any, Literal
+from urllib.parse import quote
 
 from .run.github import annotation, limited
 from .run.junit import count_cases, xml_text
+from .text import markdown_table
+from .words import code, plain
 
 Level = Literal["error", "warning", "note"]
 
 LEVELS: Mapping[Level, str] = {"error": "error", "warning": "warning", "note": "notice"}
 """As GitHub names them."""
+
+HASH = "primaryLocationLineHash"
+"""Under which name GitHub looks for a fingerprint."""
+
+MOST_ROWS = 50
+"""Remarks of a summary."""
 
 SARIF = "https://json.schemastore.org/sarif-2.1.0.json"
 
@@ -29,7 +41,10 @@ class Remark:
         As the user names it.
     line : int or None
     severity : {"error", "warning", "note"}
-    rule, message, fix : str
+    rule, element : str
+    attribute : str or None
+        Of the element, if one is meant.
+    message, fix : str
     subject : str
         The file that was given, which may include ``file``.
     """
@@ -38,6 +53,8 @@ class Remark:
     line: int | None
     severity: Level
     rule: str
+    element: str
+    attribute: str | None
     message: str
     fix: str
     subject: str
@@ -46,6 +63,27 @@ class Remark:
     def place(self) -> str:
         """File and line, as compilers write them."""
         return self.file if self.line is None else f"{self.file}:{self.line}"
+
+
+def named(remarks: Sequence[Remark]) -> Iterator[tuple[Remark, str]]:
+    """Yield remarks, each with a name that stays as lines are added above it."""
+    seen = Counter[tuple[str, ...]]()
+    for one in remarks:
+        parts = tuple(filter(None, (one.rule, one.element, one.attribute)))
+        seen[one.subject, one.file, *parts] += 1
+        number = seen[one.subject, one.file, *parts]
+        yield one, " ".join(parts) + (f" ({number})" if number > 1 else "")
+
+
+def step_summary(verdict: str, remarks: Sequence[Remark]) -> str:
+    """Return Markdown for the page of a run on GitHub."""
+    rows = [
+        (one.severity, code(one.rule), code(one.place), plain(f"{one.message}; fix: {one.fix}"))
+        for one in remarks
+    ]
+    table = markdown_table(("severity", "rule", "where", "what"), rows[:MOST_ROWS])
+    more = f"\n\n{len(rows) - MOST_ROWS} more" if len(rows) > MOST_ROWS else ""
+    return f"## mbcheck inspect\n\n{verdict}\n\n{table if rows else ''}{more}\n"
 
 
 def remark_lines(remarks: Sequence[Remark]) -> list[str]:
@@ -100,20 +138,20 @@ def junit_of_files(
     for file in files:
         suite = ET.SubElement(root, "testsuite", name=xml_text(file))
         own = [one for one in remarks if one.subject == file]
-        if not own:
+        if file in broken or not own:
             case = ET.SubElement(suite, "testcase", name="inspect", classname=xml_text(file))
             if file in broken:
                 why = xml_text(broken[file])
                 ET.SubElement(case, "error", message=why, type="unreadable").text = why
-        for one in own:
-            name = xml_text(f"{one.rule} {one.place}")
-            case = ET.SubElement(suite, "testcase", name=name, classname=xml_text(file))
+        for one, name in named(own):
+            case = ET.SubElement(suite, "testcase", name=xml_text(name), classname=xml_text(file))
             words = xml_text(one.message)
             if one.severity in fails:
                 failure = ET.SubElement(case, "failure", message=words, type=one.rule)
                 failure.text = xml_text(f"{one.place}\n{one.message}\nfix: {one.fix}")
             else:
-                ET.SubElement(case, "skipped", message=xml_text(f"{one.severity}: {one.message}"))
+                words = f"{one.severity}: {one.place}: {one.message}"
+                ET.SubElement(case, "skipped", message=xml_text(words))
     for node in (root, *root):
         count_cases(node)
     ET.indent(root)
@@ -151,14 +189,25 @@ def sarif(remarks: Sequence[Remark], rules: Mapping[str, tuple[str, str]], versi
             "level": one.severity,
             "message": {"text": f"{one.message}; fix: {one.fix}"},
             "locations": [{"physicalLocation": location(one)}],
+            "partialFingerprints": {HASH: fingerprint(f"{uri_of(one.file)} {name}")},
         }
-        for one in remarks
+        for one, name in named(remarks)
     ]
     run = {"tool": {"driver": driver}, "results": results}
     return json.dumps({"$schema": SARIF, "version": "2.1.0", "runs": [run]}, indent=2) + "\n"
 
 
+def fingerprint(text: str) -> str:
+    """Return by what code scanning knows a remark again, as lines move."""
+    return f"{sha256(text.encode()).hexdigest()[:16]}:1"
+
+
+def uri_of(file: str) -> str:
+    """Return the name of a file as a URI, whatever its bytes are."""
+    return quote(os.fsencode(file.replace(os.sep, "/")))
+
+
 def location(one: Remark) -> dict[str, Any]:
     """Return where a remark points, as SARIF has it."""
-    where = {"artifactLocation": {"uri": one.file.replace("\\", "/")}}
+    where = {"artifactLocation": {"uri": uri_of(one.file)}}
     return where | ({"region": {"startLine": one.line}} if one.line else {})

@@ -47,7 +47,12 @@ def print_wrapped(console: Console, text: str, indent: str = "") -> None:
 
 def encodable(text: str, console: Console) -> str:
     """Return printable text in the encoding of the console."""
-    return printable(text).encode(console.encoding, "backslashreplace").decode(console.encoding)
+    return in_encoding(printable(text), console)
+
+
+def in_encoding(text: str, console: Console) -> str:
+    """Return text with escapes for what the encoding of the console does not have."""
+    return text.encode(console.encoding, "backslashreplace").decode(console.encoding)
 
 
 DIGITS = 10

@@ -7,8 +7,8 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]+")
-"""What a terminal might obey instead of show, and line ends."""
+BREAKS = re.compile(r"(?:\s(?<! ))+")
+"""Line ends, tabs, and blanks that are none."""
 
 
 def number(value: object, digits: int = 3, missing: str = "none") -> str:
@@ -44,11 +44,15 @@ def assignments(values: Mapping[str, Any], digits: int = 10) -> str:
 
 
 def printable(text: str) -> str:
-    """Return text on one line and without control characters.
+    """Return text on one line, without control characters, and with escapes for what is not seen.
 
-    The indentation stays; what engines print must not move the cursor or colour a log.
+    The indentation stays; what engines print must not move the cursor, colour a log, or turn the
+    direction of writing.
     """
-    return CONTROL.sub(" ", text)
+    if text.isprintable():
+        return text
+    seen = (c if c.isprintable() else ascii(c)[1:-1] for c in BREAKS.sub(" ", text))
+    return "".join(seen)
 
 
 class Markdown(str):

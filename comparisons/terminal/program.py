@@ -27,6 +27,7 @@ from ...reference.errors import MbcheckError, UnknownNameError, UsageError
 from ...reference.parameters import as_number
 from ..checks.verdict import PROFILES
 from ..reports.files import Destination, collect_unwritten, discard_output
+from ..reports.words import printable
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -143,8 +144,7 @@ def complain(message: str, code: int) -> int:
 
 def one_line(message: str) -> str:
     """Return a message in one line of printable characters, its middle left out if it is long."""
-    text = " ".join(message.split())
-    text = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+    text = printable(" ".join(message.split()))
     return text if len(text) <= LONGEST else f"{text[: LONGEST - 105]} ... {text[-100:]}"
 
 
@@ -446,7 +446,8 @@ def progress_bar(wanted: bool, what: str, lines: bool = False) -> Iterator[Calla
                 done: int, total: int, now: str = what, share: float | None = None
             ) -> None:
                 share = done / total if share is None else share
-                words = ", ".join(filter(None, (now, time_left(monotonic() - begin, share))))
+                left = time_left(monotonic() - begin, share)
+                words = ", ".join(filter(None, (printable(now), left)))
                 bar.update(task, completed=done, total=total, description=words)
 
             yield advance_bar
@@ -473,7 +474,7 @@ def progress_lines(what: str, begin: float) -> Iterator[Callable[..., None]]:
                 return
             last = monotonic()
             left = time_left(last - begin, done / total if share is None else share)
-            words = f"{done} of {total} {now}, {last - begin:.0f} s"
+            words = f"{done} of {total} {printable(now)}, {last - begin:.0f} s"
             log.write(", ".join(filter(None, (words, left))) + "\n")
             log.flush()
 

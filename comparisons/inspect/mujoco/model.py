@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import os
 import re
 import warnings
 from collections.abc import Mapping, Sequence
@@ -315,6 +316,8 @@ def load(path: str | Path) -> Loaded:
     """
     mujoco = import_mujoco()
     place = Path(path).absolute()
+    if str(place).encode(errors="replace") != os.fsencode(place):
+        raise UsageError(f"{place.name}: MuJoCo opens no file whose name is not UTF-8: rename it")
     source = read(place)
     refuse_numbers(source)
     with contained() as console, warnings.catch_warnings(record=True) as caught:

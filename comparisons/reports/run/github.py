@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import secrets
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -46,12 +46,15 @@ def append_step_summary(text: str) -> str | None:
 
 
 @contextmanager
-def annotated(outcome: Report, asked: bool | None, err: bool) -> Iterator[None]:
+def annotated(
+    commands: Callable[[], Sequence[str]], asked: bool | None, err: bool
+) -> Iterator[None]:
     """Print annotations after what is printed meanwhile, which GitHub is told not to obey.
 
     Parameters
     ----------
-    outcome : Report
+    commands : callable
+        Returns the workflow commands of the annotations, when the time has come.
     asked : bool or None
         Whether the user wants them; None leaves it to the environment.
     err : bool
@@ -62,9 +65,11 @@ def annotated(outcome: Report, asked: bool | None, err: bool) -> Iterator[None]:
         return
     token = secrets.token_hex(16)
     click.echo(f"::stop-commands::{token}", err=err)
-    yield
-    click.echo(f"::{token}::", err=err)
-    for line in workflow_commands(outcome):
+    try:
+        yield
+    finally:
+        click.echo(f"::{token}::", err=err)
+    for line in commands():
         click.echo(line, err=err)
 
 

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import re
 import xml.etree.ElementTree as ET
 from collections import Counter
 from collections.abc import Mapping
 
 from ...checks.verdict import Result
+from ..words import printable
 from .located import located
 from .outcome import Report, Run
 from .results import FAILURES, MEASURES, grouped, measured, seconds, why_known
-
-NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-"""Everything outside the production Char of XML 1.0."""
 
 
 def junit(outcome: Report) -> str:
@@ -96,5 +93,5 @@ def count_cases(node: ET.Element) -> None:
 
 
 def xml_text(text: str) -> str:
-    """Return text without the characters that XML 1.0 forbids."""
-    return NOT_XML.sub("\N{REPLACEMENT CHARACTER}", text)
+    """Return text whose lines can be printed, and so stand in XML."""
+    return "\n".join(map(printable, text.split("\n")))

@@ -1,0 +1,224 @@
+"""Files of strangers: a process with limits of time and memory compiles and inspects them."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from math import inf
+from time import monotonic
+from typing import Any, Self, TypeVar
+
+from rich.console import Console
+
+from ...reference.errors import EngineError, MbcheckError
+from ..engines.isolation import MEMORY, Worker, await_call, tell, within_limits
+from .batch import Inspections, InspectRequest
+from .console import print_difference, print_inspection
+from .difference import model_difference
+from .findings import ModelFinding
+from .fixes import neutral_edit
+from .inspection import Inspection, inspect, inspection_of
+from .pace import Pace, omissions
+from .subject import InspectedModel
+
+T = TypeVar("T")
+
+PATIENCE = 600.0
+"""Time [s] after which a file is given up."""
+
+GRACE = 5.0
+"""Time [s] after `--budget` at which what still goes on is stopped."""
+
+
+Found = tuple[dict[str, Any], str]
+"""The ``inspect`` document of a file, and its report."""
+
+
+@dataclass(frozen=True)
+class Screen:
+    """What a report is written for.
+
+    Attributes
+    ----------
+    width : int
+        Characters in a line.
+    is_terminal : bool
+    colours : str or None
+        The console's, as rich names them.
+    full : bool
+    fail_on : str
+    """
+
+    width: int
+    is_terminal: bool
+    colours: Any
+    full: bool
+    fail_on: str
+
+    def text(self, printer: Callable[[Console], None]) -> str:
+        """Return what a function prints."""
+        written = io.StringIO()
+        terminal = {"width": self.width, "force_terminal": self.is_terminal}
+        printer(Console(file=written, color_system=self.colours, highlight=False, **terminal))
+        return written.getvalue()
+
+    def found(self, result: Inspection) -> Found:
+        """Return the document of an inspection, and its report."""
+        text = self.text(lambda console: print_inspection(console, result, self.full, self.fail_on))
+        return result.as_json(), text
+
+
+class Sandbox:
+    """A process that does work on one file after the other; another one follows if it ends.
+
+    Attributes
+    ----------
+    pace : Pace
+        The time for all files; it is told how far they are.
+    found : Found or None
+        What work that was stopped had found until then.
+    """
+
+    def __init__(self, pace: Pace) -> None:
+        self.pace = pace
+        self.worker: Worker | None = None
+        self.found: Found | None = None
+        self.part = ""
+
+    def __enter__(self) -> Self:
+        """Return itself."""
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        """End the process."""
+        if self.worker is not None:
+            self.worker.end()
+
+    def run(self, work: Callable[[float], T], alone: bool = False) -> T:
+        """Return what work on a file returns, from the time that it may take [s].
+
+        Work on one file ``alone`` may take all the time that there is, else half of it, so that
+        none takes all from the others.
+
+        Raises
+        ------
+        EngineError
+            If it was stopped, or took its process down.
+        MbcheckError
+            That the work raised.
+        """
+        budget = self.pace.remaining().budget
+        if budget == inf or not alone:
+            most = min(PATIENCE, self.pace.end - monotonic() + GRACE, budget / 2 + GRACE)
+        else:
+            most = budget + GRACE
+        if most <= 0:
+            raise EngineError("timeout", "not inspected: the time was up")
+        self.found, self.part = None, ""
+        if self.worker is None or not self.worker.process.is_alive():
+            self.worker = Worker()
+            self.worker.heard = self.hear
+        with within_limits(most, MEMORY):
+            outcome = await_call(self.worker, partial(in_folder, os.getcwd(), work, budget), most)
+        if isinstance(outcome, EngineError):
+            raise EngineError(outcome.kind, f"{outcome.message}; it was at: {self.part}")
+        if isinstance(outcome, MbcheckError):
+            raise outcome
+        return outcome
+
+    def hear(self, message: Any) -> None:
+        """Take the part that is next, or what is found so far."""
+        if len(message) == 2:
+            self.found = message
+        else:
+            self.part = message[-1]
+            self.pace.progress(*message)
+
+
+def in_folder(folder: str, work: Callable[[float], T], budget: float) -> T | MbcheckError:
+    """Return what work in a folder returns, or the error of mbcheck's own that it raises."""
+    os.chdir(folder)
+    try:
+        return work(budget)
+    except MbcheckError as error:
+        return error
+
+
+# What is done in the process ------------------------------------------------------------------
+
+
+def found_in(
+    file: str, request: InspectRequest, options: Mapping[str, Any], screen: Screen, budget: float
+) -> Found:
+    """Inspect a file; tell what is found so far."""
+
+    def checkpoint(subject: InspectedModel, results: tuple[ModelFinding, ...]) -> None:
+        tell(screen.found(inspection_of(file, subject, results)))
+
+    pace = Pace(budget, lambda *part: tell(part), checkpoint=checkpoint)
+    asked = options["rotation"], options["modes"], request.strict, request.selection(file)
+    return screen.found(inspect(file, *asked, pace))
+
+
+def fix(file: str, request: InspectRequest, dry_run: bool, budget: float) -> tuple[str, str, bool]:
+    """Leave out what a file does without; return the edit, a summary, and if there is any edit."""
+    pace = Pace(budget, lambda *part: tell(part))
+    selection = request.fixing().selection(file)
+    edit = neutral_edit(inspect(file, modes=False, selection=selection, pace=pace))
+    if not dry_run:
+        edit.write()
+    left = omissions(pace.left_out)
+    return edit.diff, edit.summary + (f"\n{file}: {left}" if left else ""), bool(edit.attributes)
+
+
+def compare(
+    files: Sequence[str], request: InspectRequest, modes: bool | None, screen: Screen, budget: float
+) -> tuple[str, list[str]]:
+    """Return what differs between two models, as text, and the severities of new findings."""
+    pace = Pace(budget, lambda *part: tell(part))
+    old, new = (
+        inspect(name, None, modes, request.strict, request.selection(name), pace) for name in files
+    )
+    result = model_difference(old, new)
+    text = screen.text(lambda console: print_difference(console, result))
+    return text, [one.severity for one in result.new]
+
+
+# Many files -----------------------------------------------------------------------------------
+
+
+def inspect_files(
+    files: Sequence[str],
+    work: Callable[[str], Callable[[float], Found]],
+    pace: Pace,
+) -> tuple[Inspections, list[str]]:
+    """Inspect files one after the other; one that cannot be read does not end the others.
+
+    Parameters
+    ----------
+    files : sequence of str
+    work : callable
+        From a file to what inspects it.
+    pace : Pace
+        The time for all of them; it is told which file is next.
+
+    Returns
+    -------
+    Inspections, and the reports of its models.
+    """
+    every, unreadable = list[Found](), dict[str, str]()
+    with Sandbox(pace) as sandbox:
+        for number, file in enumerate(files):
+            if len(files) > 1:
+                pace.progress(number, len(files), file)
+            try:
+                every.append(sandbox.run(work(file), len(files) == 1))
+            except MbcheckError as error:
+                every += [sandbox.found] if sandbox.found else []
+                timely = isinstance(error, EngineError) and error.kind == "timeout"
+                if not (timely and sandbox.found):
+                    unreadable[file] = str(error)
+    return Inspections(tuple(model for model, _ in every), unreadable), [text for _, text in every]
