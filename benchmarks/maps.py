@@ -20,7 +20,6 @@ from rich.table import Table
 from mbcheck.comparisons.maps.request import Axis, Request, resolved
 from mbcheck.comparisons.maps.run import compute
 from mbcheck.comparisons.maps.store import Map
-from mbcheck.reference import SCENES
 
 AXES = {
     "hula_hoop": (("force_frequency", 1.0, 10.0), ("force_amplitude", 5.0, 150.0)),
@@ -50,7 +49,7 @@ def growth(counts: tuple[int, ...]) -> Table:
     table = Table(title="ms per point by the reference, one process (ratio to a quarter of them)")
     for heading in ("scene", "quantity", *(f"{n} x {n}" for n in counts)):
         table.add_column(heading, no_wrap=True)
-    for scene in SCENES:
+    for scene in AXES:
         timed(scene, 4)  # imports and warms up
         each = [1e3 * timed(scene, count)[0] / count**2 for count in counts]
         ratios = [f"{now:.3g} ({now / before:.2f})" for before, now in pairwise(each)]

@@ -185,6 +185,7 @@ class Boundary:
                 "kind": self.word(subject, start),
                 "parts": start.parts,
                 "point": self.point(subject, start.point),
+                "unknowns": start.point.z,
                 "begins": start.begins or None,
             }
             for subject, network in self.networks.items()
@@ -287,6 +288,8 @@ class Boundary:
         ):
             for item in items:
                 point = self.read_point(item["of"], item["kind"], item["point"])
+                if "unknowns" in item:
+                    point = replace(point, z=np.array(item["unknowns"]))
                 kind, begins = kind_of(item["kind"]), item.get("begins") or ""
                 start = CurveStart(kind, item["parts"], point, begins)
                 getattr(self.networks[item["of"]], name).append(start)

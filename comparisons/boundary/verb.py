@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
+from time import monotonic
 from typing import Any
 
 import click
@@ -32,6 +33,9 @@ from ..terminal.program import (
     refuse_picture,
     to_stdout,
 )
+
+OFTEN = 1.0
+"""Time [s] after which what is found is written again."""
 
 AXIS = "A parameter, and its range in the window."
 
@@ -125,9 +129,14 @@ def boundary(
         before = boundaries.read(Path(output.name), output.option)
         if before:
             result.restore(before)
+
+    def write() -> None:
+        if output and not output.standard_output:
+            output.write(json_text(result.as_json()))
+
     try:
         with within(budget):
-            complete = finished(result.work(workers), "")
+            complete = finished(now_and_then(write, result.work(workers)), "")
     finally:
         text = result.as_json()
         if output:
@@ -136,6 +145,16 @@ def boundary(
         draw.draw_boundary(text, plot.path)
     print_boundary(console(output), text, to_stdout(output))
     return 0 if complete else INTERRUPTED
+
+
+def now_and_then(write: Callable[[], None], states: Iterable[Any]) -> Iterator[Any]:
+    """Yield states of work, which is written every `OFTEN`: a kill leaves what was written."""
+    written = monotonic()
+    for state in states:
+        if monotonic() - written > OFTEN:
+            write()
+            written = monotonic()
+        yield state
 
 
 def print_boundary(screen: Any, text: Mapping[str, Any], quiet: bool) -> None:

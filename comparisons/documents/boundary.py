@@ -172,6 +172,12 @@ BoundaryStart = TypedDict(
         "kind": Annotated[Kind, means("as of a curve")],
         "parts": Annotated[Ordinal, means("as of a curve")],
         "point": Annotated[BoundaryPoint, means("where it is to be followed from")],
+        "unknowns": NotRequired[
+            Annotated[
+                list[float],
+                means("the point in the unknowns that are solved for: a run goes on from just these"),
+            ]
+        ],
         "begins": NotRequired[
             Annotated[
                 End | None,

@@ -20,7 +20,7 @@ from ..documents.reading import read_bytes, read_document
 from ..reports.remarks import Remark
 from ..reports.words import plural
 from .findings import Selection
-from .mujoco.source import ROOT, Waiver, read
+from .mujoco.source import ROOT, OtherRootError, Waiver, read
 from .pace import has_unasked_rules
 from .rules.table import RULES
 from .subject import SEVERITIES, Severity
@@ -44,14 +44,17 @@ FAIL_ON: Mapping[str, tuple[Severity, ...]] = {
 FIXED = ("repeated_default", "unused_option", "unused_setting")
 """Rules whose findings are attributes that may be left out, where that changes no bit."""
 
+BEGIN = re.compile(rf"<{ROOT}[\s/>]".encode())
+"""How MJCF begins, whether or not it can be parsed."""
+
 WILD = re.compile(r"[*?\[]")
 
 
-def files_of(names: Sequence[str]) -> list[str]:
+def files_of(names: Sequence[str], whole: bool = False) -> list[str]:
     """Return the MJCF files that files, folders and patterns name, each once.
 
-    Of a folder, and of a pattern, those that are no MJCF, that cannot be parsed or that another of
-    them includes are left out.
+    Of a folder, and of a pattern, those that are no MJCF or that another of them includes are left
+    out; of all names, if ``whole``.
 
     Raises
     ------
@@ -59,6 +62,9 @@ def files_of(names: Sequence[str]) -> list[str]:
         If a folder or a pattern has none.
     """
     every: dict[str, None] = {}
+    if whole:
+        models = whole_models(names)
+        names = [name for name in names if name in models or not os.path.isfile(name)]
     for name in names:
         if name and os.path.isdir(name):  # of any text, as a user may write it
             listed = sorted(map(str, Path(name).rglob("*.xml")))
@@ -80,9 +86,11 @@ def whole_models(names: Sequence[str]) -> list[str]:
     for name in names:
         try:
             source = read(Path(name))
+        except OtherRootError:
+            continue
         except MbcheckError:
             with suppress(UsageError):
-                models += [name] if f"<{ROOT}".encode() in read_bytes(name) else []
+                models += [name] if BEGIN.search(read_bytes(name)) else []
             continue
         if any(child.tag == "worldbody" for child in source.root.children):
             models.append(name)

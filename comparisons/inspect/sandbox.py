@@ -78,12 +78,14 @@ class Sandbox:
     ----------
     pace : Pace
         The time for all files; it is told how far they are.
+    grace : float
+        Time [s] after the end of it at which what still goes on is stopped.
     found : Found or None
         What work that was stopped had found until then.
     """
 
-    def __init__(self, pace: Pace) -> None:
-        self.pace = pace
+    def __init__(self, pace: Pace, grace: float = GRACE) -> None:
+        self.pace, self.grace = pace, grace
         self.worker: Worker | None = None
         self.found: Found | None = None
         self.part = ""
@@ -112,9 +114,9 @@ class Sandbox:
         """
         budget = self.pace.remaining().budget
         if budget == inf or not alone:
-            most = min(PATIENCE, self.pace.end - monotonic() + GRACE, budget / 2 + GRACE)
+            most = min(PATIENCE, self.pace.end - monotonic() + self.grace, budget / 2 + self.grace)
         else:
-            most = budget + GRACE
+            most = budget + self.grace
         if most <= 0:
             raise EngineError("timeout", "not inspected: the time was up")
         self.found, self.part = None, ""
@@ -194,6 +196,7 @@ def inspect_files(
     files: Sequence[str],
     work: Callable[[str], Callable[[float], Found]],
     pace: Pace,
+    grace: float = GRACE,
 ) -> tuple[Inspections, list[str]]:
     """Inspect files one after the other; one that cannot be read does not end the others.
 
@@ -204,13 +207,15 @@ def inspect_files(
         From a file to what inspects it.
     pace : Pace
         The time for all of them; it is told which file is next.
+    grace : float
+        As of `Sandbox`.
 
     Returns
     -------
     Inspections, and the reports of its models.
     """
     every, unreadable = list[Found](), dict[str, str]()
-    with Sandbox(pace) as sandbox:
+    with Sandbox(pace, grace) as sandbox:
         for number, file in enumerate(files):
             if len(files) > 1:
                 pace.progress(number, len(files), file)

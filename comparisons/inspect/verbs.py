@@ -74,6 +74,11 @@ DOCUMENTS = ("json", "junit", "sarif")
 @several("select", "RULE", "Ask this rule, and no others but those selected; * is a wildcard")
 @several("ignore", "RULE", "Leave out this rule; * is a wildcard")
 @click.option(
+    "--whole-models",
+    is_flag=True,
+    help="Leave out files that are no MJCF, or that another one includes, as of folders.",
+)
+@click.option(
     "--budget",
     type=NUMBER,
     metavar="SECONDS",
@@ -175,7 +180,7 @@ def inspect_all(
     from .console import print_lines
     from .sandbox import found_in, inspect_files
 
-    files, fail_on = files_of(models), options["fail_on"]
+    files, fail_on = files_of(models, options["whole_models"]), options["fail_on"]
     single = len(models) == 1 and files == list(models)
     if not single:
         refuse_single(options)

@@ -131,6 +131,10 @@ class Source:
         return ET.tostring(made[self.root], encoding="unicode")
 
 
+class OtherRootError(UsageError):
+    """A file is XML, but not MJCF."""
+
+
 def read(path: Path, instead: bytes | None = None) -> Source:
     """Read a file, or bytes instead of what it holds, and all that it includes.
 
@@ -144,7 +148,7 @@ def read(path: Path, instead: bytes | None = None) -> Source:
     root = parse(path, path.parent, waivers, files, instead)
     if root.tag != ROOT:
         hint = "; URDF is to be converted first" if root.tag == "robot" else ""
-        raise UsageError(f"{path.name} is not MJCF: its root is <{root.tag}>, not <{ROOT}>{hint}")
+        raise OtherRootError(f"{path.name} is not MJCF: its root is <{root.tag}>, not <{ROOT}>{hint}")
     return Source(path, root, tuple(waivers), tuple(files))
 
 

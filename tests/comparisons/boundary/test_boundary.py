@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 import operator
 import re
+import subprocess
 from io import StringIO
 from itertools import islice
 from pathlib import Path
+from time import sleep
 from typing import Any
 
 import numpy as np
@@ -24,7 +26,7 @@ from mbcheck.reference.continuation.network import CurveSearch, CurveStart, Sear
 from mbcheck.reference.continuation.points import BifurcationCurve, CurvePoint
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.scene import Array
-from mbcheck.tests.support.command import SMALL, invoke, refusal, succeeds
+from mbcheck.tests.support.command import MAIN, SMALL, invoke, refusal, succeeds
 from mbcheck.tests.support.documents import validated
 
 
@@ -372,3 +374,44 @@ def test_the_steps_of_an_engine_are_told(small: dict[str, Any]) -> None:
         }
         print_boundary(Console(file=printed, width=200), text, quiet=False)
         assert f"hula_hoop {words}" in printed.getvalue()
+
+
+# A kill
+
+
+@pytest.mark.slow
+def test_a_killed_run_keeps_what_it_had_and_ends_the_same(
+    folder: Path, small: dict[str, Any], tmp_path: Path
+) -> None:
+    """A curve that was only begun is followed from just the same numbers: the same to the byte."""
+    path = tmp_path / "killed.json"
+    begun = subprocess.Popen([*MAIN, *SMALL.split(), "-o", str(path)])
+    while not path.exists():
+        assert begun.poll() is None
+        sleep(0.01)
+    begun.kill()
+    begun.wait()
+    before = validated("boundary", json.loads(path.read_text()))
+    assert before["lines_done"] > 0
+    succeeds(SMALL, "-o", path)
+    assert path.read_bytes() == (folder / "small.json").read_bytes()
+
+
+def test_what_was_written_between_two_parts_leads_to_the_same(small: dict[str, Any]) -> None:
+    """The last curve of a window is followed from its start on, as the file has it."""
+    asked = BoundaryRequest(
+        "hula_hoop",
+        ParameterRange("force_frequency", 5.6, 6.0),
+        ParameterRange("force_amplitude", 15.0, 24.0),
+        lines=2,
+    )
+    first = Boundary(asked)
+    assert len([*islice(first.work(), 2)]) == 2  # both lines
+    state = json.loads(json.dumps(first.as_json()))
+    assert state["pending"]
+    second = Boundary(asked)
+    second.restore(state)
+    assert json.loads(json.dumps(second.as_json()))["pending"] == state["pending"]
+    next(second.work())
+    curve = json.loads(json.dumps(second.as_json()))["curves"][0]
+    assert curve == small["curves"][0]

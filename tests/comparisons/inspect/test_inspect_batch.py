@@ -242,7 +242,8 @@ def test_documents_of_one_file(tmp_path: Path) -> None:
 def test_annotations_for_github(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     written(tmp_path, *MISTAKES["angle_unit"][0])
     lines = invoke("inspect", LOOSE, "--annotations").stdout.splitlines()
-    (one,) = [line for line in lines if line.startswith("::")]
+    token = lines[0].removeprefix("::stop-commands::")
+    (one,) = lines[lines.index(f"::{token}::") + 1 :]
     assert one.startswith("::warning file=model.xml,line=9,title=mbcheck%3A angle_unit::")
     assert "::" not in invoke("inspect", LOOSE, "--no-annotations").stdout
     monkeypatch.setenv("GITHUB_ACTIONS", "true")

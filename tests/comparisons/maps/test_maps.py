@@ -473,3 +473,9 @@ def test_compiled_steps_keep_the_bounds_of_a_map_which_says_so() -> None:
         off = np.abs(plain[name] - compiled[name])
         assert np.nanmax(off / (plain[f"{name}_bound"] + compiled[f"{name}_bound"])) < 1
     assert [one.settings.get("backend") for one in made] == [None, "heyoka"]
+
+
+def test_a_map_that_does_not_begin_leaves_nothing(tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+    assert "no Dask scheduler" in misused(f"{LINE} -o {tmp_path / 'map.nc'} --dask garbage")
+    assert list(tmp_path.iterdir()) == []
