@@ -50,7 +50,7 @@ def growth(counts: tuple[int, ...]) -> Table:
     for heading in ("scene", "quantity", *(f"{n} x {n}" for n in counts)):
         table.add_column(heading, no_wrap=True)
     for scene in AXES:
-        timed(scene, 4)  # imports and warms up
+        timed(scene, 2)  # imports and warms up
         each = [1e3 * timed(scene, count)[0] / count**2 for count in counts]
         ratios = [f"{now:.3g} ({now / before:.2f})" for before, now in pairwise(each)]
         table.add_row(scene, QUANTITIES[scene], f"{each[0]:.3g}", *ratios)
@@ -81,8 +81,8 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="fewer points")
     quick = parser.parse_args().quick
     console = Console()
-    console.print(growth((4, 8) if quick else (8, 16, 32)))
-    console.print(sharing(24 if quick else 128, os.cpu_count() or 1))
+    console.print(growth((2, 4) if quick else (8, 16, 32)))
+    console.print(sharing(8 if quick else 128, os.cpu_count() or 1))
 
 
 if __name__ == "__main__":

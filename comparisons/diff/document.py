@@ -99,7 +99,7 @@ def run_of(file: str, content: Mapping[str, Any]) -> Document:
             unavailable[result.engine] = result.reason
         else:
             results[result.id] = result
-    selection = content.get("selection", {})
+    selection = convert(content.get("selection", {}), dict[str, Any])
     return Document(
         file,
         words(content["versions"]),

@@ -175,7 +175,9 @@ BoundaryStart = TypedDict(
         "unknowns": NotRequired[
             Annotated[
                 list[float],
-                means("the point in the unknowns that are solved for: a run goes on from just these"),
+                means(
+                    "the point in the unknowns that are solved for: a run goes on from just these"
+                ),
             ]
         ],
         "begins": NotRequired[

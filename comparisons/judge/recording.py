@@ -35,6 +35,9 @@ UNIT = re.compile(r"(?P<name>.*?)\s*[\[(]\s*(?P<unit>[^\])]*?)\s*[\])]")
 LOOKED_AT = 400
 """Rows by which it is judged with how many digits a file is written."""
 
+LONGEST_NAME = 500
+"""Characters of a column's name, above which a file is none of columns."""
+
 FULL = 15
 """So many significant digits, or more, count as all of them."""
 
@@ -267,6 +270,8 @@ def named(heads: Sequence[str], where: str) -> Heading:
         If a name stands twice, or no column holds times in seconds.
     """
     names, units = [], {}
+    if max(map(len, heads)) > LONGEST_NAME:
+        raise UsageError(f"{where}: a column's name has more than {LONGEST_NAME} characters")
     for head in heads:
         parts = UNIT.fullmatch(head)
         names.append(parts["name"] if parts else head)

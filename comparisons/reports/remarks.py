@@ -15,7 +15,7 @@ from urllib.parse import quote
 from .run.github import annotation, limited
 from .run.junit import count_cases, xml_text
 from .text import markdown_table
-from .words import code, plain
+from .words import code, plain, printable
 
 Level = Literal["error", "warning", "note"]
 
@@ -136,22 +136,22 @@ def junit_of_files(
     """
     root = ET.Element("testsuites", name="mbcheck inspect")
     for file in files:
-        suite = ET.SubElement(root, "testsuite", name=xml_text(file))
+        suite = ET.SubElement(root, "testsuite", name=printable(file))
         own = [one for one in remarks if one.subject == file]
         if file in broken or not own:
-            case = ET.SubElement(suite, "testcase", name="inspect", classname=xml_text(file))
+            case = ET.SubElement(suite, "testcase", name="inspect", classname=printable(file))
             if file in broken:
-                why = xml_text(broken[file])
+                why = printable(broken[file])
                 ET.SubElement(case, "error", message=why, type="unreadable").text = why
         for one, name in named(own):
-            case = ET.SubElement(suite, "testcase", name=xml_text(name), classname=xml_text(file))
-            words = xml_text(one.message)
+            case = ET.SubElement(suite, "testcase", name=printable(name), classname=printable(file))
+            words = printable(one.message)
             if one.severity in fails:
                 failure = ET.SubElement(case, "failure", message=words, type=one.rule)
                 failure.text = xml_text(f"{one.place}\n{one.message}\nfix: {one.fix}")
             else:
                 words = f"{one.severity}: {one.place}: {one.message}"
-                ET.SubElement(case, "skipped", message=xml_text(words))
+                ET.SubElement(case, "skipped", message=printable(words))
     for node in (root, *root):
         count_cases(node)
     ET.indent(root)

@@ -148,7 +148,9 @@ def read(path: Path, instead: bytes | None = None) -> Source:
     root = parse(path, path.parent, waivers, files, instead)
     if root.tag != ROOT:
         hint = "; URDF is to be converted first" if root.tag == "robot" else ""
-        raise OtherRootError(f"{path.name} is not MJCF: its root is <{root.tag}>, not <{ROOT}>{hint}")
+        raise OtherRootError(
+            f"{path.name} is not MJCF: its root is <{root.tag}>, not <{ROOT}>{hint}"
+        )
     return Source(path, root, tuple(waivers), tuple(files))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import re
+from collections.abc import Iterator
 from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
@@ -364,6 +365,44 @@ def test_what_cannot_be_read(text: str, words: str) -> None:
     good = write("good.json", [])
     for line in (f"diff bad.json {good}", f"diff {good} bad.json"):
         assert words in refusal(line)
+
+
+def mutants(found: Any) -> Iterator[Any]:
+    """Yield a document with each of its values in turn replaced by those of other types."""
+
+    def places(value: Any, path: tuple[Any, ...]) -> Iterator[tuple[Any, ...]]:
+        items = value.items() if isinstance(value, dict) else enumerate(value)
+        for key, item in items:
+            yield (*path, key)
+            if isinstance(item, dict | list):
+                yield from places(item, (*path, key))
+
+    for path in places(found, ()):
+        for other in (None, 5, "x", [3], {"a": 3}, 10**400):
+            changed = deepcopy(found)
+            item = changed
+            for key in path[:-1]:
+                item = item[key]
+            item[path[-1]] = other
+            yield changed
+
+
+def test_a_diff_of_documents_with_wrong_types() -> None:
+    """Each is compared, or refused in one line."""
+    selection = {"scenes": ["hula_hoop"], "engines": [], "ids": ["*"], "full": False}
+    full = GOOD | {"selection": selection, "checks": {"planned": 1, "not_reached": 0}}
+    Path("good.json").write_text(json.dumps(full))
+    refused = 0
+    for document in mutants(full):
+        Path("other.json").write_text(json.dumps(document))
+        for names in (("good.json", "other.json"), ("other.json", "good.json")):
+            try:
+                result = compare(*map(read, names))
+                printed.markdown(result)
+                json.dumps(result.as_json())
+            except UsageError:
+                refused += 1
+    assert refused > 100
 
 
 def test_other_misuse() -> None:

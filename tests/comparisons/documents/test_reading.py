@@ -2,20 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import os
-from collections.abc import Iterator
-from copy import deepcopy
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from mbcheck.comparisons.diff import report
-from mbcheck.comparisons.diff.changes import compare
-from mbcheck.comparisons.diff.document import read
 from mbcheck.comparisons.documents import reading
-from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import invoke, refusal
 from mbcheck.tests.support.mjcf.mistakes import written
 
@@ -52,7 +44,7 @@ def test_what_is_nested_deeply_is_refused(line: str, tmp_path: Path) -> None:
     written(tmp_path)
     for text in (DEEP, f"x = {DEEP}", f'{{"a": {DEEP}'):
         Path("deep").write_text(text)
-        assert "'deep'" in (words := refusal(line.format("deep"))) or "deep is" in words
+        assert "deep" in refusal(line.format("deep"))
 
 
 def test_a_cell_longer_than_any_number() -> None:
@@ -66,49 +58,6 @@ def test_a_large_file_is_refused_before_it_is_read() -> None:
     with open("large.json", "wb") as file:
         file.truncate(reading.MAX_BYTES + 1)
     assert "more than 256 MiB" in refusal("inspect large.json")
-
-
-# Values of other types -----------------------------------------------------------------------
-
-
-def mutants(found: Any) -> Iterator[tuple[str, Any]]:
-    """Yield a document with each of its values in turn replaced by those of other types."""
-
-    def places(value: Any, path: tuple[Any, ...]) -> Iterator[tuple[Any, ...]]:
-        items = value.items() if isinstance(value, dict) else enumerate(value)
-        for key, item in items:
-            yield (*path, key)
-            if isinstance(item, dict | list):
-                yield from places(item, (*path, key))
-
-    for path in places(found, ()):
-        for other in (None, 5, -1.5, True, "x", [], {}, [3], {"a": 3}, 10**400):
-            changed = deepcopy(found)
-            item = changed
-            for key in path[:-1]:
-                item = item[key]
-            item[path[-1]] = other
-            yield f"{path} = {other!r:.20}", changed
-
-
-def test_a_diff_of_documents_with_wrong_types() -> None:
-    """Each is compared, or refused in one line."""
-    line = "check hula_hoop --engine mujoco --kind parts --id '*/mass_matrix' --json good.json"
-    assert invoke(line.replace("'", "")).exit_code in (0, 2)
-    invoke("check hula_hoop --kind parts --engine mujoco --id *rod_aligned* --json good.json")
-    good = json.loads(Path("good.json").read_text())
-    good["results"] = good["results"][:1]
-    refused = 0
-    for _, document in mutants(good):
-        Path("other.json").write_text(json.dumps(document))
-        for names in (("good.json", "other.json"), ("other.json", "good.json")):
-            try:
-                result = compare(read(names[0]), read(names[1]))
-                report.markdown(result)
-                json.dumps(result.as_json())
-            except UsageError:
-                refused += 1
-    assert refused > 100
 
 
 def test_a_document_of_another_verb_is_named(tmp_path: Path) -> None:

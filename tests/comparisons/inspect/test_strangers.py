@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import signal
 import time
 import xml.etree.ElementTree as ET
 from functools import partial
@@ -13,18 +12,16 @@ from typing import Any
 
 import pytest
 
-from mbcheck.comparisons.inspect.batch import InspectRequest
 from mbcheck.comparisons.inspect.pace import Pace
-from mbcheck.comparisons.inspect.sandbox import Found, Sandbox, Screen, found_in, inspect_files
+from mbcheck.comparisons.inspect.sandbox import Sandbox, inspect_files
 from mbcheck.reference.errors import EngineError
 from mbcheck.tests.support.command import invoke
 from mbcheck.tests.support.mjcf.mistakes import MISTAKES, written
+from mbcheck.tests.support.mjcf.strangers import MODEL, end_in
 
 pytestmark = pytest.mark.usefixtures("own_folder")
 
 ORDER = "&#10;::stop-commands::pwn&#10;::error::x&#x9b;31m&#x202e;"
-MODEL = """<mujoco><worldbody><body><joint name="{}" damping="-1"/><geom size="0.1"/></body>
-  </worldbody></mujoco>"""
 NAMES = (
     "esc\x1b[31m.xml",
     "line\n::error::x.xml",
@@ -32,7 +29,6 @@ NAMES = (
     "turned\u202elmx.xml",
     os.fsdecode(b"bytes\xff.xml"),
 )
-SCREEN = Screen(80, False, None, full=True, fail_on="error")
 
 
 def test_names_give_no_orders(tmp_path: Path) -> None:
@@ -79,23 +75,6 @@ def test_a_file_that_hangs_or_cannot_be_read_ends_no_other() -> None:
     assert {one["file"] for one in found["unreadable"]} == {"encoded.xml", "pipe.xml"}
     assert "multi-byte encodings" in found["unreadable"][0]["reason"]
     assert "Traceback" not in done.output
-
-
-def end_in(way: str, file: str, budget: float) -> Found:
-    """Inspect a file, and end as hostile ones do before anything of it is returned."""
-    options = {"rotation": {}, "modes": False}
-    found = found_in(file, InspectRequest(), options, SCREEN, budget)
-    if file == "good.xml":
-        return found
-    if way == "killed":
-        os.kill(os.getpid(), signal.SIGSEGV)
-    elif way == "memory":
-        bytearray(1 << 40)
-    elif way == "raised":
-        raise KeyError("a fault of mbcheck")
-    else:
-        time.sleep(1000)
-    return found
 
 
 @pytest.mark.parametrize(
@@ -180,8 +159,8 @@ def test_the_hook_leaves_out_what_is_no_mjcf(tmp_path: Path) -> None:
 @pytest.mark.parametrize("absolute", [False, True])
 def test_a_fix_through_a_link_mends_what_it_points_to(absolute: bool, tmp_path: Path) -> None:
     (tmp_path / "there").mkdir()
-    written(tmp_path / "there", ('type="hinge"', 'type="hinge" damping="0"'))
     target = Path("there/model.xml")
+    target.write_text(MODEL.format("swing").replace("<geom", '<geom type="sphere"'))
     Path("link.xml").symlink_to(target.absolute() if absolute else target)
     before = target.read_text()
     done = invoke("inspect link.xml --fix --select repeated_default")

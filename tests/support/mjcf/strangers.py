@@ -1,0 +1,31 @@
+"""What files of strangers do to the process that inspects them."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+
+from mbcheck.comparisons.inspect.batch import InspectRequest
+from mbcheck.comparisons.inspect.sandbox import Found, Screen, found_in
+
+MODEL = """<mujoco><worldbody><body><joint name="{}" damping="-1"/><geom size="0.1"/></body>
+  </worldbody></mujoco>"""
+SCREEN = Screen(80, False, None, full=True, fail_on="error")
+
+
+def end_in(way: str, file: str, budget: float) -> Found:
+    """Inspect a file, and end as hostile ones do before anything of it is returned."""
+    options = {"rotation": {}, "modes": False}
+    found = found_in(file, InspectRequest(), options, SCREEN, budget)
+    if file == "good.xml":
+        return found
+    if way == "killed":
+        os.kill(os.getpid(), signal.SIGSEGV)
+    elif way == "memory":
+        bytearray(1 << 40)
+    elif way == "raised":
+        raise KeyError("a fault of mbcheck")
+    else:
+        time.sleep(1000)
+    return found
