@@ -5,11 +5,11 @@ from __future__ import annotations
 import io
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from contextlib import closing
 from functools import partial
 from math import inf
 from time import monotonic
-from typing import Any, Self, TypeVar
+from typing import Any, TypeVar
 
 from rich.console import Console
 
@@ -18,11 +18,9 @@ from ..engines.isolation import MEMORY, Worker, await_call, tell, within_limits
 from .batch import Inspections, InspectRequest
 from .console import print_difference, print_inspection
 from .difference import model_difference
-from .findings import ModelFinding
 from .fixes import neutral_edit
 from .inspection import Inspection, inspect, inspection_of
 from .pace import Pace, omissions
-from .subject import InspectedModel
 
 T = TypeVar("T")
 
@@ -37,38 +35,15 @@ Found = tuple[dict[str, Any], str]
 """The ``inspect`` document of a file, and its report."""
 
 
-@dataclass(frozen=True)
-class Screen:
-    """What a report is written for.
+Screen = Mapping[str, Any]
+"""What a report is written for: arguments of rich's console."""
 
-    Attributes
-    ----------
-    width : int
-        Characters in a line.
-    is_terminal : bool
-    colours : str or None
-        The console's, as rich names them.
-    full : bool
-    fail_on : str
-    """
 
-    width: int
-    is_terminal: bool
-    colours: Any
-    full: bool
-    fail_on: str
-
-    def text(self, printer: Callable[[Console], None]) -> str:
-        """Return what a function prints."""
-        written = io.StringIO()
-        terminal = {"width": self.width, "force_terminal": self.is_terminal}
-        printer(Console(file=written, color_system=self.colours, highlight=False, **terminal))
-        return written.getvalue()
-
-    def found(self, result: Inspection) -> Found:
-        """Return the document of an inspection, and its report."""
-        text = self.text(lambda console: print_inspection(console, result, self.full, self.fail_on))
-        return result.as_json(), text
+def text_on(screen: Screen, printer: Callable[[Console], None]) -> str:
+    """Return what a function prints."""
+    written = io.StringIO()
+    printer(Console(file=written, highlight=False, **screen))
+    return written.getvalue()
 
 
 class Sandbox:
@@ -88,13 +63,9 @@ class Sandbox:
         self.pace, self.grace = pace, grace
         self.worker: Worker | None = None
         self.found: Found | None = None
-        self.part = ""
+        self.part, self.alone = "", False
 
-    def __enter__(self) -> Self:
-        """Return itself."""
-        return self
-
-    def __exit__(self, *error: object) -> None:
+    def close(self) -> None:
         """End the process."""
         if self.worker is not None:
             self.worker.end()
@@ -119,7 +90,7 @@ class Sandbox:
             most = budget + self.grace
         if most <= 0:
             raise EngineError("timeout", "not inspected: the time was up")
-        self.found, self.part = None, ""
+        self.found, self.part, self.alone = None, "", alone
         if self.worker is None or not self.worker.process.is_alive():
             self.worker = Worker()
             self.worker.heard = self.hear
@@ -137,7 +108,8 @@ class Sandbox:
             self.found = message
         else:
             self.part = message[-1]
-            self.pace.progress(*message)
+            if self.alone:
+                self.pace.progress(*message)
 
 
 def in_folder(folder: str, work: Callable[[float], T], budget: float) -> T | MbcheckError:
@@ -157,12 +129,22 @@ def found_in(
 ) -> Found:
     """Inspect a file; tell what is found so far."""
 
-    def checkpoint(subject: InspectedModel, results: tuple[ModelFinding, ...]) -> None:
-        tell(screen.found(inspection_of(file, subject, results)))
+    def found(result: Inspection) -> Found:
+        report = partial(
+            print_inspection,
+            inspection=result,
+            full=options["full"],
+            fail_on=options["fail_on"],
+        )
+        return result.as_json(), text_on(screen, report)
 
-    pace = Pace(budget, lambda *part: tell(part), checkpoint=checkpoint)
+    pace = Pace(
+        budget,
+        lambda *part: tell(part),
+        checkpoint=lambda *so_far: tell(found(inspection_of(file, *so_far))),
+    )
     asked = options["rotation"], options["modes"], request.strict, request.selection(file)
-    return screen.found(inspect(file, *asked, pace))
+    return found(inspect(file, *asked, pace))
 
 
 def fix(file: str, request: InspectRequest, dry_run: bool, budget: float) -> tuple[str, str, bool]:
@@ -185,7 +167,7 @@ def compare(
         inspect(name, None, modes, request.strict, request.selection(name), pace) for name in files
     )
     result = model_difference(old, new)
-    text = screen.text(lambda console: print_difference(console, result))
+    text = text_on(screen, partial(print_difference, result=result))
     return text, [one.severity for one in result.new]
 
 
@@ -215,7 +197,7 @@ def inspect_files(
     Inspections, and the reports of its models.
     """
     every, unreadable = list[Found](), dict[str, str]()
-    with Sandbox(pace, grace) as sandbox:
+    with closing(Sandbox(pace, grace)) as sandbox:
         for number, file in enumerate(files):
             if len(files) > 1:
                 pace.progress(number, len(files), file)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from functools import partial
 from math import inf
 from pathlib import Path
@@ -37,7 +37,6 @@ if TYPE_CHECKING:
     from ..reports.remarks import Remark
     from .batch import Inspections, InspectRequest
     from .pace import Pace
-    from .sandbox import Screen
 
 DOCUMENTS = ("json", "junit", "sarif")
 """Options that write a document, which may go to standard output."""
@@ -191,7 +190,7 @@ def inspect_all(
     screen = console(*(options[f"{name}_file"] for name in DOCUMENTS))
     with paced(options) as pace:
         every, reports = inspect_files(
-            files, lambda file: partial(found_in, file, request, options, on(screen, options)), pace
+            files, lambda file: partial(found_in, file, request, options, as_screen(screen)), pace
         )
     if single and not reports:
         raise UsageError(named_once(*next(iter(every.unreadable.items()))))
@@ -218,13 +217,14 @@ def paced(options: Mapping[str, Any]) -> Iterator[Pace]:
         yield Pace(inf if options["budget"] is None else float(options["budget"]), progress)
 
 
-def on(screen: Console, options: Mapping[str, Any]) -> Screen:
-    """Return what a report is written for."""
-    from .sandbox import Screen
-
-    colours = screen.color_system if not screen.no_color else None
-    about = screen.width, screen.is_terminal, colours
-    return Screen(*about, options["full"], options["fail_on"])
+def as_screen(screen: Console) -> dict[str, Any]:
+    """Return what a report is written for, see `sandbox.Screen`."""
+    colours = None if screen.no_color else screen.color_system
+    return {
+        "width": screen.width,
+        "force_terminal": screen.is_terminal,
+        "color_system": colours,
+    }
 
 
 def fix_files(files: Sequence[str], request: InspectRequest, options: Mapping[str, Any]) -> int:
@@ -234,7 +234,7 @@ def fix_files(files: Sequence[str], request: InspectRequest, options: Mapping[st
     from .sandbox import Sandbox, fix
 
     code, dry_run = 0, options["dry_run"]
-    with paced(options) as pace, Sandbox(pace) as sandbox:
+    with paced(options) as pace, closing(Sandbox(pace)) as sandbox:
         for file in files:
             try:
                 work = partial(fix, file, request, dry_run)
@@ -243,9 +243,8 @@ def fix_files(files: Sequence[str], request: InspectRequest, options: Mapping[st
                 code = complain(named_once(file, str(error)), MISUSED)
                 continue
             if dry_run:
-                click.echo(
-                    "".join(f"{printable(line)}\n" for line in edit.split("\n")[:-1]), nl=False
-                )
+                for line in edit.split("\n")[:-1]:
+                    click.echo("\t".join(map(printable, line.split("\t"))))
                 code = code or int(any_edit)
             for line in summary.split("\n"):
                 click.echo(printable(line), err=True)
@@ -264,8 +263,8 @@ def inspect_two(models: Sequence[str], request: InspectRequest, options: Mapping
     if any(options[f"{name}_file"] for name in (*DOCUMENTS, "write_baseline")):
         raise UsageError("--diff prints a table, and writes no document")
     screen = console()
-    with paced(options) as pace, Sandbox(pace) as sandbox:
-        work = partial(compare, models, request, options["modes"], on(screen, options))
+    with paced(options) as pace, closing(Sandbox(pace)) as sandbox:
+        work = partial(compare, models, request, options["modes"], as_screen(screen))
         text, new = sandbox.run(work, alone=True)
     screen.file.write(in_encoding(text, screen))
     return int(any(one in FAIL_ON[options["fail_on"]] for one in new))

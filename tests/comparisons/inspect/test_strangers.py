@@ -107,7 +107,8 @@ def test_what_was_found_before_a_file_ends_its_process_is_kept(way: str, words: 
 
 
 def test_time_that_is_up_begins_no_other_file() -> None:
-    with Sandbox(Pace(1e-9), grace=0.0) as sandbox, pytest.raises(EngineError, match="was up"):
+    sandbox = Sandbox(Pace(1e-9), grace=0.0)
+    with pytest.raises(EngineError, match="was up"):
         sandbox.run(partial(end_in, "hangs", "x.xml"))
 
 

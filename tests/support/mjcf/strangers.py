@@ -7,16 +7,16 @@ import signal
 import time
 
 from mbcheck.comparisons.inspect.batch import InspectRequest
-from mbcheck.comparisons.inspect.sandbox import Found, Screen, found_in
+from mbcheck.comparisons.inspect.sandbox import Found, found_in
 
 MODEL = """<mujoco><worldbody><body><joint name="{}" damping="-1"/><geom size="0.1"/></body>
   </worldbody></mujoco>"""
-SCREEN = Screen(80, False, None, full=True, fail_on="error")
+SCREEN = {"width": 80}
 
 
 def end_in(way: str, file: str, budget: float) -> Found:
     """Inspect a file, and end as hostile ones do before anything of it is returned."""
-    options = {"rotation": {}, "modes": False}
+    options = {"rotation": {}, "modes": False, "full": True, "fail_on": "error"}
     found = found_in(file, InspectRequest(), options, SCREEN, budget)
     if file == "good.xml":
         return found
