@@ -19,7 +19,7 @@ MAX_BYTES = 256 * 2**20
 STDIN = "-"
 
 
-def read_bytes(name: str | Path, option: str = "", shown: str = "") -> bytes:
+def read_bytes(name: str | Path, option: str = "", label: str = "") -> bytes:
     """Return the content of a regular file of at most `MAX_BYTES`, or of standard input for ``-``.
 
     Parameters
@@ -27,7 +27,7 @@ def read_bytes(name: str | Path, option: str = "", shown: str = "") -> bytes:
     name : str or Path
     option : str
         How the message begins: ``"--known: "``.
-    shown : str
+    label : str
         How the message names the file, if otherwise.
 
     Raises
@@ -48,7 +48,7 @@ def read_bytes(name: str | Path, option: str = "", shown: str = "") -> bytes:
             raise ValueError(f"it has more than {MAX_BYTES // 2**20} MiB")
     except (OSError, ValueError) as error:  # a null byte in a name is a ValueError
         why = getattr(error, "strerror", None) or error
-        raise UsageError(f"{option}cannot read {shown or repr(str(name))}: {why}") from None
+        raise UsageError(f"{option}cannot read {label or repr(str(name))}: {why}") from None
     return data
 
 
@@ -57,7 +57,7 @@ def read_document(
     kind: str,
     parser: Callable[[str], T],
     option: str = "",
-    shown: str = "",
+    label: str = "",
 ) -> tuple[str, T]:
     """Return the text of such a file, which is in UTF-8, and what a parser makes of it.
 
@@ -66,7 +66,7 @@ def read_document(
     UsageError
         If it cannot be read, is not of its kind, or is nested too deeply for the parser.
     """
-    data, why = read_bytes(name, option, shown), "it is nested too deeply"
+    data, why = read_bytes(name, option, label), "it is nested too deeply"
     try:
         text = data.decode("utf-8-sig")
         return text, parser(text)
@@ -74,4 +74,4 @@ def read_document(
         pass
     except ValueError as error:
         why = str(error)
-    raise UsageError(f"{option}{shown or repr(str(name))} is not {kind}: {why}")
+    raise UsageError(f"{option}{label or repr(str(name))} is not {kind}: {why}")

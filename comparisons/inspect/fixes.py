@@ -78,7 +78,7 @@ def neutral_edit(inspection: Inspection) -> NeutralEdit:
         If the file cannot be read again, or does not compile to the same from one text.
     """
     loaded, path = inspection.loaded, Path(inspection.file)
-    raw = read_bytes(path, shown=inspection.file)
+    raw = read_bytes(path, label=inspection.file)
     asked = [one for one in inspection.unwaived if one.rule in FIXED]
     places = {(one.file, one.line, one.element, one.attribute) for one in asked}
     own = loaded.source.files[0]

@@ -63,18 +63,18 @@ class Pace:
     def __post_init__(self) -> None:
         if not self.budget > 0:
             raise UsageError(f"--budget must be a positive number, not {self.budget:g}")
-        self.kept = monotonic()
-        self.end = self.kept + self.budget
+        self.last_checkpoint = monotonic()
+        self.end = self.last_checkpoint + self.budget
 
     def remaining(self) -> Pace:
         """Return the pace of one of several tasks that share the time."""
         return Pace(max(self.end - monotonic(), LEAST))
 
-    def keep(self, found: Callable[[], Sequence[Any]], now: bool = False) -> None:
+    def keep(self, result: Callable[[], Sequence[Any]], now: bool = False) -> None:
         """Hand on what is found so far, now and then."""
-        if self.checkpoint and (now or monotonic() - self.kept > OFTEN):
-            self.checkpoint(*found())
-            self.kept = monotonic()
+        if self.checkpoint and (now or monotonic() - self.last_checkpoint > OFTEN):
+            self.checkpoint(*result())
+            self.last_checkpoint = monotonic()
 
     def begins(self, part: str) -> bool:
         """Return whether there is time to begin a part, which is left out if there is none."""

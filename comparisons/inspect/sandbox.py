@@ -31,7 +31,7 @@ GRACE = 5.0
 """Time [s] after `--budget` at which what still goes on is stopped."""
 
 
-Found = tuple[dict[str, Any], str]
+FileReport = tuple[dict[str, Any], str]
 """The ``inspect`` document of a file, and its report."""
 
 
@@ -55,14 +55,14 @@ class Sandbox:
         The time for all files; it is told how far they are.
     grace : float
         Time [s] after the end of it at which what still goes on is stopped.
-    found : Found or None
+    report : FileReport or None
         What work that was stopped had found until then.
     """
 
     def __init__(self, pace: Pace, grace: float = GRACE) -> None:
         self.pace, self.grace = pace, grace
         self.worker: Worker | None = None
-        self.found: Found | None = None
+        self.report: FileReport | None = None
         self.part, self.alone = "", False
 
     def close(self) -> None:
@@ -90,7 +90,7 @@ class Sandbox:
             most = budget + self.grace
         if most <= 0:
             raise EngineError("timeout", "not inspected: the time was up")
-        self.found, self.part, self.alone = None, "", alone
+        self.report, self.part, self.alone = None, "", alone
         if self.worker is None or not self.worker.process.is_alive():
             self.worker = Worker()
             self.worker.heard = self.hear
@@ -105,7 +105,7 @@ class Sandbox:
     def hear(self, message: Any) -> None:
         """Take the part that is next, or what is found so far."""
         if len(message) == 2:
-            self.found = message
+            self.report = message
         else:
             self.part = message[-1]
             if self.alone:
@@ -124,12 +124,12 @@ def in_folder(folder: str, work: Callable[[float], T], budget: float) -> T | Mbc
 # What is done in the process ------------------------------------------------------------------
 
 
-def found_in(
+def inspect_file(
     file: str, request: InspectRequest, options: Mapping[str, Any], screen: Screen, budget: float
-) -> Found:
+) -> FileReport:
     """Inspect a file; tell what is found so far."""
 
-    def found(result: Inspection) -> Found:
+    def report_of(result: Inspection) -> FileReport:
         report = partial(
             print_inspection,
             inspection=result,
@@ -141,10 +141,10 @@ def found_in(
     pace = Pace(
         budget,
         lambda *part: tell(part),
-        checkpoint=lambda *so_far: tell(found(inspection_of(file, *so_far))),
+        checkpoint=lambda *so_far: tell(report_of(inspection_of(file, *so_far))),
     )
     asked = options["rotation"], options["modes"], request.strict, request.selection(file)
-    return found(inspect(file, *asked, pace))
+    return report_of(inspect(file, *asked, pace))
 
 
 def fix(file: str, request: InspectRequest, dry_run: bool, budget: float) -> tuple[str, str, bool]:
@@ -158,7 +158,7 @@ def fix(file: str, request: InspectRequest, dry_run: bool, budget: float) -> tup
     return edit.diff, edit.summary + (f"\n{file}: {left}" if left else ""), bool(edit.attributes)
 
 
-def compare(
+def compare_models(
     files: Sequence[str], request: InspectRequest, modes: bool | None, screen: Screen, budget: float
 ) -> tuple[str, list[str]]:
     """Return what differs between two models, as text, and the severities of new findings."""
@@ -176,7 +176,7 @@ def compare(
 
 def inspect_files(
     files: Sequence[str],
-    work: Callable[[str], Callable[[float], Found]],
+    work: Callable[[str], Callable[[float], FileReport]],
     pace: Pace,
     grace: float = GRACE,
 ) -> tuple[Inspections, list[str]]:
@@ -196,7 +196,7 @@ def inspect_files(
     -------
     Inspections, and the reports of its models.
     """
-    every, unreadable = list[Found](), dict[str, str]()
+    every, unreadable = list[FileReport](), dict[str, str]()
     with closing(Sandbox(pace, grace)) as sandbox:
         for number, file in enumerate(files):
             if len(files) > 1:
@@ -204,8 +204,8 @@ def inspect_files(
             try:
                 every.append(sandbox.run(work(file), len(files) == 1))
             except MbcheckError as error:
-                every += [sandbox.found] if sandbox.found else []
+                every += [sandbox.report] if sandbox.report else []
                 timely = isinstance(error, EngineError) and error.kind == "timeout"
-                if not (timely and sandbox.found):
+                if not (timely and sandbox.report):
                     unreadable[file] = str(error)
     return Inspections(tuple(model for model, _ in every), unreadable), [text for _, text in every]

@@ -177,7 +177,7 @@ def inspect_all(
     from ..reports.text import in_encoding
     from .batch import files_of, named_once
     from .console import print_lines
-    from .sandbox import found_in, inspect_files
+    from .sandbox import inspect_file, inspect_files
 
     files, fail_on = files_of(models, options["whole_models"]), options["fail_on"]
     single = len(models) == 1 and files == list(models)
@@ -190,7 +190,9 @@ def inspect_all(
     screen = console(*(options[f"{name}_file"] for name in DOCUMENTS))
     with paced(options) as pace:
         every, reports = inspect_files(
-            files, lambda file: partial(found_in, file, request, options, as_screen(screen)), pace
+            files,
+            lambda file: partial(inspect_file, file, request, options, as_screen(screen)),
+            pace,
         )
     if single and not reports:
         raise UsageError(named_once(*next(iter(every.unreadable.items()))))
@@ -255,7 +257,7 @@ def inspect_two(models: Sequence[str], request: InspectRequest, options: Mapping
     """Print what differs between two models; return the exit code."""
     from ..reports.text import in_encoding
     from .batch import FAIL_ON
-    from .sandbox import Sandbox, compare
+    from .sandbox import Sandbox, compare_models
 
     if len(models) != 2:
         raise UsageError("--diff compares two models: OLD.xml NEW.xml")
@@ -264,7 +266,7 @@ def inspect_two(models: Sequence[str], request: InspectRequest, options: Mapping
         raise UsageError("--diff prints a table, and writes no document")
     screen = console()
     with paced(options) as pace, closing(Sandbox(pace)) as sandbox:
-        work = partial(compare, models, request, options["modes"], as_screen(screen))
+        work = partial(compare_models, models, request, options["modes"], as_screen(screen))
         text, new = sandbox.run(work, alone=True)
     screen.file.write(in_encoding(text, screen))
     return int(any(one in FAIL_ON[options["fail_on"]] for one in new))

@@ -141,7 +141,7 @@ def from_file(name: str) -> Recording:
         If it cannot be read, naming the line.
     """
     where = "standard input" if name == STDIN else name
-    text, _ = read_document(name, "text in UTF-8: write it as CSV", str, shown=where)
+    text, _ = read_document(name, "text in UTF-8: write it as CSV", str, label=where)
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     try:
         head, names, delimiter = header(lines, where)

@@ -10,7 +10,7 @@ from pathlib import Path
 from markupsafe import Markup
 
 from ...reference import get_scene
-from ..reports.files import deliver
+from ..reports.files import write_or_collect
 from ..reports.html import render
 from ..reports.text import markdown_table
 from ..reports.words import code
@@ -31,13 +31,13 @@ def write_pages(result: Reproduction, out: Path) -> None:
     for scene in result.figures:
         write(out, scene, scene_page(result, scene))
     write(out, "index", index_page(result))
-    deliver(out / "summary.md", summary(result).encode())
+    write_or_collect(out / "summary.md", summary(result).encode())
 
 
 def write(out: Path, name: str, text: str) -> None:
     """Write one page twice."""
-    deliver(out / f"{name}.md", text.encode())
-    deliver(out / f"{name}.html", html(text).encode())
+    write_or_collect(out / f"{name}.md", text.encode())
+    write_or_collect(out / f"{name}.html", html(text).encode())
 
 
 def html(text: str) -> str:

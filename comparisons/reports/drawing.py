@@ -13,7 +13,7 @@ import numpy as np
 from ...reference.errors import UsageError
 from ...reference.scene import Array
 from ..engines.registry import ENGINES, REFERENCE, offered
-from .files import deliver
+from .files import write_or_collect
 
 DOTS_PER_INCH, COLOURS = 150, 48
 SUFFIXES = (".png", ".svg")
@@ -159,7 +159,7 @@ def save(figure: Any, path: Path, dots: int = DOTS_PER_INCH) -> None:
         figure.savefig(buffer, format="png", dpi=dots)
         picture = Image.open(buffer).convert("RGB").quantize(COLOURS, kmeans=1)
         picture.save(buffer := BytesIO(), format="png", optimize=True)
-    deliver(path, buffer.getvalue())
+    write_or_collect(path, buffer.getvalue())
 
 
 def save_and_close(figure: Any, *paths: Path, dots: int = DOTS_PER_INCH) -> None:

@@ -74,13 +74,13 @@ class Destination:
             pass
 
     def write(self, text: str) -> bool:
-        """Write a text, see `deliver`."""
+        """Write a text, see `write_or_collect`."""
         return self.write_bytes(text.encode())
 
     def write_bytes(self, data: bytes) -> bool:
-        """Write bytes, see `deliver`."""
+        """Write bytes, see `write_or_collect`."""
         place = None if self.standard_output else self.path
-        return deliver(place, data, f"{self.option}: cannot write {self.name!r}")
+        return write_or_collect(place, data, f"{self.option}: cannot write {self.name!r}")
 
 
 @contextmanager
@@ -97,7 +97,7 @@ def collect_unwritten() -> Iterator[dict[str, OSError]]:
         UNWRITTEN.reset(before)
 
 
-def deliver(path: Path | None, data: bytes, failure: str = "") -> bool:
+def write_or_collect(path: Path | None, data: bytes, failure: str = "") -> bool:
     """Write what was computed to a file, as `replace` does, or to standard output; return success.
 
     Parameters

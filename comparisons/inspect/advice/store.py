@@ -14,7 +14,7 @@ import numpy as np
 
 from ....reference.errors import UsageError
 from ...documents.reading import read_document
-from ...reports.files import deliver
+from ...reports.files import write_or_collect
 from .converged import Converged
 from .runs import SampledRun, Setting, Start
 
@@ -81,7 +81,7 @@ class RunStore:
         """Write the file, if there is one."""
         if self.path is not None:
             content = {"what": PURPOSE, "about": self.about, "entries": self.entries}
-            deliver(self.path, (json.dumps(content) + "\n").encode())
+            write_or_collect(self.path, (json.dumps(content) + "\n").encode())
         self.written = monotonic()
 
 

@@ -234,7 +234,7 @@ def content(path: Path, name: str) -> bytes:
             f"{name} is a compiled model, which has no text to inspect: give the MJCF that it "
             "was compiled from"
         )
-    raw = read_bytes(path, shown=name)
+    raw = read_bytes(path, label=name)
     if not raw.strip():
         raise UsageError(f"{name} is empty")
     if b"\0" in raw[:4096] and not raw.startswith((b"\xff\xfe", b"\xfe\xff")):

@@ -7,17 +7,17 @@ import signal
 import time
 
 from mbcheck.comparisons.inspect.batch import InspectRequest
-from mbcheck.comparisons.inspect.sandbox import Found, found_in
+from mbcheck.comparisons.inspect.sandbox import FileReport, inspect_file
 
 MODEL = """<mujoco><worldbody><body><joint name="{}" damping="-1"/><geom size="0.1"/></body>
   </worldbody></mujoco>"""
 SCREEN = {"width": 80}
 
 
-def end_in(way: str, file: str, budget: float) -> Found:
+def end_in(way: str, file: str, budget: float) -> FileReport:
     """Inspect a file, and end as hostile ones do before anything of it is returned."""
     options = {"rotation": {}, "modes": False, "full": True, "fail_on": "error"}
-    found = found_in(file, InspectRequest(), options, SCREEN, budget)
+    found = inspect_file(file, InspectRequest(), options, SCREEN, budget)
     if file == "good.xml":
         return found
     if way == "killed":
