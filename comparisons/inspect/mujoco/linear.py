@@ -211,6 +211,8 @@ class LinearProbe:
         self.lib, self.state = loaded.mujoco, state
         self.model = loaded.sharp("contact", "limit", "frictionloss")
         self.data = loaded.data(state, self.model)
+        self.lib.mj_fwdPosition(self.model, self.data)
+        self.closed = tuple(self.loop_rows())
         self.scale = slide_scale(loaded)
 
     def put(self, position: Array, velocity: Array) -> None:
@@ -224,15 +226,29 @@ class LinearProbe:
         return moved
 
     def forces(self, acceleration: Array) -> tuple[Array, Array, Array, Array]:
-        """Return inertia and bias forces (nv,), passive and actuator forces, and J (rows, nv)."""
+        """Return inertia and bias forces (nv,), passive and actuator forces, and J (rows, nv).
+
+        The rows of J are those that closed loops have in the probe's state.
+        """
         data = self.data
         data.qacc[:] = acceleration
         self.lib.mj_inverse(self.model, data)
         self.lib.mj_fwdActuation(self.model, data)
         inertia = data.qfrc_inverse + data.qfrc_constraint + data.qfrc_passive
-        loops = data.efc_type == int(self.lib.mjtConstraint.mjCNSTR_EQUALITY)
-        jacobian = jacobian_rows(self.model, data)[loops]
+        rows, open_row = self.loop_rows(), np.zeros(self.model.nv)
+        jacobian = np.reshape([rows.get(row, open_row) for row in self.closed], (-1, len(open_row)))
         return inertia, data.qfrc_passive.copy(), np.array(data.qfrc_actuator), jacobian
+
+    def loop_rows(self) -> dict[tuple[int, int], Array]:
+        """Return the Jacobian's row (nv,) of each equality and component, where the data is.
+
+        MuJoCo leaves out an equality whose Jacobian is zero, so that rows come and go with the
+        position; `forces` keeps those that the state has.
+        """
+        owners = np.array(self.data.efc_id)[: self.data.ne]
+        components = np.arange(len(owners)) - np.searchsorted(owners, owners)
+        keys = zip(owners.tolist(), components.tolist(), strict=True)
+        return dict(zip(keys, jacobian_rows(self.model, self.data), strict=False))
 
     def mass(self) -> Array:
         """Return the mass matrix (nv, nv) where the data is."""

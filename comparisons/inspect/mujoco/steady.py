@@ -90,8 +90,8 @@ class Rest(NamedTuple):
         """Return forces (k,) that are not balanced, and how large they may be."""
         velocity = self.probe.state.velocity
         self.probe.put(position, velocity)
-        inertia, passive, actuator, jacobian = self.probe.forces(np.zeros_like(velocity))
-        if len(jacobian):
+        inertia, passive, actuator, _ = self.probe.forces(np.zeros_like(velocity))
+        if self.probe.data.ne:
             raise UsageError("a model with closed loops does not rotate steadily")
         size = np.abs(inertia) + np.abs(passive) + np.abs(actuator)
         size += np.diag(self.probe.mass()) * max(1.0, float(np.max(velocity**2)))
