@@ -223,18 +223,49 @@ def spectral_radius(scheme: str, of: Vibrations, step: float) -> float:
     return radius if np.isfinite(radius) else np.inf
 
 
+def surpluses(
+    factors: ComplexArray, own: ComplexArray, step: float, horizon: float, folds: float = np.inf
+) -> Array:
+    """Return the logarithm (k,) of what each eigenvalue of a step grows by over a run, too much.
+
+    The largest is compared with the growth of the fastest-growing mode, the next with that of the
+    next, and those beyond with none: one mode that grows of itself excuses no other.
+
+    Parameters
+    ----------
+    factors : array (k,)
+        Eigenvalues of the matrix of a step.
+    own : array (n,)
+        Eigenvalues of the motion itself [1/s].
+    step, horizon : float
+        [s]
+    folds : float
+        A mode that grows of itself is followed over so many of its times of growth by e at most.
+    """
+    sizes = np.abs(factors)
+    order, growth = np.argsort(-sizes), np.zeros(len(sizes))
+    growing = np.sort(np.maximum(own.real, 0.0))[::-1][: len(sizes)]
+    growth[order[: len(growing)]] = growing
+    with np.errstate(divide="ignore"):
+        over = (np.log(sizes) / step - growth) * np.minimum(horizon, folds / growth)
+    return np.where(sizes > 1 + DEFECT, over, -np.inf)
+
+
 def excess(
-    scheme: str, of: Vibrations, step: float, horizon: float, growth: float = GROWTH
+    scheme: str,
+    of: Vibrations,
+    step: float,
+    horizon: float,
+    growth: float = GROWTH,
+    folds: float = np.inf,
 ) -> float:
     """Return the logarithm of what an amplitude grows by over a run, beyond what it may.
 
-    What the motion grows by of itself, about an unstable state of rest, does not count.
+    What the motion grows by of itself, about an unstable state of rest, does not count; see
+    `surpluses`.
     """
-    radius = spectral_radius(scheme, of, step)
-    if radius <= 1 + DEFECT:
-        return -1.0
-    own = max(0.0, float(np.max(rates(of).real, initial=0.0))) * horizon
-    return float(np.log(radius) * horizon / step - own - np.log(growth))
+    over = surpluses(amplification_factors(scheme, of, step), rates(of), step, horizon, folds)
+    return max(-1.0, float(np.max(over)) - float(np.log(growth)))
 
 
 def largest_stable_step(

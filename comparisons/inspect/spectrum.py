@@ -16,7 +16,7 @@ from ...reference.amplification import (
     first_beyond,
     first_order,
     rates,
-    spectral_radius,
+    surpluses,
     vibrations,
 )
 from ...reference.linear import rigid_and_elastic
@@ -51,8 +51,11 @@ ALIKE = 0.95
 """Share of the best likeness that counts as one: a coordinate may have a slow and a fast mode."""
 
 LONG = 1e5
-"""Horizon over which amplitudes may not grow, in 1 / omega of the fastest mode; shorter where a
-mode grows of itself, whose growth a method changes a little."""
+"""Horizon over which amplitudes may not grow, in 1 / omega of the fastest mode."""
+
+FOLDS = 1.0
+"""Times of growth by e over which a mode that grows of itself is followed: a method changes its
+growth a little."""
 
 Kind = Literal["rigid", "oscillating", "decaying", "unstable"]
 
@@ -183,8 +186,8 @@ def longest_step(
     own = reduced(motion)
     fixed = vibrations(*own[:4]) if whole and not np.any(own.late_stiffness) else None
     own_rates = rates(own.vibrations(0.0))
-    fastest, growth = float(np.max(np.abs(own_rates))), float(np.max(own_rates.real))
-    horizon = min(LONG, fastest / growth if growth > SLOW * fastest else LONG) / fastest
+    fastest = float(np.max(np.abs(own_rates)))
+    horizon = LONG / fastest
 
     def of_step(step: float) -> Vibrations:
         if dependence is not None and step > dependence.raised_from:
@@ -192,7 +195,7 @@ def longest_step(
         return fixed or own.vibrations(step)
 
     def beyond(step: float) -> float:
-        return excess(scheme, of_step(step), step, horizon)
+        return excess(scheme, of_step(step), step, horizon, folds=FOLDS)
 
     limit = first_beyond(beyond, fastest, horizon, TRIED)
     if not 0 < limit < np.inf:
@@ -202,11 +205,14 @@ def longest_step(
     if dependence is not None and raised:
         own = reduced(dependence.at(step))
     if whole:
-        critical = most_alike(AMPLIFICATION[scheme](own.vibrations(step), step), motion, modes)
+        values, vectors = np.linalg.eig(AMPLIFICATION[scheme](own.vibrations(step), step))
+        over = surpluses(values, rates(own.vibrations(0.0)), step, horizon, FOLDS)
+        critical = most_alike(vectors[: len(own.mass), np.argmax(over)], motion, modes)
     else:
         alone = (LinearMotion(*(part[i : i + 1] for part in own)) for i in range(len(modes)))
-        growths = [spectral_radius(scheme, one.vibrations(step), step) for one in alone]
-        critical = modes[int(np.argmax(growths))]
+        every = (one.vibrations(step) for one in alone)
+        over = [excess(scheme, one, step, horizon, folds=FOLDS) for one in every]
+        critical = modes[int(np.argmax(over))]
     return Step(limit, critical.omega, critical.place(motion.mass), critical.vector)
 
 
@@ -228,13 +234,11 @@ def modal(motion: LinearMotion, modes: Sequence[Shape]) -> LinearMotion:
     return LinearMotion(np.ones_like(parts[0]), *(moves * part / parts[0] for part in parts[1:]))
 
 
-def most_alike(matrix: Array, motion: LinearMotion, modes: Sequence[Shape]) -> Shape:
-    """Return the mode nearest to what a step, by its matrix (2 n, 2 n), multiplies most."""
-    values, vectors = np.linalg.eig(matrix)
+def most_alike(vector: ComplexArray, motion: LinearMotion, modes: Sequence[Shape]) -> Shape:
+    """Return the mode nearest to a vector (n,), of motions with unit inertias."""
     root = np.sqrt(np.diag(motion.mass))
-    fastest_growing = vectors[: len(root), np.argmax(np.abs(values))]
     shares = [
-        abs(np.vdot(root * mode.vector, fastest_growing)) / np.linalg.norm(root * mode.vector)
+        abs(np.vdot(root * mode.vector, vector)) / np.linalg.norm(root * mode.vector)
         for mode in modes
     ]
     near = [m for m, share in zip(modes, shares, strict=True) if share > ALIKE * max(shares)]

@@ -174,6 +174,14 @@ def test_growth_of_the_motion_itself_is_no_instability() -> None:
     assert excess("RK44", of, 0.01, 20.0) <= 0
 
 
+def test_growth_of_one_mode_excuses_no_other() -> None:
+    """Beside a mode of growth 5 1/s, one of decay 50 1/s sets the limit that it has alone."""
+    unit, pair = np.ones((2, 1, 1)), np.array([-25.0, 0.0])[:, None, None]
+    damping = np.array([0.0, 50.0])[:, None, None]
+    of = Vibrations(unit, damping, pair, 0 * damping)
+    assert largest_stable_step("RK44", of, 10.0) == pytest.approx(2.785 / 50, rel=1e-2)
+
+
 def test_modes_that_fall_apart_have_the_same_factors() -> None:
     p = HulaHoop(hinge_damping_ratio=0.0, damping_ratio=0.0)
     at = place(scene_equations(Case("hula_hoop", "", p, {})), "", np.zeros(4), False, False)

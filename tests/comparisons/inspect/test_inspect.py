@@ -434,3 +434,55 @@ def test_refsafe_is_taken_into_account(tmp_path: Path) -> None:
     found = inspect(written(tmp_path, off), modes=False)
     assert {one.effective for one in found.closures} == {(0.0001, 1.0)}
     assert "solref_raised" not in [one.rule for one in found.findings]
+
+
+SLACK = '<tendon name="{}" tendon1="{}"/>'
+"""An equality of a tendon; MuJoCo leaves out the row of one whose moment is zero."""
+WITH_TENDON = """<mujoco><option gravity="0 0 -10"/><worldbody><site name="top" pos="0 0 2"/>
+  <body pos="0 0 1"><joint name="swing" axis="0 1 0"/><geom size="0.1" pos="0 0 -0.3" mass="2"/>
+    <site name="bob" pos="0 0 -0.3"/></body>
+  <body pos="1 0 1"><joint name="drop" type="slide" axis="0 0 1"/><geom size="0.1" mass="3"/></body>
+  <body pos="2 0 1"><joint name="hold" axis="0 1 0" stiffness="40"/>
+    <geom size="0.1" pos="0.3 0 0" mass="1"/></body></worldbody>
+  <tendon><spatial name="rope"><site site="top"/><site site="bob"/></spatial></tendon>
+  <equality>{before}<joint joint1="drop" joint2="hold" polycoef="0 0.2 0.4 0 0"/>{after}</equality>
+  <keyframe>{key}</keyframe></mujoco>"""
+
+
+@pytest.mark.parametrize("where", ["before", "after"])
+@pytest.mark.parametrize("key", ["", '<key qpos="0.3 0 0"/>', '<key qvel="1 0 0"/>'])
+def test_an_equality_without_a_moment_ties_nothing(where: str, key: str, tmp_path: Path) -> None:
+    """Its row comes and goes with the position; other loops keep theirs, with their loads."""
+    values = {"before": "", "after": "", "key": key}
+    plain = inspect(written(tmp_path, WITH_TENDON.format(**values)))
+    values[where] = SLACK.format("slack", "rope")
+    tied = inspect(written(tmp_path, WITH_TENDON.format(**values)))
+    free, same = plain.views[0], tied.views[0]
+    assert len(free.modes) == 2
+    np.testing.assert_allclose(pairs(same), pairs(free), rtol=1e-6)  # its force is 1e9 N nearby
+    if "qpos" in key:  # where the rope has a moment, it takes a direction away
+        assert [len(view.modes) for view in tied.views] == [2, 1]
+
+
+def test_what_grows_of_itself_excuses_no_other_mode(tmp_path: Path) -> None:
+    """A double pendulum that stands has modes of +-g and +-f; RK4 follows f's decay up to 2.785/f.
+
+    One step of MuJoCo from a departure along that mode shrinks it below the limit alone.
+    """
+    rod = """<body name="{0}" pos="0 0 {1}"><joint name="j{0}" axis="0 1 0"/>
+      <geom type="capsule" size="0.01" fromto="0 0 0 0 0 0.3" mass="1"/>{2}</body>"""
+    text = f"<mujoco><worldbody>{rod.format('a', 0, rod.format('b', 0.3, ''))}</worldbody></mujoco>"
+    found = inspect(path := written(tmp_path, text))
+    (decay,) = [one for one in found.views[0].modes if one.omega > 10 and one.rate.real < 0]
+    assert limit(found, "RK4") == pytest.approx(2.785 / decay.omega, rel=1e-3)
+    assert limit(found, "Euler") == math.inf
+    model = mujoco.MjModel.from_xml_path(str(path))
+    model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    shape, kept = 1e-5 * decay.vector.real / np.linalg.norm(decay.vector), []
+    for share in (0.98, 1.02):
+        model.opt.timestep = share * limit(found, "RK4")
+        data = mujoco.MjData(model)
+        data.qpos[:], data.qvel[:] = shape, decay.rate.real * shape
+        mujoco.mj_step(model, data)
+        kept.append(float(np.linalg.norm(data.qpos) / np.linalg.norm(shape)))
+    assert kept[0] < 1 < kept[1]
