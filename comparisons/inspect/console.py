@@ -254,6 +254,8 @@ def print_steps(console: Console, inspection: Inspection) -> None:
         left_out += [words] if any(inspection.loaded.of_kind("actuator_dyntype", kind)) else []
     if rows and left_out:
         print_wrapped(console, f"left out of these limits: {', '.join(left_out)}")
+    for words in conditions_of(inspection) if rows else ():
+        print_wrapped(console, words)
     softened = next((one.softened for one in inspection.steps if one.of_file), math.inf)
     if any(softened < one.limit for one in inspection.steps) and softened < math.inf:
         words = f"steps above {number(softened, 4)} s soften constraints (refsafe)"
@@ -263,6 +265,20 @@ def print_steps(console: Console, inspection: Inspection) -> None:
             console,
             f"{number(period / step, 4)} steps in the shortest period, {number(period, 4)} s",
         )
+
+
+def conditions_of(inspection: Inspection) -> Iterator[str]:
+    """Yield what the largest stable steps do not know: contacts, and what dry friction takes."""
+    model, disabled = inspection.loaded.model, inspection.loaded.disabled
+    apart = [one.state.name for one in inspection.views if one.linear and not one.linear.contacts]
+    if apart and any(inspection.can_touch):
+        yield (
+            f"no contact is active in the state {', '.join(apart)}: what touches later may need "
+            "shorter steps"
+        )
+    dry = any(model.dof_frictionloss) or any(model.tendon_frictionloss)
+    if dry and not (disabled("frictionloss") or disabled("constraint")):
+        yield "dry friction makes these limits conservative: it may hold a run beyond them"
 
 
 def print_closures(console: Console, inspection: Inspection, most: int = MOST_CLOSURES) -> None:

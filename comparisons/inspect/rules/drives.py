@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ....reference.scene import Array
-from ..mujoco.model import OPENED, Flags, Numbers, State, numbers
+from ..mujoco.model import OPENED, Flags, State, numbers
 from ..subject import Hit, InspectedModel
 from .actuation import (
     Asked,
@@ -36,9 +36,6 @@ DAMPED = 0.02
 
 TURN_IN_A_STEP = np.pi
 """What full force may turn a joint by in the first step [rad]."""
-
-FULL = 1 - 1e-9
-"""Share of the largest force from which on an actuator gives all."""
 
 DRIFT, SHIFT = 0.2, 0.2
 """How far a servo may have to give way to hold a keyframe [rad], and in the model's size."""
@@ -263,10 +260,30 @@ class KeyframeForces(NamedTuple):
         return 0.0 if np.isclose(force, left, rtol=1e-12, atol=0.0) else force - left
 
 
-def balance_of(s: InspectedModel, state: State) -> KeyframeForces:
-    """Return the forces in a keyframe."""
+def balance_of(
+    s: InspectedModel,
+    state: State,
+    controls: Mapping[int, float] | None = None,
+    unlimited: Flags | None = None,
+) -> KeyframeForces:
+    """Return the forces in a keyframe.
+
+    Parameters
+    ----------
+    s : InspectedModel
+    state : State
+    controls : mapping of int to float, optional
+        Controls of actuators in the place of the keyframe's.
+    unlimited : array (nu,), optional
+        Actuators whose forces have no limits.
+    """
     m, model = s.model, s.loaded.sharp()
+    if unlimited is not None:
+        model.actuator_forcelimited[unlimited] = 0
+        model.jnt_actfrclimited[:], model.tendon_actfrclimited[:] = 0, 0
     data, left = s.loaded.data(state, model), np.empty(m.nv)
+    for actuator, control in (controls or {}).items():
+        data.ctrl[actuator] = control
     s.loaded.mujoco.mj_forward(model, data)
     s.loaded.mujoco.mj_mulM(model, data, left, data.qacc)
     free = s.loaded.of_kind("jnt_type", "free")
@@ -286,72 +303,110 @@ def gravity(s: InspectedModel) -> float:
 
 
 def saturated_actuator(s: InspectedModel) -> Iterator[Hit]:
-    """An actuator that gives all its force in a keyframe, or cannot bear its load there."""
+    """An actuator whose load in a keyframe is beyond its largest force."""
     m, said = s.model, set[int]()
     for state in keyframes(s):
         balance = balance_of(s, state)
-        full = set(full_force(s, np.array(balance.data.actuator_force)).tolist())
         for one in strengths(s):
             dof = int(m.jnt_dofadr[one.joint])
             need = balance.needs(dof)
             room = OVERLOAD * abs(need)
             alone = not balance.falls(dof) and np.count_nonzero(balance.arms[:, dof]) == 1
-            beyond = alone and not one.low - room <= need <= one.high + room
-            if one.actuator in said or not (beyond or one.actuator in full):
+            within = one.low - room <= need <= one.high + room
+            if one.actuator in said or not alone or within:
                 continue
             said.add(one.actuator)
             _, unit = joint_units(s, one.joint)
-            what = f"{s.loaded.name('joint', one.joint)} takes {need:.4g} {unit} to stay"
-            if one.actuator in full:
-                what = "it gives all its force"
-            limits = f"{one.low:.4g} to {one.high:.4g} {unit}"
-            message = f"in the state {state.name!r} {what}, and its limits are {limits}"
+            message = (
+                f"in the state {state.name!r} {s.loaded.name('joint', one.joint)} takes "
+                f"{need:.4g} {unit} to stay, and its limits are {one.low:.4g} to {one.high:.4g} "
+                f"{unit}"
+            )
             yield s.hit("actuator", one.actuator, message)
 
 
-def full_force(s: InspectedModel, force: Array) -> Numbers:
-    """Return the actuators whose servos' forces (nu,) are at their limit."""
-    m = s.model
-    listed = {one.actuator for one in servos(s)}
-    low, high = np.asarray(m.actuator_forcerange).T
-    most = ((force >= FULL * high) & (high > 0)) | ((force <= FULL * low) & (low < 0))
-    reacts: Flags = np.isin(np.arange(m.nu), list(listed))
-    return np.flatnonzero(most & (m.actuator_forcelimited != 0) & reacts)
+class LeavingJoint(NamedTuple):
+    """A joint that leaves a keyframe, how, and the control of an actuator that would keep it."""
+
+    joint: int
+    how: str
+    actuator: int = -1
+    control: float = np.nan
 
 
 def control_not_holding(s: InspectedModel) -> Iterator[Hit]:
     """A keyframe that its own controls leave."""
     said = set[int]()
     for state in keyframes(s):
-        balance = balance_of(s, state)
-        ways = [*simple_joints_left(s, balance), *ball_joints_left(s, balance)]
-        for joint, how in ways:
-            if not balance.falls(int(s.model.jnt_dofadr[joint])) and joint not in said:
-                said.add(joint)
-                message = f"the controls of the state {state.name!r} do not hold it: {how}"
-                yield s.hit("joint", joint, message)
+        for one in joints_left(s, state):
+            if one.joint not in said:
+                said.add(one.joint)
+                message = f"the controls of the state {state.name!r} do not hold it: {one.how}"
+                hit = s.hit("joint", one.joint, message)
+                yield hit._replace(fix=control_remedy(s, state, one))
 
 
-def simple_joints_left(s: InspectedModel, balance: KeyframeForces) -> Iterator[tuple[int, str]]:
-    """Yield the hinges and slides that leave a keyframe, and how."""
+def control_remedy(s: InspectedModel, state: State, leaving: LeavingJoint) -> str:
+    """Return the control that keeps a joint in a keyframe, if it does; else nothing."""
+    number, value = leaving.actuator, float(f"{leaving.control:.4g}")
+    low, high = s.model.actuator_ctrlrange[number] if s.model.nu else (0.0, 0.0)
+    if number < 0 or (s.model.actuator_ctrllimited[number] and not low <= value <= high):
+        return ""
+    again = joints_left(s, state, {number: value})
+    if leaving.joint in {one.joint for one in again}:
+        return ""
+    return f"give the keyframe a ctrl of {value:g} for {s.loaded.name('actuator', number)}"
+
+
+def joints_left(
+    s: InspectedModel, state: State, controls: Mapping[int, float] | None = None
+) -> list[LeavingJoint]:
+    """Return the joints that leave a keyframe, with other controls for some actuators.
+
+    A servo moves its joint by what its control asks for, however weak it is, so that its force
+    counts without limits. Where a joint falls, only a servo that gives all its force counts.
+    """
+    limited = balance_of(s, state, controls)
+    balance = balance_of(s, state, controls, pulls_to_control(s))
+    full = limited.data.qfrc_actuator != balance.data.qfrc_actuator
+    falls = np.array([limited.falls(dof) for dof in range(s.model.nv)])
+    every = simple_joints_left(s, limited, balance, falls & full)
+    every += ball_joints_left(s, balance)
+    first = s.model.jnt_dofadr
+    return [one for one in every if not falls[first[one.joint]] or full[first[one.joint]]]
+
+
+def simple_joints_left(
+    s: InspectedModel, limited: KeyframeForces, balance: KeyframeForces, falls: Flags
+) -> list[LeavingJoint]:
+    """Return the hinges and slides that leave a keyframe; those that fall count without load."""
     stiff = {one.actuator: one.stiffness for one in position_servos(s)}
-    driven = motors(s) & (balance.data.ctrl != 0)
+    driven, listed = motors(s) & (balance.data.ctrl != 0), list[LeavingJoint]()
+    static = s.loaded.of_kind("actuator_dyntype", "none")
     for one in strengths(s):
         dof, (unit, unit_of_force) = int(s.model.jnt_dofadr[one.joint]), joint_units(s, one.joint)
-        left, force = float(balance.left[dof]), float(balance.data.qfrc_actuator[dof])
-        name = s.loaded.name("actuator", one.actuator)
+        forces = balance if one.actuator in stiff else limited
+        force = float(forces.data.qfrc_actuator[dof])
+        left = force if falls[dof] else float(forces.left[dof])
+        name, how = s.loaded.name("actuator", one.actuator), ""
         if one.actuator in stiff:
             drift = left / stiff[one.actuator]
             if abs(drift) > (DRIFT if unit == "rad" else SHIFT * s.facts.size):
-                yield one.joint, f"{name} gives way by about {drift:.3g} {unit}"
+                how = f"{name} gives way by about {drift:.3g} {unit}"
         elif driven[one.actuator] and abs(left) > OFF * abs(force):
-            need = f"{balance.needs(dof):.3g} would hold it"
-            yield one.joint, f"{name} gives {force:.3g} {unit_of_force}, and {need}"
+            need = f"{limited.needs(dof):.3g} would hold it"
+            how = f"{name} gives {force:.3g} {unit_of_force}, and {need}"
+        if how:
+            slope = float(s.model.actuator_gainprm[one.actuator, 0]) * balance.arms[one.actuator, dof]
+            control = float(balance.data.ctrl[one.actuator]) - left / slope
+            actuator = one.actuator if static[one.actuator] else -1
+            listed.append(LeavingJoint(one.joint, how, actuator, control))
+    return listed
 
 
-def ball_joints_left(s: InspectedModel, balance: KeyframeForces) -> Iterator[tuple[int, str]]:
-    """Yield the ball joints that leave a keyframe, about the axes on which they have servos."""
-    m, kind = s.model, s.loaded.of_kind
+def ball_joints_left(s: InspectedModel, balance: KeyframeForces) -> list[LeavingJoint]:
+    """Return the ball joints that leave a keyframe, about the axes on which they have servos."""
+    m, kind, listed = s.model, s.loaded.of_kind, list[LeavingJoint]()
     acts = pulls_to_control(s) & kind("actuator_trntype", "joint", "jointinparent")
     for joint in np.flatnonzero(kind("jnt_type", "ball")):
         own = np.flatnonzero(acts & (m.actuator_trnid[:, 0] == joint))
@@ -361,4 +416,5 @@ def ball_joints_left(s: InspectedModel, balance: KeyframeForces) -> Iterator[tup
         turn = float(np.linalg.norm(np.linalg.pinv(stiffness) @ balance.left[dofs]))
         if turn > DRIFT:
             names = ", ".join(s.loaded.name("actuator", i) for i in own)
-            yield int(joint), f"{names} give way by about {turn:.3g} rad"
+            listed.append(LeavingJoint(int(joint), f"{names} give way by about {turn:.3g} rad"))
+    return listed

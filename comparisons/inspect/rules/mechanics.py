@@ -109,8 +109,8 @@ MECHANICS: Mapping[str, ModelRule] = {
     ),
     "saturated_actuator": ModelRule(
         "warning",
-        "an actuator that gives all its force in a keyframe, or cannot bear its load there",
-        "What it holds there it holds with no reserve, or not at all: its joint sags.",
+        "an actuator whose load in a keyframe is beyond its largest force",
+        "Whatever its control is, its joint sags.",
         "raise forcerange, of a motor ctrlrange, or choose a state that needs less",
         drives.saturated_actuator,
     ),

@@ -13,7 +13,7 @@ from ..mujoco.closures import ClosedLoop
 from ..mujoco.model import OPENED
 from ..subject import Hit, InspectedModel, StepLimit, View
 from .contact import DEEP
-from .remedies import MARGIN, NEAR, closure_remedy, step_remedies
+from .remedies import MARGIN, NEAR, closure_remedy, rounded_down, step_holds, step_remedies
 from .stability import fed_by_drive, grows_in_run
 
 OPEN = 1e-6
@@ -152,13 +152,21 @@ def spaced(values: Iterable[float]) -> str:
 def solref_raised(s: InspectedModel) -> Iterator[Hit]:
     """MuJoCo softens a constraint because of the step."""
     least = 2 * s.timestep * (s.facts.options.refsafe and s.facts.options.integrator != "discrete")
-    message = (
-        f"solref has a time constant of {{:g}} s, and MuJoCo takes {least:.4g} s, two timesteps, "
-        "in its place without a word"
-    )
-    for kind, number, solref, _ in constraints(s):
-        if 0 < solref[0] < least * (1 - 1e-9):
-            yield s.hit(kind, number, message.format(solref[0]), attribute="solref")
+    fixes = dict[float, str]()
+    for kind, number, (constant, ratio), _ in constraints(s):
+        if 0 < constant < least * (1 - 1e-9):
+            step = rounded_down(constant / 2, 4)
+            if step not in fixes:
+                fixes[step] = f'timestep="{step:g}" or shorter' if step_holds(s, step) else ""
+            message = (
+                f"solref has a time constant of {constant:g} s, and MuJoCo takes {least:.4g} s, two "
+                "timesteps, in its place without a word"
+            )
+            taken = f'solref="{least:.16g} {ratio:.16g}", which is what MuJoCo takes now'
+            # a geom's solref is mixed with that of what it touches
+            words = [fixes[step], "" if kind == "geom" else taken]
+            hit = s.hit(kind, number, message, attribute="solref")
+            yield hit._replace(fix="; or ".join(filter(None, words)))
 
 
 def solimp_clamped(s: InspectedModel) -> Iterator[Hit]:

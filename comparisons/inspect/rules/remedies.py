@@ -128,6 +128,11 @@ def step_remedy(s: InspectedModel, states: Sequence[State]) -> Iterator[str]:
         yield f'timestep="{step:g}"'
 
 
+def step_holds(s: InspectedModel, step: float) -> bool:
+    """Return whether short runs from the file's states stay finite with another timestep [s]."""
+    return all_stay_finite(edited(s.loaded, partial(set_option, "timestep", step)), s.loaded.states)
+
+
 def step_limit_again(loaded: Loaded, states: Sequence[State]) -> float:
     """Return the limit [s] of an edited model's own integrator."""
     limit = limit_of_own(loaded, states)

@@ -383,7 +383,7 @@ MISTAKES: dict[str, tuple[Edits, Edits]] = {
         held('position kp="9"', "motor"),
     ),
     "saturated_actuator": (
-        held('position kp="100" kv="1" forcerange="-1 1"', key='qpos="0.5" ctrl="1"'),
+        held('position kp="100" kv="1" forcerange="-1 1"', key='qpos="0.5" ctrl="0.55"'),
         held('position kp="100" kv="1" forcerange="-90 90"', key='qpos="0.5" ctrl="0.55"'),
     ),
     "control_not_holding": (
