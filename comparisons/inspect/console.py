@@ -34,9 +34,6 @@ FEW_CLOSURES, FEW_MODES, FEW_RULES, FEW_ROWS, FEW_STATES = 3, 4, 4, 5, 2
 DEEPEST = 5
 """Levels of a tree that are indented."""
 
-MOST_ROWS = 60
-"""Differences of two models that are printed."""
-
 MOST_ALIKE = 3
 """Findings of one rule that are printed one by one."""
 
@@ -335,9 +332,7 @@ def print_difference(console: Console, result: ModelDifference) -> None:
     if not result:
         print_line(console, "nothing differs", STYLES["pass"])
     if result.rows:
-        print_table(console, ["what", "before", "now"], result.rows[:MOST_ROWS])
-    if len(result.rows) > MOST_ROWS:
-        print_line(console, f"... {len(result.rows) - MOST_ROWS} differences more")
+        print_table(console, ["what", "before", "now"], result.rows)
     for word, listed in (("new", result.new), ("gone", result.gone)):
         for one in listed:
             severity = (one.severity, COLOURS[one.severity])

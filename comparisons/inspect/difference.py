@@ -1,14 +1,15 @@
-"""What differs between two inspections: parts, options, frequencies, stable steps, findings."""
+"""What differs between two inspections: physical fields, frequencies, stable steps, findings."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from ..reports.words import number
 from .findings import ModelFinding
 from .inspection import Inspection
+from .mujoco.fields import physical_fields
 
 EQUAL = 1e-9
 """Share by which numbers of the file may differ in rounding."""
@@ -16,9 +17,8 @@ EQUAL = 1e-9
 ALIKE = 1e-6
 """The same for what is computed of differences of forces."""
 
-JOINT = ("kind", "axis", "stiffness", "damping", "armature", "range")
-BODY = ("parent", "mass", "centre", "inertia")
-"""What is compared of a joint and of a body."""
+LONG, FEW = 9, 6
+"""Numbers of a field from which on only those are shown that differ, and so many of them."""
 
 Value = object
 Row = tuple[str, Value, Value]
@@ -49,29 +49,14 @@ def model_difference(old: Inspection, new: Inspection) -> ModelDifference:
 
 def rows_of(old: Inspection, new: Inspection) -> Iterator[Row]:
     """Yield what differs in numbers: (what, before, now)."""
-    yield from changes("option", vars(old.facts.options), vars(new.facts.options))
-    yield from changes("number of", old.facts.counts, new.facts.counts)
-    yield from changes("", {"mass": old.facts.mass}, {"mass": new.facts.mass})
-    bodies = [{body.name: body for body in one.facts.bodies} for one in (old, new)]
-    yield from apart("body", bodies[0], bodies[1])
-    for name in (name for name in bodies[0] if name in bodies[1]):
-        one, other = (fields_of(each[name], BODY) for each in bodies)
-        yield from changes(f"body {name}", one, other)
-    joints = [
-        {joint.name: joint for body in one.facts.bodies for joint in body.joints}
-        for one in (old, new)
-    ]
-    yield from apart("joint", joints[0], joints[1])
-    for name in (name for name in joints[0] if name in joints[1]):
-        one, other = (fields_of(each[name], JOINT) for each in joints)
-        yield from changes(f"joint {name}", one, other)
+    before, now = (physical_fields(one.loaded) for one in (old, new))
+    for label in dict.fromkeys((*before, *now)):
+        if label in before and label in now:
+            yield from changes(label, before[label], now[label])
+        else:
+            yield (label, "there", "gone") if label in before else (label, "not there", "new")
     yield from changes("largest stable step,", limits_of(old), limits_of(new), ALIKE)
     yield from changes("state", frequencies_of(old), frequencies_of(new), ALIKE)
-
-
-def fields_of(facts: object, names: Sequence[str]) -> dict[str, Value]:
-    """Return some fields by their names."""
-    return {name: getattr(facts, name) for name in names}
 
 
 def limits_of(one: Inspection) -> dict[str, Value]:
@@ -88,13 +73,6 @@ def frequencies_of(one: Inspection) -> dict[str, Value]:
     }
 
 
-def apart(kind: str, old: Iterable[str], new: Iterable[str]) -> Iterator[Row]:
-    """Yield the names that only one of two has."""
-    before, now = list(old), list(new)
-    yield from ((f"{kind} {name}", "there", "gone") for name in before if name not in now)
-    yield from ((f"{kind} {name}", "not there", "new") for name in now if name not in before)
-
-
 def changes(
     what: str, old: Mapping[str, Value], new: Mapping[str, Value], rel: float = EQUAL
 ) -> Iterator[Row]:
@@ -102,7 +80,12 @@ def changes(
     for key in dict.fromkeys((*old, *new)):
         before, now = old.get(key), new.get(key)
         if not same(before, now, rel):
-            yield (f"{what} {key}".strip(), shown_as(before), shown_as(now))
+            if isinstance(before, list) and isinstance(now, list) and len(now) > LONG:
+                pairs = [p for p in zip(before, now, strict=False) if not same(*p, rel)][:FEW]
+                before, now = zip(*pairs, strict=True) if pairs else (len(before), len(now))
+            cells = [shown_as(value) for value in (before, now)]
+            cells = cells if len(set(cells)) > 1 else [shown_as(x, 12) for x in (before, now)]
+            yield (f"{what} {key}".strip(), *cells)
 
 
 def same(one: Value, other: Value, rel: float) -> bool:
@@ -118,12 +101,12 @@ def same(one: Value, other: Value, rel: float) -> bool:
     return one == other
 
 
-def shown_as(value: Value) -> str:
+def shown_as(value: Value, digits: int = 6) -> str:
     """Return a value in a cell."""
     if isinstance(value, tuple | list):
-        return " ".join(map(shown_as, value))
+        return " ".join(shown_as(one, digits) for one in value)
     if value is None:
         return "-"
     if isinstance(value, float) and math.isinf(value):
         return "no limit"
-    return number(value, 6) if isinstance(value, float) else str(value)
+    return number(value, digits) if isinstance(value, float) else str(value)

@@ -160,15 +160,15 @@ def fix(file: str, request: InspectRequest, dry_run: bool, budget: float) -> tup
 
 def compare_models(
     files: Sequence[str], request: InspectRequest, modes: bool | None, screen: Screen, budget: float
-) -> tuple[str, list[str]]:
-    """Return what differs between two models, as text, and the severities of new findings."""
+) -> tuple[str, bool, list[str]]:
+    """Return a table of differences, if fields differ, and the severities of new findings."""
     pace = Pace(budget, lambda *part: tell(part))
     old, new = (
         inspect(name, None, modes, request.strict, request.selection(name), pace) for name in files
     )
     result = model_difference(old, new)
     text = text_on(screen, partial(print_difference, result=result))
-    return text, [one.severity for one in result.new]
+    return text, bool(result.rows), [one.severity for one in result.new]
 
 
 # Many files -----------------------------------------------------------------------------------

@@ -113,7 +113,7 @@ DOCUMENTS = ("json", "junit", "sarif")
     "--diff",
     "compare",
     is_flag=True,
-    help="Compare two models, OLD.xml NEW.xml; exit code 1 for findings that are new.",
+    help="Compare two models, OLD.xml NEW.xml; exit code 1 if their physics differs.",
 )
 @click.option(
     "--fix",
@@ -265,9 +265,9 @@ def inspect_two(models: Sequence[str], request: InspectRequest, options: Mapping
     screen = console()
     with paced(options) as pace, closing(Sandbox(pace)) as sandbox:
         work = partial(compare_models, models, request, options["modes"], as_screen(screen))
-        text, new = sandbox.run(work, alone=True)
+        text, differs, new = sandbox.run(work, alone=True)
     screen.file.write(in_encoding(text, screen))
-    return int(any(one in FAIL_ON[options["fail_on"]] for one in new))
+    return int(differs or any(one in FAIL_ON[options["fail_on"]] for one in new))
 
 
 def refuse_single(options: Mapping[str, Any]) -> None:

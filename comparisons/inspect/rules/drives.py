@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -260,30 +260,13 @@ class KeyframeForces(NamedTuple):
         return 0.0 if np.isclose(force, left, rtol=1e-12, atol=0.0) else force - left
 
 
-def balance_of(
-    s: InspectedModel,
-    state: State,
-    controls: Mapping[int, float] | None = None,
-    unlimited: Flags | None = None,
-) -> KeyframeForces:
-    """Return the forces in a keyframe.
-
-    Parameters
-    ----------
-    s : InspectedModel
-    state : State
-    controls : mapping of int to float, optional
-        Controls of actuators in the place of the keyframe's.
-    unlimited : array (nu,), optional
-        Actuators whose forces have no limits.
-    """
+def balance_of(s: InspectedModel, state: State, unlimited: Flags | None = None) -> KeyframeForces:
+    """Return the forces in a keyframe, those of some actuators (nu,) without their limits."""
     m, model = s.model, s.loaded.sharp()
     if unlimited is not None:
         model.actuator_forcelimited[unlimited] = 0
         model.jnt_actfrclimited[:], model.tendon_actfrclimited[:] = 0, 0
     data, left = s.loaded.data(state, model), np.empty(m.nv)
-    for actuator, control in (controls or {}).items():
-        data.ctrl[actuator] = control
     s.loaded.mujoco.mj_forward(model, data)
     s.loaded.mujoco.mj_mulM(model, data, left, data.qacc)
     free = s.loaded.of_kind("jnt_type", "free")
@@ -325,88 +308,50 @@ def saturated_actuator(s: InspectedModel) -> Iterator[Hit]:
             yield s.hit("actuator", one.actuator, message)
 
 
-class LeavingJoint(NamedTuple):
-    """A joint that leaves a keyframe, how, and the control of an actuator that would keep it."""
-
-    joint: int
-    how: str
-    actuator: int = -1
-    control: float = np.nan
-
-
 def control_not_holding(s: InspectedModel) -> Iterator[Hit]:
-    """A keyframe that its own controls leave."""
+    """A keyframe that its own controls leave.
+
+    A servo moves its joint to where its control asks, however weak it is: its force counts without
+    limits. Where a joint falls, a servo counts if it gives all its force, and without a load.
+    """
     said = set[int]()
     for state in keyframes(s):
-        for one in joints_left(s, state):
-            if one.joint not in said:
-                said.add(one.joint)
-                message = f"the controls of the state {state.name!r} do not hold it: {one.how}"
-                hit = s.hit("joint", one.joint, message)
-                yield hit._replace(fix=control_remedy(s, state, one))
-
-
-def control_remedy(s: InspectedModel, state: State, leaving: LeavingJoint) -> str:
-    """Return the control that keeps a joint in a keyframe, if it does; else nothing."""
-    number, value = leaving.actuator, float(f"{leaving.control:.4g}")
-    low, high = s.model.actuator_ctrlrange[number] if s.model.nu else (0.0, 0.0)
-    if number < 0 or (s.model.actuator_ctrllimited[number] and not low <= value <= high):
-        return ""
-    again = joints_left(s, state, {number: value})
-    if leaving.joint in {one.joint for one in again}:
-        return ""
-    return f"give the keyframe a ctrl of {value:g} for {s.loaded.name('actuator', number)}"
-
-
-def joints_left(
-    s: InspectedModel, state: State, controls: Mapping[int, float] | None = None
-) -> list[LeavingJoint]:
-    """Return the joints that leave a keyframe, with other controls for some actuators.
-
-    A servo moves its joint by what its control asks for, however weak it is, so that its force
-    counts without limits. Where a joint falls, only a servo that gives all its force counts.
-    """
-    limited = balance_of(s, state, controls)
-    balance = balance_of(s, state, controls, pulls_to_control(s))
-    full = limited.data.qfrc_actuator != balance.data.qfrc_actuator
-    falls = np.array([limited.falls(dof) for dof in range(s.model.nv)])
-    every = simple_joints_left(s, limited, balance, falls & full)
-    every += ball_joints_left(s, balance)
-    first = s.model.jnt_dofadr
-    return [one for one in every if not falls[first[one.joint]] or full[first[one.joint]]]
+        limited, balance = balance_of(s, state), balance_of(s, state, pulls_to_control(s))
+        force = balance.data.qfrc_actuator
+        full = limited.data.qfrc_actuator != force
+        falls = np.array([limited.falls(dof) for dof in range(s.model.nv)])
+        balance = balance._replace(left=np.where(falls, force, balance.left))
+        ways = [*simple_joints_left(s, limited, balance), *ball_joints_left(s, balance)]
+        for joint, how in ways:
+            dof = int(s.model.jnt_dofadr[joint])
+            if (full[dof] or not falls[dof]) and joint not in said:
+                said.add(joint)
+                message = f"the controls of the state {state.name!r} do not hold it: {how}"
+                yield s.hit("joint", joint, message)
 
 
 def simple_joints_left(
-    s: InspectedModel, limited: KeyframeForces, balance: KeyframeForces, falls: Flags
-) -> list[LeavingJoint]:
-    """Return the hinges and slides that leave a keyframe; those that fall count without load."""
+    s: InspectedModel, limited: KeyframeForces, balance: KeyframeForces
+) -> Iterator[tuple[int, str]]:
+    """Yield the hinges and slides that leave a keyframe, and how; servos without their limits."""
     stiff = {one.actuator: one.stiffness for one in position_servos(s)}
-    driven, listed = motors(s) & (balance.data.ctrl != 0), list[LeavingJoint]()
-    static = s.loaded.of_kind("actuator_dyntype", "none")
+    driven = motors(s) & (balance.data.ctrl != 0)
     for one in strengths(s):
         dof, (unit, unit_of_force) = int(s.model.jnt_dofadr[one.joint]), joint_units(s, one.joint)
-        forces = balance if one.actuator in stiff else limited
-        force = float(forces.data.qfrc_actuator[dof])
-        left = force if falls[dof] else float(forces.left[dof])
-        name, how = s.loaded.name("actuator", one.actuator), ""
+        left, force = float(limited.left[dof]), float(limited.data.qfrc_actuator[dof])
+        name = s.loaded.name("actuator", one.actuator)
         if one.actuator in stiff:
-            drift = left / stiff[one.actuator]
+            drift = float(balance.left[dof]) / stiff[one.actuator]
             if abs(drift) > (DRIFT if unit == "rad" else SHIFT * s.facts.size):
-                how = f"{name} gives way by about {drift:.3g} {unit}"
+                yield one.joint, f"{name} gives way by about {drift:.3g} {unit}"
         elif driven[one.actuator] and abs(left) > OFF * abs(force):
             need = f"{limited.needs(dof):.3g} would hold it"
-            how = f"{name} gives {force:.3g} {unit_of_force}, and {need}"
-        if how:
-            slope = float(s.model.actuator_gainprm[one.actuator, 0]) * balance.arms[one.actuator, dof]
-            control = float(balance.data.ctrl[one.actuator]) - left / slope
-            actuator = one.actuator if static[one.actuator] else -1
-            listed.append(LeavingJoint(one.joint, how, actuator, control))
-    return listed
+            yield one.joint, f"{name} gives {force:.3g} {unit_of_force}, and {need}"
 
 
-def ball_joints_left(s: InspectedModel, balance: KeyframeForces) -> list[LeavingJoint]:
-    """Return the ball joints that leave a keyframe, about the axes on which they have servos."""
-    m, kind, listed = s.model, s.loaded.of_kind, list[LeavingJoint]()
+def ball_joints_left(s: InspectedModel, balance: KeyframeForces) -> Iterator[tuple[int, str]]:
+    """Yield the ball joints that leave a keyframe, about the axes on which they have servos."""
+    m, kind = s.model, s.loaded.of_kind
     acts = pulls_to_control(s) & kind("actuator_trntype", "joint", "jointinparent")
     for joint in np.flatnonzero(kind("jnt_type", "ball")):
         own = np.flatnonzero(acts & (m.actuator_trnid[:, 0] == joint))
@@ -416,5 +361,4 @@ def ball_joints_left(s: InspectedModel, balance: KeyframeForces) -> list[Leaving
         turn = float(np.linalg.norm(np.linalg.pinv(stiffness) @ balance.left[dofs]))
         if turn > DRIFT:
             names = ", ".join(s.loaded.name("actuator", i) for i in own)
-            listed.append(LeavingJoint(int(joint), f"{names} give way by about {turn:.3g} rad"))
-    return listed
+            yield int(joint), f"{names} give way by about {turn:.3g} rad"

@@ -277,7 +277,7 @@ def test_two_models_are_compared(tmp_path: Path) -> None:
     assert "largest stable step, RK4 [s]" in done.stdout
     assert "new: error step_limit option: " in done.stdout
     done = invoke("inspect", "--diff", "new.xml", "old.xml")
-    assert done.exit_code == 0
+    assert done.exit_code == 1
     assert "gone: error step_limit" in done.stdout
     for words in (("old.xml",), ("old.xml", "new.xml", "--json", "a.json")):
         assert invoke("inspect", "--diff", *words).exit_code == 2
