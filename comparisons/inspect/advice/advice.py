@@ -91,8 +91,8 @@ class Advice(Outcome):
                 yield total, total, setting.name
                 if self.tried(bench, setting, store, limits) is None:
                     break
-        yield total, total, "the choice, with other controls"
-        self.prove(bench, store)
+        yield total, total, "the choice, from other starts"
+        self.prove(bench, store, limits)
 
     def converge(
         self, bench: Bench, start: Start, store: RunStore, late: bool = False
@@ -155,22 +155,34 @@ class Advice(Outcome):
         for base in dict.fromkeys(one.setting for one in bases if one.error < inf):
             yield from bench.iterated(base)
 
-    def prove(self, bench: Bench, store: RunStore) -> None:
-        """Run what would be recommended with other controls; drop what misses the target there."""
+    def prove(self, bench: Bench, store: RunStore, limits: Limits) -> None:
+        """Run what would be recommended from other starts and with other controls.
+
+        What misses the target there is dropped, and the next shorter step tried, if it was left out.
+        """
         if self.choice is None:
             return
         bench.deadline = max(bench.deadline, monotonic() + self.asked.budget / 4)
         complete = self.complete
-        others = [self.converge(bench, one, store) for one in bench.starts(self.asked.seed, PROVED)]
+        starts = [*bench.starts(self.asked.seed, PROVED), *bench.other_starts(self.asked.seed)]
+        others = [self.converge(bench, one, store) for one in starts]
         self.complete = complete
         truths = [one for one in others if isinstance(one, Converged)]
-        self.proved = not others  # there are no controls to vary
+        both = zip(starts, others, strict=True)
+        self.unproved = [f"{a.name}: {b}" for a, b in both if not isinstance(b, Converged)]
+        self.proved = not truths  # there is nothing to try it with
         while truths and (choice := self.choice) is not None:
             again = self.trial(bench, choice.setting, truths, store)
             if again is None or again.error <= self.asked.target:
-                self.proved = again is not None
+                self.proved, self.elsewhere = again is not None, again.error if again else 0.0
                 return
             self.missed[choice.setting] = again.error
+            known = {one.setting for one in self.trials}
+            for shorter in bench.settings(self.asked.exact):
+                less = shorter.alike(choice.setting) and shorter.step < choice.step
+                if less and shorter not in known:
+                    self.tried(bench, shorter, store, limits)
+                    break
 
     @property
     def sentence(self) -> str:

@@ -9,11 +9,15 @@ from typing import Any
 import numpy as np
 
 from ....reference.errors import UsageError
+from ..rules.remedies import PREFERRED
 from .converged import Converged
 from .runs import Setting
 
-NOISE = 1.25
-"""Times that differ by no more than this factor are about the same."""
+EVALUATIONS = {"RK4": 4}
+"""Times that an integrator evaluates forces in a step, where that is more than once."""
+
+CHEAPEST = ("Euler", *PREFERRED)
+"""Integrators by what a step costs beside the forces, the cheapest first."""
 
 MARGIN = 0.5
 """Share of the target that a recommended setting may use: with other controls it errs otherwise."""
@@ -108,6 +112,11 @@ class Trial:
         """Of the setting [s]."""
         return self.setting.step
 
+    @property
+    def work(self) -> float:
+        """Evaluations of forces in a simulated second [1/s]: times scatter, and this does not."""
+        return EVALUATIONS.get(self.integrator, 1) / self.step
+
 
 @dataclass
 class Outcome:
@@ -124,9 +133,13 @@ class Outcome:
     complete : bool
         Whether the time was enough.
     missed : mapping of Setting to float
-        What would have been recommended, and its error with other controls.
+        What would have been recommended, and its error from other starts, or with other controls.
     proved : bool
-        Whether what is recommended met the target with other controls.
+        Whether what is recommended met the target from other starts and with other controls.
+    elsewhere : float
+        Its error there.
+    unproved : list of str
+        Of these, the starts without a converged run, each with its reason.
     period : float
         After which runs are compared [s].
     version : str
@@ -141,6 +154,8 @@ class Outcome:
     complete: bool = True
     missed: dict[Setting, float] = field(default_factory=dict)
     proved: bool = False
+    elsewhere: float = 0.0
+    unproved: list[str] = field(default_factory=list)
     period: float = 0.0
     version: str = ""
 
@@ -155,7 +170,7 @@ class Outcome:
 
     @property
     def choice(self) -> Trial | None:
-        """The fastest setting that meets the target with a margin, as shorter steps of it do."""
+        """The setting of least work that meets the target with a margin, as shorter steps of it do."""
         good = [one for one in self.trials if one.error <= MARGIN * self.asked.target]
         steady = [
             one
@@ -166,17 +181,16 @@ class Outcome:
                 if other.setting.alike(one.setting) and other.step < one.step
             )
             and one.step <= RELIABLE * one.limit
-            and one.setting not in self.missed
+            and not {one.setting, one.setting._replace(iterations=None)} & self.missed.keys()
         ]
-        fastest = min((one.seconds for one in steady), default=0.0)
-        alike = [one for one in steady if one.seconds <= NOISE * fastest]
-        return min(alike, key=self.preference, default=None)
+        return min(steady, key=self.preference, default=None)
 
-    def preference(self, one: Trial) -> tuple[bool, int, bool, float, float]:
-        """Return what settings that cost about the same are ordered by, the best first."""
+    def preference(self, one: Trial) -> tuple[float, ...]:
+        """Return what settings are ordered by, the best first."""
         own = self.trials[0].setting
         changes = sum(option is not None for option in one.setting[2:])
-        return one.setting != own, changes, one.integrator != own.integrator, -one.step, one.error
+        cost = CHEAPEST.index(one.integrator)
+        return one.work, one.setting != own, changes, one.integrator != own.integrator, cost
 
     @property
     def least_iterations(self) -> tuple[Trial, int] | None:

@@ -27,6 +27,13 @@ SHARE = 0.25
 TRIED, PROVED = (0, 1, 2), (3, 4, 5)
 """Draws of controls by which settings are chosen, and those by which a choice is proved."""
 
+NEAR = 0.1
+"""Share of its range by which a joint stays away from its limits in other starts."""
+
+STRAIN, DRAWS = 1e-6, 20
+"""How far a loop may be open, or bodies lie in each other, in them [m, rad]; times that one is drawn
+where bodies lie in each other."""
+
 FREQUENCIES = (0.3, 1.5)
 """Between which their oscillations lie [Hz]."""
 
@@ -172,17 +179,74 @@ class Bench:
 
     def starts(self, seed: int, draws: Sequence[int]) -> Iterator[Start]:
         """Yield the states of the file with controls of these draws; 0 is those that are held."""
-        model = self.loaded.model
-        limited = model.actuator_ctrllimited.astype(bool)
+        limited = self.loaded.model.actuator_ctrllimited.astype(bool)
         for state in self.loaded.states:
-            level = self.loaded.data(state).ctrl.copy()
-            low, high = model.actuator_ctrlrange.T
-            level = np.where(limited, np.clip(level, low, high), level)
+            level = self.level(state)
             for draw in draws:
                 if not draw:
                     yield Start(state, draw, np.tile(level, (self.count, 1)))
                 elif np.any(limited):
                     yield Start(state, draw, self.moved(level, limited, [seed, draw]))
+
+    def level(self, state: State) -> Array:
+        """Return the controls (n_u,) of a state, inside their ranges."""
+        model, level = self.loaded.model, self.loaded.data(state).ctrl.copy()
+        inside = np.clip(level, *model.actuator_ctrlrange.T)
+        return np.where(model.actuator_ctrllimited.astype(bool), inside, level)
+
+    def other_starts(self, seed: int) -> Iterator[Start]:
+        """Yield two starts inside the ranges of joints, and one near a limit that a control reaches.
+
+        They are at rest; controls move, or push to the limit. A start in which loops are open, or
+        bodies lie deeper in each other than in the file, is left out.
+        """
+        m, random = self.loaded.model, np.random.default_rng([seed, *PROVED])
+        state = self.loaded.states[min(1, len(self.loaded.states) - 1)]
+        state, level = state._replace(velocity=np.zeros(m.nv)), self.level(state)
+        limited = (m.jnt_limited != 0) & self.loaded.of_kind("jnt_type", "hinge", "slide")
+        joints, most = np.flatnonzero(limited), max(self.strain(state), STRAIN)
+        ranged = m.actuator_ctrllimited.astype(bool)
+        for draw, name in enumerate(("a start", "another start"), max(PROVED) + 1):
+            for _ in range(DRAWS if len(joints) else 0):
+                shares = random.uniform(NEAR, 1 - NEAR, len(joints))
+                drawn = self.placed(state, f"{name} inside the ranges", joints, shares)
+                if self.strain(drawn) <= most:
+                    yield Start(drawn, draw, self.moved(level, ranged, [seed, draw]))
+                    break
+        drives = (m.actuator_ctrllimited != 0) & self.loaded.of_kind("actuator_trntype", "joint")
+        drives[drives] &= limited[m.actuator_trnid[drives, 0]]
+        ways = [(i, end, up) for i in np.flatnonzero(drives) for end in (0, 1) for up in (0, 1)]
+        for actuator, end, up in random.permutation(ways):
+            joint, pushing = int(m.actuator_trnid[actuator, 0]), level.copy()
+            pushing[actuator] = m.actuator_ctrlrange[actuator, end]
+            name = f"{self.loaded.name('joint', joint)} near a limit that its control reaches"
+            near = self.placed(state, name, [joint], NEAR + (1 - 2 * NEAR) * up)
+            push = self.acceleration(self.placed(state, "", [joint], up), pushing)
+            if (2 * up - 1) * push[m.jnt_dofadr[joint]] > 0 and self.strain(near) <= most:
+                yield Start(near, 0, np.tile(pushing, (self.count, 1)))
+                return
+
+    def placed(self, state: State, name: str, joints: Any, shares: Any) -> State:
+        """Return a state with some hinges and slides at shares of their ranges."""
+        m, position = self.loaded.model, state.position.copy()
+        low, high = m.jnt_range[joints].T
+        position[m.jnt_qposadr[joints]] = low + shares * (high - low)
+        return state._replace(keys=(name,), position=position)
+
+    def strain(self, state: State) -> float:
+        """Return how far loops are open and how deep bodies lie in each other [m, rad]."""
+        data = self.loaded.data(state)
+        self.loaded.mujoco.mj_fwdPosition(self.loaded.model, data)
+        depths = [-float(contact.dist) for contact in data.contact]
+        return max([0.0, *depths, *np.abs(data.efc_pos[: data.ne]).tolist()])
+
+    def acceleration(self, state: State, controls: Array) -> Array:
+        """Return the accelerations (n_v,) in a state, without limits and contacts."""
+        model = self.loaded.sharp("limit", "contact")
+        data = self.loaded.data(state, model)
+        data.ctrl[:] = controls
+        self.loaded.mujoco.mj_forward(model, data)
+        return np.array(data.qacc)
 
     def moved(self, level: Array, limited: Any, seed: list[int]) -> Array:
         """Return smooth controls (n_periods, n_u) that begin at a level (n_u,)."""

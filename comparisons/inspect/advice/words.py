@@ -7,7 +7,7 @@ from math import inf
 
 from ...reports.words import plural
 from .converged import DEPARTURE, SHARPEST, percent
-from .outcome import MARGIN, NOISE, RELIABLE, Outcome, Trial
+from .outcome import MARGIN, RELIABLE, Outcome, Trial
 from .runs import CONVERGED
 
 SOFT = 0.1
@@ -24,23 +24,22 @@ def sentence(advice: Outcome) -> str:
     if own is None:
         return f"no setting was tried in {asked.budget:g} s; --budget gives more"
     if choice is None:
-        best = min(advice.trials, key=lambda one: one.error)
-        if best.error == inf:
+        errors = {x.setting: max(x.error, advice.missed.get(x.setting, 0.0)) for x in advice.trials}
+        best = min(errors, key=lambda setting: errors[setting])
+        if errors[best] == inf:
             return f"no setting came to an end {over}"
+        where = "from other starts, too" if advice.missed else "with a margin"
         return (
-            f"no setting meets {percent(asked.target)} with a margin {over}; the least error is "
-            f"{percent(best.error)}, of {best.setting.name}"
+            f"no setting meets {percent(asked.target)} {where} {over}; the least error is "
+            f"{percent(errors[best])}, of {best.name}"
         )
-    said = f"{choice.setting.name}: {percent(choice.error)} {over}"
+    said = f"{choice.setting.name}: {percent(max(choice.error, advice.elsewhere))} {over}"
     if choice is own:
         return f"{said}, the file's own setting"
-    faster = own.seconds / choice.seconds
-    compared = "about as fast as" if 1 / NOISE < faster < NOISE else ""
-    compared = compared or (
-        f"{faster:.2g} times as fast as"
-        if faster >= 1
-        else f"it takes {1 / faster:.2g} times as long as"
-    )
+    fewer = own.work / choice.work
+    compared = f"{fewer:.2g} times fewer evaluations of forces than" if fewer > 1 else ""
+    compared = compared or f"{1 / fewer:.2g} times as many evaluations of forces as"
+    compared = "as many evaluations of forces as" if fewer == 1 else compared
     compared += " the file's setting"
     mine = "which loses its state" if own.failed else f"which errs by {percent(own.error)}"
     if MARGIN * asked.target < own.error <= asked.target:
@@ -74,11 +73,13 @@ def notes(advice: Outcome) -> list[str]:
         words = f"{plural(least[1], 'iteration')} of the solver"
         said.append(f"{words} leave the error of {least[0].setting.name} as it is")
     said += [
-        f"{setting.name} errs by {percent(error)} with other controls, and is not recommended"
+        f"{setting.name} errs by {percent(error)} from other starts or with other controls, and is "
+        "not recommended"
         for setting, error in advice.missed.items()
     ]
     if advice.choice is not None and not advice.proved:
-        said.append("there was no time to try the choice with other controls")
+        said.append("there was no time to try the choice from other starts and with other controls")
+    said += [f"the choice was not tried from {one}" for one in advice.unproved if advice.choice]
     said += disagreements(advice.trials)
     if not advice.complete:
         said.append(

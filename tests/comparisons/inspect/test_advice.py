@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import json
+import math
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from mbcheck.comparisons.inspect.advice.advice import Advice
@@ -71,6 +74,49 @@ def test_the_recommended_setting_meets_its_target_with_other_controls(tmp_path: 
     other = advised(file, horizon=0.25, seed=7)
     (again,) = [one for one in other.trials if one.setting == choice.setting]
     assert again.error <= 0.01
+
+
+LIMITED = """<mujoco><option timestep="0.01" gravity="0 0 0"/><worldbody><body>
+  <joint name="x" axis="0 1 0" range="-60 60" stiffness="0.5"/>
+  <geom type="capsule" size="0.02" fromto="0 0 0 0.3 0 0" mass="0.5" contype="0"/></body></worldbody>
+  <actuator><motor joint="x" ctrlrange="-1 1"/></actuator></mujoco>"""
+
+
+def test_what_fails_from_another_start_is_not_recommended(tmp_path: Path) -> None:
+    """From the file's start long steps do; at a limit that the control reaches they do not."""
+    path = tmp_path / "limited.xml"
+    path.write_text(LIMITED)
+    advice = advised(str(path), horizon=0.4)
+    bench = Bench(load(path), 0.4, (), float("inf"))
+    starts = list(bench.other_starts(1))
+    assert [one.draw > 0 for one in starts] == [True, True, False]
+    assert all(abs(one.state.position[0]) < 0.81 * math.pi / 3 for one in starts)
+    assert set(starts[2].controls.ravel().tolist()) <= {-1.0, 1.0}
+    longest = max(advice.missed, key=lambda setting: setting.step)
+    assert next(one.error for one in advice.trials if one.setting == longest) < 0.005
+    assert advice.missed[longest] > 0.1
+    assert advice.choice is not None
+    assert advice.proved
+    assert advice.choice.step < longest.step
+    for start in starts:  # against a run with a 64th of the step, by another clock
+        exact, own = (
+            bench.run(start, one, sharp=True)
+            for one in (advice.choice.setting._replace(step=0.01 / 64), advice.choice.setting)
+        )
+        assert exact is not None
+        assert own is not None
+        assert bench.apart(own, exact, bench.sizes(exact)).max() < 0.01
+
+
+def test_what_is_said_does_not_hang_on_times(tmp_path: Path) -> None:
+    """Decided by counted evaluations: a busy machine says the same."""
+    advice = advised(written(tmp_path), horizon=0.2)
+    said, generator = advice.sentence, np.random.default_rng(0)
+    for _ in range(20):
+        advice.trials = [
+            replace(one, seconds=one.seconds * generator.uniform(0.2, 5)) for one in advice.trials
+        ]
+        assert advice.sentence == said
 
 
 def test_a_sharper_target_asks_for_more(tmp_path: Path) -> None:
