@@ -252,19 +252,14 @@ def surpluses(
 
 
 def excess(
-    scheme: str,
-    of: Vibrations,
-    step: float,
-    horizon: float,
-    growth: float = GROWTH,
-    folds: float = np.inf,
+    scheme: str, of: Vibrations, step: float, horizon: float, growth: float = GROWTH
 ) -> float:
     """Return the logarithm of what an amplitude grows by over a run, beyond what it may.
 
     What the motion grows by of itself, about an unstable state of rest, does not count; see
     `surpluses`.
     """
-    over = surpluses(amplification_factors(scheme, of, step), rates(of), step, horizon, folds)
+    over = surpluses(amplification_factors(scheme, of, step), rates(of), step, horizon)
     return max(-1.0, float(np.max(over)) - float(np.log(growth)))
 
 

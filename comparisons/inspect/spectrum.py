@@ -10,9 +10,10 @@ from scipy.linalg import eig
 
 from ...reference.amplification import (
     AMPLIFICATION,
+    GROWTH,
     ComplexArray,
     Vibrations,
-    excess,
+    amplification_factors,
     first_beyond,
     first_order,
     rates,
@@ -189,30 +190,33 @@ def longest_step(
     fastest = float(np.max(np.abs(own_rates)))
     horizon = LONG / fastest
 
-    def of_step(step: float) -> Vibrations:
-        if dependence is not None and step > dependence.raised_from:
-            return reduced(dependence.at(step)).vibrations(step)
-        return fixed or own.vibrations(step)
+    def at(step: float) -> LinearMotion:
+        raised = dependence is not None and step > dependence.raised_from
+        return reduced(dependence.at(step)) if dependence is not None and raised else own
+
+    def over(factors: ComplexArray, of: LinearMotion, step: float) -> Array:
+        return surpluses(factors, rates(of.vibrations(0.0)), step, horizon, FOLDS)
 
     def beyond(step: float) -> float:
-        return excess(scheme, of_step(step), step, horizon, folds=FOLDS)
+        of = at(step)
+        late = fixed if fixed and of is own else of.vibrations(step)
+        most = np.max(over(amplification_factors(scheme, late, step), of, step))
+        return max(-1.0, float(most - np.log(GROWTH)))
 
     limit = first_beyond(beyond, fastest, horizon, TRIED)
     if not 0 < limit < np.inf:
         return Step(limit, None, None)
     step = 1.001 * limit
-    raised = dependence is not None and step > dependence.raised_from
-    if dependence is not None and raised:
-        own = reduced(dependence.at(step))
+    own = at(step)
     if whole:
         values, vectors = np.linalg.eig(AMPLIFICATION[scheme](own.vibrations(step), step))
-        over = surpluses(values, rates(own.vibrations(0.0)), step, horizon, FOLDS)
-        critical = most_alike(vectors[: len(own.mass), np.argmax(over)], motion, modes)
+        worst = np.argmax(over(values, own, step))
+        critical = most_alike(vectors[: len(own.mass), worst], motion, modes)
     else:
-        alone = (LinearMotion(*(part[i : i + 1] for part in own)) for i in range(len(modes)))
-        every = (one.vibrations(step) for one in alone)
-        over = [excess(scheme, one, step, horizon, folds=FOLDS) for one in every]
-        critical = modes[int(np.argmax(over))]
+        alone = [LinearMotion(*(part[i : i + 1] for part in own)) for i in range(len(modes))]
+        factors = (amplification_factors(scheme, x.vibrations(step), step) for x in alone)
+        most = [np.max(over(f, x, step)) for f, x in zip(factors, alone, strict=True)]
+        critical = modes[int(np.argmax(most))]
     return Step(limit, critical.omega, critical.place(motion.mass), critical.vector)
 
 

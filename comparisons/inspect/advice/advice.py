@@ -158,7 +158,7 @@ class Advice(Outcome):
     def prove(self, bench: Bench, store: RunStore, limits: Limits) -> None:
         """Run what would be recommended from other starts and with other controls.
 
-        What misses the target there is dropped, and the next shorter step tried, if it was left out.
+        What misses the target there is dropped, and the next shorter step tried if it was not.
         """
         if self.choice is None:
             return

@@ -170,7 +170,7 @@ class Outcome:
 
     @property
     def choice(self) -> Trial | None:
-        """The setting of least work that meets the target with a margin, as shorter steps of it do."""
+        """The setting of least work that meets the target with a margin, as shorter steps do."""
         good = [one for one in self.trials if one.error <= MARGIN * self.asked.target]
         steady = [
             one

@@ -31,8 +31,7 @@ NEAR = 0.1
 """Share of its range by which a joint stays away from its limits in other starts."""
 
 STRAIN, DRAWS = 1e-6, 20
-"""How far a loop may be open, or bodies lie in each other, in them [m, rad]; times that one is drawn
-where bodies lie in each other."""
+"""How far loops may be open, or bodies lie in each other, in these [m, rad]; draws of each."""
 
 FREQUENCIES = (0.3, 1.5)
 """Between which their oscillations lie [Hz]."""
@@ -179,30 +178,27 @@ class Bench:
 
     def starts(self, seed: int, draws: Sequence[int]) -> Iterator[Start]:
         """Yield the states of the file with controls of these draws; 0 is those that are held."""
-        limited = self.loaded.model.actuator_ctrllimited.astype(bool)
+        model = self.loaded.model
+        limited = model.actuator_ctrllimited.astype(bool)
         for state in self.loaded.states:
-            level = self.level(state)
+            level = self.loaded.data(state).ctrl.copy()
+            low, high = model.actuator_ctrlrange.T
+            level = np.where(limited, np.clip(level, low, high), level)
             for draw in draws:
                 if not draw:
                     yield Start(state, draw, np.tile(level, (self.count, 1)))
                 elif np.any(limited):
                     yield Start(state, draw, self.moved(level, limited, [seed, draw]))
 
-    def level(self, state: State) -> Array:
-        """Return the controls (n_u,) of a state, inside their ranges."""
-        model, level = self.loaded.model, self.loaded.data(state).ctrl.copy()
-        inside = np.clip(level, *model.actuator_ctrlrange.T)
-        return np.where(model.actuator_ctrllimited.astype(bool), inside, level)
-
     def other_starts(self, seed: int) -> Iterator[Start]:
-        """Yield two starts inside the ranges of joints, and one near a limit that a control reaches.
+        """Yield two starts inside the ranges of joints, one near a limit that a control reaches.
 
         They are at rest; controls move, or push to the limit. A start in which loops are open, or
         bodies lie deeper in each other than in the file, is left out.
         """
         m, random = self.loaded.model, np.random.default_rng([seed, *PROVED])
-        state = self.loaded.states[min(1, len(self.loaded.states) - 1)]
-        state, level = state._replace(velocity=np.zeros(m.nv)), self.level(state)
+        first = [*self.starts(seed, (0,))][:2][-1]
+        state, level = first.state._replace(velocity=np.zeros(m.nv)), first.controls[0]
         limited = (m.jnt_limited != 0) & self.loaded.of_kind("jnt_type", "hinge", "slide")
         joints, most = np.flatnonzero(limited), max(self.strain(state), STRAIN)
         ranged = m.actuator_ctrllimited.astype(bool)
@@ -211,7 +207,8 @@ class Bench:
                 shares = random.uniform(NEAR, 1 - NEAR, len(joints))
                 drawn = self.placed(state, f"{name} inside the ranges", joints, shares)
                 if self.strain(drawn) <= most:
-                    yield Start(drawn, draw, self.moved(level, ranged, [seed, draw]))
+                    moved = self.moved(level, ranged, [seed, draw])
+                    yield Start(drawn, draw * bool(np.any(ranged)), moved)
                     break
         drives = (m.actuator_ctrllimited != 0) & self.loaded.of_kind("actuator_trntype", "joint")
         drives[drives] &= limited[m.actuator_trnid[drives, 0]]

@@ -1,8 +1,8 @@
 """The physical fields of a compiled model, by the elements that have them.
 
-All arrays of ``MjModel`` count, but those that are drawn, that index others, or that follow from the
-rest. What two files write differently and MuJoCo simulates alike has one form here: tensors in the
-place of principal axes, rotations in that of quaternions, names in that of numbers.
+All arrays of ``MjModel`` count, but those that are drawn, that index others, or that follow from
+the rest. What two files write differently and MuJoCo simulates alike has one form here: tensors in
+the place of principal axes, rotations in that of quaternions, names in that of numbers.
 """
 
 from __future__ import annotations

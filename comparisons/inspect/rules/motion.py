@@ -159,8 +159,8 @@ def solref_raised(s: InspectedModel) -> Iterator[Hit]:
             if step not in fixes:
                 fixes[step] = f'timestep="{step:g}" or shorter' if step_holds(s, step) else ""
             message = (
-                f"solref has a time constant of {constant:g} s, and MuJoCo takes {least:.4g} s, two "
-                "timesteps, in its place without a word"
+                f"solref has a time constant of {constant:g} s, and MuJoCo silently takes "
+                f"{least:.4g} s, two timesteps, in its place"
             )
             taken = f'solref="{least:.16g} {ratio:.16g}", which is what MuJoCo takes now'
             # a geom's solref is mixed with that of what it touches

@@ -128,7 +128,7 @@ TABLE: Mapping[str, ModelRule] = {
         "MuJoCo softens a constraint because of the timestep",
         "A positive time constant below two timesteps is raised to that (refsafe), silently: "
         "results then depend on the timestep in a way that no integrator explains.",
-        "shorten the timestep to half of the time constant, or write the time constant that is taken",
+        "shorten the timestep to half of the time constant, or write the one that is taken",
         motion.solref_raised,
     ),
     "solimp_clamped": ModelRule(

@@ -78,8 +78,8 @@ def test_the_recommended_setting_meets_its_target_with_other_controls(tmp_path: 
 
 LIMITED = """<mujoco><option timestep="0.01" gravity="0 0 0"/><worldbody><body>
   <joint name="x" axis="0 1 0" range="-60 60" stiffness="0.5"/>
-  <geom type="capsule" size="0.02" fromto="0 0 0 0.3 0 0" mass="0.5" contype="0"/></body></worldbody>
-  <actuator><motor joint="x" ctrlrange="-1 1"/></actuator></mujoco>"""
+  <geom type="capsule" size="0.02" fromto="0 0 0 0.3 0 0" mass="0.5" contype="0"/></body>
+  </worldbody><actuator><motor joint="x" ctrlrange="-1 1"/></actuator></mujoco>"""
 
 
 def test_what_fails_from_another_start_is_not_recommended(tmp_path: Path) -> None:

@@ -25,8 +25,9 @@ WHOLE = """<mujoco><compiler angle="radian"/>
   <body name="c" pos="0.3 0 0"><joint name="z" axis="0 1 0"/><geom size="0.1" mass="1"/>
   <geom name="box" type="box" size="0.1 0.1 0.2" mass="0.5"/></body></body></body></worldbody>
 <contact><exclude body1="a" body2="c"/><pair geom1="floor" geom2="box" condim="4"/></contact>
-<tendon><fixed name="f" damping="0.3" springlength="0.1"><joint joint="x" coef="1"/><joint joint="y" coef="-2"/></fixed>
-</tendon><equality><joint name="e" joint1="z" joint2="y" polycoef="0 0.5 0 0 0"/></equality>
+<tendon><fixed name="f" damping="0.3" springlength="0.1"><joint joint="x" coef="1"/>
+<joint joint="y" coef="-2"/></fixed></tendon>
+<equality><joint name="e" joint1="z" joint2="y" polycoef="0 0.5 0 0 0"/></equality>
 <actuator><position name="p" joint="x" kp="9" kv="3" ctrlrange="-1 1" forcerange="-9 9"/></actuator>
 <sensor><jointpos name="q" joint="x" noise="0.1"/></sensor>
 <keyframe><key name="k" qpos="0.1 0.2 0.3" ctrl="0.1"/></keyframe></mujoco>"""
