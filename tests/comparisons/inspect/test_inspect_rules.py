@@ -3,23 +3,29 @@
 from __future__ import annotations
 
 import math
+import re
 from collections import Counter
 from pathlib import Path
 
+import mujoco
+import numpy as np
 import pytest
 
 from mbcheck.comparisons.inspect.findings import Selection, findings
 from mbcheck.comparisons.inspect.inspection import Inspection, inspect, subject_of
 from mbcheck.comparisons.inspect.mujoco.model import load
 from mbcheck.comparisons.inspect.rules.table import RULES
+from mbcheck.tests.support.command import invoke
 from mbcheck.tests.support.mjcf.mistakes import (
     BASE,
     END,
+    FLAG,
     GEOM,
     INERTIAL,
     JOINT,
     KEY,
     MISTAKES,
+    ON,
     SOLID,
     WITH_MODES,
     WORLD,
@@ -287,3 +293,72 @@ def test_other_comments_are_no_waivers(tmp_path: Path) -> None:
         inspect(written(tmp_path, (KEY, f"<!-- see mbcheck: allow -->{KEY}")), strict=True).findings
         == ()
     )
+
+
+WEAK = 'position kp="100" kv="5" forcerange="-9 9"'
+"""A servo that bears the 8.3 Nm of `HELD`; it gives all its force 0.1 rad from its control."""
+
+
+def test_a_keyframe_without_controls_is_no_weak_servo(tmp_path: Path) -> None:
+    """The servo gives all its force, and more would not help: the keyframe's control is wrong."""
+    (found,) = inspect(written(tmp_path, *held(WEAK, key='qpos="0.9"'))).findings
+    assert found.rule == "control_not_holding"
+    assert "one gives way by about -0.983 rad" in found.message
+    assert "forcerange" not in found.fix
+    stronger = WEAK.replace("9 9", "900 900").replace("-9", "-900")
+    (same,) = inspect(written(tmp_path, *held(stronger, key='qpos="0.9"'))).findings
+    assert (same.rule, same.message) == (found.rule, found.message)
+    mended = held(WEAK, key='qpos="0.9" ctrl="0.983"')
+    assert inspect(written(tmp_path, *mended)).findings == ()
+
+
+def test_a_servo_that_falls_is_told_of_its_control_only(tmp_path: Path) -> None:
+    robot = """<mujoco><worldbody><body name="trunk"><freejoint/><body name="leg">
+      <geom type="capsule" fromto="0.3 0 0 1 0 0" size="0.05" mass="5"/>
+      <joint name="hip" axis="0 1 0" damping="1"/></body><geom size="0.2" mass="9"/></body>
+      </worldbody><actuator><position joint="hip" kp="90" kv="9" forcerange="-9 9"/></actuator>
+      <keyframe><key qpos="0 0 1 1 0 0 0 0.8" {}/></keyframe></mujoco>"""
+    path, rules = tmp_path / "falls.xml", []
+    for ctrl in ("", 'ctrl="0.8"'):
+        path.write_text(robot.format(ctrl))
+        rules.append({one.rule for one in inspect(path, modes=False).findings})
+    assert rules == [{"control_not_holding"}, set()]
+
+
+def test_the_remedies_of_a_raised_time_constant_hold(tmp_path: Path) -> None:
+    """The solref that is printed changes no bit of a run, and the step raises nothing more."""
+    mistake = MISTAKES["solref_raised"][0]
+    path = written(tmp_path, *mistake)
+    (found,) = inspect(path).findings
+    step, solref = re.findall('(?:timestep|solref)="([^"]*)"', found.fix)
+    text, runs = path.read_text(), []
+    assert "-" not in solref
+    for old, new in (("", ""), ('solref="0.001 1"', f'solref="{solref}"')):
+        path.write_text(text.replace(old, new) if old else text)
+        model = mujoco.MjModel.from_xml_path(str(path))
+        data = mujoco.MjData(model)
+        data.qvel[:] = 1
+        mujoco.mj_step(model, data, 500)
+        runs.append(data.qpos.copy())
+    np.testing.assert_array_equal(*runs)
+    assert inspect(path).findings == ()
+    path.write_text(text.replace('timestep="0.0009765625"', f'timestep="{step}"'))
+    assert "solref_raised" not in {one.rule for one in inspect(path).findings}
+
+
+def test_limits_say_what_they_do_not_know(tmp_path: Path) -> None:
+    touching = (
+        (FLAG, ON),
+        after(WORLD, '<geom name="floor" type="plane" size="1 1 1" pos="0 0 -3"/>'),
+    )
+    words = "no contact is active in the state as opened = hanging: "
+    dry = "dry friction makes these limits conservative"
+    said = [
+        " ".join(invoke("inspect", str(written(tmp_path, *edits))).stdout.split())
+        for edits in ((), touching, (joint('frictionloss="0.1"'),))
+    ]
+    assert [(words in text, dry in text) for text in said] == [
+        (False, False),
+        (True, False),
+        (False, True),
+    ]
