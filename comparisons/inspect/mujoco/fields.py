@@ -127,11 +127,9 @@ def labels_of(loaded: Loaded) -> Labels:
         for number in range(len(getattr(loaded.model, f"name_{SHORT.get(kind, kind)}adr"))):
             name = loaded.name(kind, number)
             if name == f"{kind} {number}":
-                of = (
-                    f" of {' and '.join(described(loaded, labels, owner, number))}" if owner else ""
-                )
-                seen[of] += 1
-                name = f"{seen[of]}{of}"
+                of = described(loaded, labels, owner, number) if owner else ["the model"]
+                seen[" and ".join(of)] += 1
+                name = f"{seen[' and '.join(of)]} of {' and '.join(of)}"
             labels[kind].append(f"{kind} {name}")
     return labels
 
@@ -149,7 +147,8 @@ def described(loaded: Loaded, labels: Labels, name: str, row: int) -> list[str]:
     if kind in ("connect", "weld"):
         kind = word(loaded.mujoco.mjtObj, m.eq_objtype[row]).lower()
     listed = labels.get(REFERRED.get(kind, kind), [])
-    return sorted(listed[i] if 0 <= i < len(listed) else f"number {i}" for i in values.tolist())
+    words = [listed[i] if 0 <= i < len(listed) else f"number {i}" for i in values.tolist()]
+    return sorted(words) if name == "exclude_signature" else words
 
 
 def comparable(loaded: Loaded, labels: Labels, name: str) -> Any:
@@ -187,8 +186,6 @@ def option_fields(loaded: Loaded) -> dict[str, Any]:
     fields = {name: getattr(opt, name) for name in dir(opt) if not name.startswith(("_", "o_"))}
     fields |= {name: own[name] for name in ("integrator", "solver", "cone", "jacobian")}
     for name, bits in (("disableflags", lib.mjtDisableBit), ("enableflags", lib.mjtEnableBit)):
-        flags = (
-            (word.partition("_")[2].lower(), int(bit)) for word, bit in bits.__members__.items()
-        )
-        fields[name] = [flag for flag, bit in flags if flag and fields[name] & bit]
+        flags = {key.partition("_")[2].lower(): int(bit) for key, bit in bits.__members__.items()}
+        fields[name] = [flag for flag, bit in flags.items() if flag and fields[name] & bit]
     return {name: np.ravel(value).tolist() for name, value in fields.items()}

@@ -20,7 +20,8 @@ WHOLE = """<mujoco><compiler angle="radian"/>
   <joint name="x" axis="0 1 0" range="-1 1" springref="0.2" stiffness="3" frictionloss="0.1"
     damping="0.5" armature="0.01" solreflimit="0.03 1" actuatorfrcrange="-5 5"/>
   <geom name="g" type="capsule" size="0.02" fromto="0 0 0 0.1 0 0.3" condim="6" margin="0.01"
-    friction="0.7 0.01 0.001" solimp="0.9 0.99 0.01" contype="3"/><site name="s" pos="0 0 0.1"/>
+    friction="0.7 0.01 0.001" solimp="0.9 0.99 0.01" contype="3"/><site name="t"/>
+  <site name="s" pos="0 0 0.1"/>
   <body name="b" pos="0 0 0.3"><joint name="y" type="slide"/><geom size="0.1" mass="1"/>
   <body name="c" pos="0.3 0 0"><joint name="z" axis="0 1 0"/><geom size="0.1" mass="1"/>
   <geom name="box" type="box" size="0.1 0.1 0.2" mass="0.5"/></body></body></body></worldbody>
@@ -28,9 +29,10 @@ WHOLE = """<mujoco><compiler angle="radian"/>
 <tendon><fixed name="f" damping="0.3" springlength="0.1"><joint joint="x" coef="1"/>
 <joint joint="y" coef="-2"/></fixed></tendon>
 <equality><joint name="e" joint1="z" joint2="y" polycoef="0 0.5 0 0 0"/></equality>
-<actuator><position name="p" joint="x" kp="9" kv="3" ctrlrange="-1 1" forcerange="-9 9"/></actuator>
+<actuator><position name="p" joint="x" kp="9" kv="3" ctrlrange="-1 1" forcerange="-9 9"/>
+<motor name="r" site="t" refsite="s"/></actuator>
 <sensor><jointpos name="q" joint="x" noise="0.1"/></sensor>
-<keyframe><key name="k" qpos="0.1 0.2 0.3" ctrl="0.1"/></keyframe></mujoco>"""
+<keyframe><key name="k" qpos="0.1 0.2 0.3" ctrl="0.1 0"/></keyframe></mujoco>"""
 
 
 def seen(path: Path) -> Inspection:
@@ -77,8 +79,9 @@ def rows(whole: Inspection, folder: Path, text: str) -> tuple[Row, ...]:
         (' damping="0.3"', "tendon f damping"),
         (' polycoef="0 0.5 0 0 0"', "equality e data"),
         (' qpos="0.1 0.2 0.3"', "key k qpos of joint x"),
-        (' ctrl="0.1"', "key k ctrl of actuator p"),
+        (' ctrl="0.1 0"', "key k ctrl of actuator p"),
         (' noise="0.1"', "sensor q noise"),
+        (' refsite="s"', "actuator r trnid"),
     ],
 )
 def test_a_single_loss_is_listed(whole: Inspection, lost: str, what: str, tmp_path: Path) -> None:
