@@ -83,8 +83,9 @@ def changes(
             if isinstance(before, list) and isinstance(now, list) and len(now) > LONG:
                 pairs = [p for p in zip(before, now, strict=False) if not same(*p, rel)][:FEW]
                 before, now = zip(*pairs, strict=True) if pairs else (len(before), len(now))
-            cells = [shown_as(value) for value in (before, now)]
-            cells = cells if len(set(cells)) > 1 else [shown_as(x, 12) for x in (before, now)]
+            cells = shown_as(before), shown_as(now)
+            if cells[0] == cells[1]:
+                cells = shown_as(before, 12), shown_as(now, 12)
             yield (f"{what} {key}".strip(), *cells)
 
 

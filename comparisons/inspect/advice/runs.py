@@ -213,7 +213,7 @@ class Bench:
         drives = (m.actuator_ctrllimited != 0) & self.loaded.of_kind("actuator_trntype", "joint")
         drives[drives] &= limited[m.actuator_trnid[drives, 0]]
         ways = [(i, end, up) for i in np.flatnonzero(drives) for end in (0, 1) for up in (0, 1)]
-        for actuator, end, up in random.permutation(ways):
+        for actuator, end, up in random.permutation(np.array(ways)):
             joint, pushing = int(m.actuator_trnid[actuator, 0]), level.copy()
             pushing[actuator] = m.actuator_ctrlrange[actuator, end]
             name = f"{self.loaded.name('joint', joint)} near a limit that its control reaches"

@@ -168,8 +168,9 @@ def comparable(loaded: Loaded, labels: Labels, name: str) -> Any:
         kinds = np.ravel(comparable(loaded, labels, name.replace("size", "type")))
         return values * np.less.outer(np.arange(3), [SIZES.get(kind, 3) for kind in kinds]).T
     if name == "geom_quat":  # what is round has an axis alone, and a sphere has none
-        axes, axis = rotations(values), [0, 0, 1] * ~loaded.of_kind("geom_type", "sphere")[:, None]
+        axes, ball = rotations(values), loaded.of_kind("geom_type", "sphere")
         round_ = loaded.of_kind("geom_type", "sphere", "capsule", "cylinder")[:, None, None]
+        axis = np.multiply.outer(~ball, np.array([0, 0, 1]))
         ends = (axes * axis[:, None]) @ axes.transpose(0, 2, 1)
         return np.where(round_, ends, axes)
     return rotations(values) if name.endswith("_quat") else values
