@@ -204,8 +204,8 @@ def inspect_files(
             try:
                 every.append(sandbox.run(work(file), len(files) == 1))
             except MbcheckError as error:
-                every += [sandbox.report] if sandbox.report else []
-                timely = isinstance(error, EngineError) and error.kind == "timeout"
-                if not (timely and sandbox.report):
+                found = sandbox.report if isinstance(error, EngineError) else None
+                every += [found] if found else []
+                if not (found and isinstance(error, EngineError) and error.kind == "timeout"):
                     unreadable[file] = str(error)
     return Inspections(tuple(model for model, _ in every), unreadable), [text for _, text in every]
