@@ -90,8 +90,8 @@ def rotors(count: int) -> Points:
 
 
 WINDOW = 32
-SOON = 2, 17
-"""Points whose class is known after 80 turns: one that does not synchronise, and one that does."""
+SOON = 2, 17, 22
+"""Points whose class is known after 80 turns: one that does not synchronise, and two that do."""
 
 LAST = 400
 """Samples over which phase and speed are means."""
