@@ -327,9 +327,9 @@ Pair = tuple[float, float]
 
 STRETCHES = (
     ("symmetry_breaking", (4.8, 5.2), (22.0, 34.0), ()),
-    ("period_doubling", (5.3, 5.5), (26.0, 36.0), ()),
+    ("period_doubling", (5.2, 5.6), (24.0, 38.0), ()),
     ("neimark_sacker", (8.0, 9.0), (7.0, 16.0), ()),
-    ("fold", (6.68, 6.72), (130.0, 137.0), ((6.7, 135.0),)),
+    ("fold", (6.65, 6.75), (120.0, 138.0), ((6.7, 135.0),)),
 )
 """Of curves of figure 4, windows that they cross, and places of orbits that no guess is near."""
 

@@ -40,7 +40,7 @@ def hoops(count: int, spread: float, damping: float) -> Points:
 @pytest.mark.parametrize(
     ("count", "spread", "damping", "window"),
     [
-        pytest.param(10, 0.05, 16.0, 30, marks=pytest.mark.slow),
+        pytest.param(10, 0.05, 4.0, 60, marks=pytest.mark.slow),
         pytest.param(80, 0.15, 1.0, motion.WINDOW, marks=pytest.mark.campaign),
     ],
 )
