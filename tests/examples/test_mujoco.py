@@ -56,9 +56,21 @@ def test_both_doors_lead_to_the_same_verdicts(scene: str, case: str) -> None:
     beside(scene, case, QUICK[scene, case])
 
 
-@pytest.mark.slow
+LONGEST = {
+    ("floating_beam", "tumbling"),
+    ("rotating_beam", "pulse_quick"),
+    ("speed_regulator", "limit_cycle"),
+}
+"""Cases that take longest, whose kinds others have: by hand."""
+
+
 @pytest.mark.parametrize(
-    ("scene", "case"), [(name, case) for name in SCENES for case in cases_of_all_kinds(name)]
+    ("scene", "case"),
+    [
+        pytest.param(*place, marks=pytest.mark.campaign if place in LONGEST else pytest.mark.slow)
+        for name in SCENES
+        for place in ((name, case) for case in cases_of_all_kinds(name))
+    ],
 )
 def test_all_that_is_checked_passes(scene: str, case: str) -> None:
     beside(scene, case, tuple(KINDS))
