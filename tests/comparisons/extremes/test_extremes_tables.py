@@ -197,20 +197,25 @@ def test_quick_rows_are_golden(name: str) -> None:
 
 
 def alternating(names: Iterable[str]) -> set[str]:
-    """Return the names but for every second model of each case of long runs, alternately."""
-    kept, cases = set(), dict[str, list[str]]()
+    """Return the names by every second engine or model of what several try, turn and turn about.
+
+    Limits, of which each model has its own, and failures are all kept.
+    """
+    kept, tried = set(), dict[str, list[str]]()
     for name in sorted(names):
-        section, case = name.partition("/")[0], name.partition(", ")[0]
-        cases.setdefault(case if section == "long" else name, []).append(name)
-    for place, models in enumerate(cases.values()):
-        kept |= set(models if len(models) == 1 else models[place % 2 :: 2])
+        section = name.partition("/")[0]
+        by_engine = section in ("parameters", "starts")
+        what = name.rpartition("/")[0] if by_engine else name.partition(", ")[0]
+        tried.setdefault(what if by_engine or section == "long" else name, []).append(name)
+    for place, several in enumerate(tried.values()):
+        kept |= set(several if len(several) == 1 else several[place % 2 :: 2])
     return kept
 
 
 def marked() -> list[Any]:
     """Return the tasks that are not of the default run.
 
-    Nearer decades, every second model of long runs and `LONGEST` are run by hand.
+    Nearer decades, what another engine or model tries and `LONGEST` are run by hand.
     """
     slow = farthest(tasks()) & alternating(tasks()) - set(LONGEST)
     return [

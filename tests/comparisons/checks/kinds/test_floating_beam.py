@@ -151,7 +151,7 @@ def test_every_case_shows_something_and_a_right_engine_passes() -> None:
     assert seen(floating(""), SCENE.name, LOOKED_AT) == set()
 
 
-@pytest.mark.slow
+@pytest.mark.campaign  # `mbcheck check`, which goes before the tests, does the same
 @pytest.mark.parametrize("engine", ["mujoco", "exudyn"])
 def test_an_engine_passes_what_needs_no_motion(engine: str) -> None:
     pytest.importorskip(engine, exc_type=ImportError)
