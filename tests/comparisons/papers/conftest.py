@@ -22,7 +22,7 @@ ENGINE_POINTS = {"hula_hoop": 4, "rotor_pendulum": 4}
 """Along the axes of the engines' maps where those of ``mbcheck reproduce`` take minutes: a row's
 texts, which are held, are of the reference, its verdict of both."""
 
-ENGINES = {"rotating_beam": ("exudyn",)}
+ENGINES = {"rotating_beam": ("exudyn",), "rotor_pendulum": ("mujoco",)}
 """Of scenes whose runs and maps take as long by each engine."""
 
 
