@@ -135,7 +135,7 @@ EARNED: Mapping[str, tuple[str, tuple[str, ...]]] = {
 """Cases of the default set, a fault that nothing else there shows, and which kinds show it."""
 
 
-@pytest.mark.slow
+@pytest.mark.campaign  # of the choice of cases, when it changes
 @pytest.mark.parametrize("case", EARNED)
 def test_a_case_shows_what_no_other_shows(case: str) -> None:
     fault, kinds = EARNED[case]
