@@ -36,15 +36,24 @@ def short(item: Any) -> Any:
     return item._replace(case=replace(item.case, horizon=item.case.horizon / 16))
 
 
-@pytest.mark.parametrize("length", ["brief", pytest.param("whole", marks=pytest.mark.slow)])
-def test_figure_is_drawn(length: str, tmp_path: Path, figure: Any) -> None:
+FEW = "hula_hoop", "speed_regulator", "rigid_body"
+
+
+@pytest.mark.parametrize(
+    ("length", "scenes"),
+    [
+        ("brief", FEW),
+        pytest.param("brief", SCENES, marks=pytest.mark.slow),
+        pytest.param("whole", SCENES, marks=pytest.mark.campaign),
+    ],
+    ids=["brief-few", "brief-all", "whole-all"],
+)
+def test_figure_is_drawn(length: str, scenes: tuple[str, ...], tmp_path: Path, figure: Any) -> None:
     for engine in ("mujoco", "exudyn", "matplotlib"):
         pytest.importorskip(engine, exc_type=ImportError)
-    rows = figure.rows()
+    rows = {scene: row for scene, row in figure.rows().items() if scene in scenes}
     if length == "brief":
-        rows = {
-            scene: brief(rows[scene]) for scene in ("hula_hoop", "speed_regulator", "rigid_body")
-        }
+        rows = {scene: brief(row) for scene, row in rows.items()}
     figure.scenes_figure(tmp_path / "a.png", rows)
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
     assert (tmp_path / "a.png").stat().st_size < 30_000 * len(rows)

@@ -12,7 +12,7 @@ from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.examples import mujoco_engine
 from mbcheck.examples.mujoco_engine import MujocoPlugin
 from mbcheck.reference import SCENES, get_scene
-from mbcheck.tests.support.example import bad, results
+from mbcheck.tests.support.example import bad, cases_of_all_kinds, results
 
 METHODS = {method.name for method in MujocoPlugin.methods}
 
@@ -56,20 +56,21 @@ def test_both_doors_lead_to_the_same_verdicts(scene: str, case: str) -> None:
     beside(scene, case, QUICK[scene, case])
 
 
-def one_of_a_kind(scene: str) -> list[str]:
-    """Return cases of the default set that are put to all kinds that one is put to."""
-    cases = [case for case in get_scene(scene).cases if not case.full_only]
-    missing, names = {kind for case in cases for kind in kinds_of(case)}, []
-    while missing:
-        best = max(cases, key=lambda case: len(missing & {*kinds_of(case)}))
-        names.append(best.name)
-        missing -= {*kinds_of(best)}
-    return names
+LONGEST = {
+    ("floating_beam", "tumbling"),
+    ("rotating_beam", "pulse_quick"),
+    ("speed_regulator", "limit_cycle"),
+}
+"""Cases that take longest, whose kinds others have: by hand."""
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("scene", "case"), [(name, case) for name in SCENES for case in one_of_a_kind(name)]
+    ("scene", "case"),
+    [
+        pytest.param(*place, marks=pytest.mark.campaign if place in LONGEST else pytest.mark.slow)
+        for name in SCENES
+        for place in ((name, case) for case in cases_of_all_kinds(name))
+    ],
 )
 def test_all_that_is_checked_passes(scene: str, case: str) -> None:
     beside(scene, case, tuple(KINDS))

@@ -54,6 +54,17 @@ def results(
     return found
 
 
+def cases_of_all_kinds(scene: str) -> list[str]:
+    """Return a few cases of the default set that are put to all kinds that any of it is put to."""
+    cases = [case for case in get_scene(scene).cases if not case.full_only]
+    missing, names = {kind for case in cases for kind in kinds_of(case)}, []
+    while missing:
+        best = max(cases, key=lambda case: len(missing & {*kinds_of(case)}))
+        names.append(best.name)
+        missing -= {*kinds_of(best)}
+    return names
+
+
 def by_quantity(engine: PluginAdapter, kind: str, case: Case, model: str) -> dict[str, Result]:
     """Return what one kind of check says of an engine's model, by its first method."""
     method = engine.methods[0] if KINDS[kind].integrates else None

@@ -94,11 +94,12 @@ def test_elements_in_space_move_as_those_in_the_plane(placement: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("scene", "placement"), [("hula_hoop", "turned:3"), ("speed_regulator", "mirrored:4")]
+    ("scene", "placement", "ids"),
+    [("hula_hoop", "turned:3", "*@redundant/*"), ("speed_regulator", "mirrored:4", "*")],
 )
-def test_runs_of_what_is_placed_pass(scene: str, placement: str) -> None:
-    ids = ["*@redundant/*"]
-    report = check([scene], ["exudyn"], ["step", "order", "energy"], ids=ids, placement=placement)
+def test_runs_of_what_is_placed_pass(scene: str, placement: str, ids: str) -> None:
+    kinds = ["step", "order", "energy"]
+    report = check([scene], ["exudyn"], kinds, ids=[ids], placement=placement)
     assert report.exit_code == 0
     found = {
         item.kind for item in report.results if item.model == "redundant" and item.verdict == "pass"

@@ -266,10 +266,21 @@ OFF_THE_GRID: Mapping[str, Mapping[str, Any]] = {
 """Drives that end between steps of a power of two, of few elements."""
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("engine", "method"), [("mujoco", "RK4"), ("exudyn", METHOD)])
-@pytest.mark.parametrize("kind", ["parts", "step", "trajectory"])
-@pytest.mark.parametrize("name", OFF_THE_GRID)
+PLACES = [
+    (name, kind, *by)
+    for name in OFF_THE_GRID
+    for kind in ("parts", "step", "trajectory")
+    for by in (("mujoco", "RK4"), ("exudyn", METHOD))
+]
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "engine", "method"),
+    [
+        pytest.param(*place, marks=CAMPAIGN if place[:3] == ("pulse", "parts", "mujoco") else SLOW)
+        for place in PLACES
+    ],
+)
 def test_a_drive_may_end_at_any_time(name: str, kind: str, engine: str, method: str) -> None:
     """A tip that has hardly moved was held to rounding of its own size, hinges likewise."""
     case = custom_case(["rotating_beam"], OFF_THE_GRID[name], None, 2.0).case

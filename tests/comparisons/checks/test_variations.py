@@ -17,7 +17,8 @@ from mbcheck.tests.support.campaigns.variations import alarms, variation
 BLOCK, FEW, MANY = 5, 20, 200
 """Variations in a short and in a long test, and of each scene in the campaign."""
 
-SHORT, SLOW, CAMPAIGN = (), pytest.mark.slow, pytest.mark.campaign
+SHORT: Any = ()
+SLOW, CAMPAIGN = pytest.mark.slow, pytest.mark.campaign
 
 MARKS = {
     "rotating_beam": (SHORT, CAMPAIGN),  # minutes

@@ -70,8 +70,7 @@ LONGEST = (
     "parameters/hula_hoop/speed_1e4/exudyn",
     "parameters/rotating_beam/no_second_order_coupling/reference",
 )
-"""Tasks that take longest, which are run by hand: two long runs of a model whose `redundant` twin
-is run with the slow tests, and two at the ends of parameters."""
+"""Tasks that take longest, which are run by hand: two long runs, two at the ends of parameters."""
 
 
 DECADES = re.compile(r"(.*_1e)([+-]?\d+)(/.*)")
@@ -197,9 +196,28 @@ def test_quick_rows_are_golden(name: str) -> None:
     check(name)
 
 
+def alternating(names: Iterable[str]) -> set[str]:
+    """Return the names by every second engine or model of what several try, turn and turn about.
+
+    Limits, of which each model has its own, and failures are all kept.
+    """
+    kept, tried = set(), dict[str, list[str]]()
+    for name in sorted(names):
+        section = name.partition("/")[0]
+        by_engine = section in ("parameters", "starts")
+        what = name.rpartition("/")[0] if by_engine else name.partition(", ")[0]
+        tried.setdefault(what if by_engine or section == "long" else name, []).append(name)
+    for place, several in enumerate(tried.values()):
+        kept |= set(several if len(several) == 1 else several[place % 2 :: 2])
+    return kept
+
+
 def marked() -> list[Any]:
-    """Return the tasks that are not of the default run, nearer decades and `LONGEST` by hand."""
-    slow = farthest(tasks()) - set(LONGEST)
+    """Return the tasks that are not of the default run.
+
+    Nearer decades, what another engine or model tries and `LONGEST` are run by hand.
+    """
+    slow = farthest(tasks()) & alternating(tasks()) - set(LONGEST)
     return [
         pytest.param(name, marks=pytest.mark.slow if name in slow else pytest.mark.campaign)
         for name in sorted(set(tasks()) - set(QUICK))

@@ -40,7 +40,7 @@ def hoops(count: int, spread: float, damping: float) -> Points:
 @pytest.mark.parametrize(
     ("count", "spread", "damping", "window"),
     [
-        pytest.param(10, 0.05, 16.0, 30, marks=pytest.mark.slow),
+        pytest.param(10, 0.05, 4.0, 60, marks=pytest.mark.slow),
         pytest.param(80, 0.15, 1.0, motion.WINDOW, marks=pytest.mark.campaign),
     ],
 )
@@ -90,8 +90,8 @@ def rotors(count: int) -> Points:
 
 
 WINDOW = 32
-SOON = 2, 17
-"""Points whose class is known after 80 turns: one that does not synchronise, and one that does."""
+SOON = 2, 17, 22
+"""Points whose class is known after 80 turns: one that does not synchronise, and two that do."""
 
 LAST = 400
 """Samples over which phase and speed are means."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
-from dataclasses import replace
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -171,16 +171,9 @@ def test_quick_row_is_what_a_run_gives(
     is_published(found, scene, name, session)
 
 
-ENGINE_POINTS = {"hula_hoop": 4, "rotor_pendulum": 4}
-"""Along the axes of the engines' maps where those of ``mbcheck reproduce`` take minutes: a row's
-texts, which are held, are of the reference, its verdict of both."""
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(("scene", "name"), cases(slow=True))
 def test_row_is_what_a_run_gives(
-    scene: str, name: str, found: Reproduction, with_engines: Session
+    scene: str, name: str, found: Reproduction, with_fewer: Callable[[str], Session]
 ) -> None:
-    """At the size of ``mbcheck reproduce``, but for `ENGINE_POINTS`."""
-    session = replace(with_engines, engine_points=ENGINE_POINTS.get(scene))
-    is_published(found, scene, name, session)
+    is_published(found, scene, name, with_fewer(scene))

@@ -44,7 +44,6 @@ from mbcheck.reference.scene import Array
 
 CHAIN_A, CHAIN_B = KINDS["mujoco"]
 ANCF, GEOMETRICALLY_EXACT = KINDS["exudyn"]
-SLOW = pytest.mark.slow
 SHORT = (2, 4, 8, 16, 32), (2, 4, 8, 16)
 HARD, SOFT, DEFAULT, JOINTS = LOOP.closures
 ROTATION = get_scene("speed_regulator").case(LOOP.case)
@@ -194,15 +193,15 @@ def test_the_tip_of_a_chain_run_fresh() -> None:
 @pytest.mark.parametrize(
     "case",
     [
-        *(pytest.param(case, marks=pytest.mark.campaign) for case in CONTINUUM.steady[:-1]),
-        *(pytest.param(c, marks=SLOW) for c in (CONTINUUM.steady[-1], CONTINUUM.moving)),
+        *(pytest.param(case, marks=pytest.mark.campaign) for case in CONTINUUM.steady),
+        pytest.param(CONTINUUM.moving, marks=pytest.mark.slow),
     ],
 )
 @pytest.mark.parametrize(
     ("engine", "kind"), [(name, kind) for name, kinds in KINDS.items() for kind in kinds]
 )
 def test_all_counts_of_a_kind(engine: str, kind: Any, case: str) -> None:
-    """Every row keeps its promises: neighbours, limits, steps."""
+    """Every row keeps its promises: neighbours, limits, steps. Frequencies alone are by hand."""
     for row in parts_of(Counting.of("rotating_beam", get_engine(engine), kind, case))[1]:
         if row.count is None:
             assert row.reason

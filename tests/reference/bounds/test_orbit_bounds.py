@@ -149,7 +149,7 @@ DRAWS = {"hula_hoop": 40, "rotor_pendulum": 12, "speed_regulator": 40}
 
 @pytest.mark.parametrize(
     ("scene", "count"),
-    [("hula_hoop", FEW), ("speed_regulator", FEW)]
+    [("hula_hoop", FEW), pytest.param("speed_regulator", FEW, marks=pytest.mark.slow)]
     + [pytest.param(scene, DRAWS[scene], marks=pytest.mark.campaign) for scene in SCENES],
 )
 def test_drawn_orbits_keep_their_bounds(scene: str, count: int) -> None:

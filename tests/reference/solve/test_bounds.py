@@ -35,8 +35,9 @@ FEW: Mapping[str, tuple[int, ...]] = {
 }
 """Draws of each scene that take little time, one of each kind; of beams those that were hardest."""
 
-LONG = {"floating_platform": (4, 15, 18), "floating_beam": (0, 1, 2, 3, 4)}
-"""Those of them that take longest, which are slow tests."""
+LONG = {"floating_platform": (4, 15, 18), "floating_beam": (2, 4)}
+BY_HAND = {"floating_beam": (0, 1, 3)}
+"""Those of them that take longest, which are slow tests, or half a minute each."""
 
 MANY, BLOCK = 500, 25
 
@@ -58,7 +59,13 @@ def test_few_draws_are_of_all_kinds(scene: str) -> None:
     ("scene", "number"),
     [
         pytest.param(
-            scene, number, marks=[pytest.mark.slow] if number in LONG.get(scene, ()) else []
+            scene,
+            number,
+            marks=[
+                mark
+                for mark, numbers in ((pytest.mark.slow, LONG), (pytest.mark.campaign, BY_HAND))
+                if number in numbers.get(scene, ())
+            ],
         )
         for scene, few in FEW.items()
         for number in few

@@ -135,7 +135,7 @@ EARNED: Mapping[str, tuple[str, tuple[str, ...]]] = {
 """Cases of the default set, a fault that nothing else there shows, and which kinds show it."""
 
 
-@pytest.mark.slow
+@pytest.mark.campaign  # of the choice of cases, when it changes
 @pytest.mark.parametrize("case", EARNED)
 def test_a_case_shows_what_no_other_shows(case: str) -> None:
     fault, kinds = EARNED[case]
@@ -151,7 +151,7 @@ def test_every_case_shows_something_and_a_right_engine_passes() -> None:
     assert seen(floating(""), SCENE.name, LOOKED_AT) == set()
 
 
-@pytest.mark.slow
+@pytest.mark.campaign  # `mbcheck check`, which goes before the tests, does the same
 @pytest.mark.parametrize("engine", ["mujoco", "exudyn"])
 def test_an_engine_passes_what_needs_no_motion(engine: str) -> None:
     pytest.importorskip(engine, exc_type=ImportError)

@@ -172,7 +172,7 @@ EARNED: Mapping[str, tuple[Any, tuple[str, ...]]] = {
 LOOKED_AT = ("parts", "algebra", "trajectory", "frequency")
 
 
-@pytest.mark.slow
+@pytest.mark.campaign  # of the choice of cases, when it changes
 @pytest.mark.parametrize("case", EARNED)
 def test_a_case_shows_what_no_other_shows(case: str) -> None:
     """But the same case placed otherwise, and frequencies, which do not tell what is wrong."""

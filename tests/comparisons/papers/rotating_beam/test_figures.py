@@ -18,7 +18,7 @@ def test_captions_tell_what_the_text_leaves_open() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("engines", [("mujoco", "exudyn"), ()], ids=["engines", "reference"])
+@pytest.mark.parametrize("engines", [("exudyn",), ()], ids=["engine", "reference"])
 def test_figures_are_drawn(engines: tuple[str, ...], with_engines: Session) -> None:
     pytest.importorskip("matplotlib")
     import matplotlib.pyplot as plt

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,14 +14,11 @@ from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference.rotor_pendulum import theory
 from mbcheck.reference.rotor_pendulum.phase import wrapped
 
-ENGINE_POINTS = 4
-"""Along the axes of the engines' maps, those that `test_published` has computed."""
-
 
 @pytest.mark.slow
 @pytest.mark.parametrize("figure", FIGURES, ids=lambda figure: f"figure_{figure.number}")
-def test_figures_are_drawn(figure: Any, with_engines: Session) -> None:
-    drawn = figure.draw(replace(with_engines, engine_points=ENGINE_POINTS))
+def test_figures_are_drawn(figure: Any, with_fewer: Callable[[str], Session]) -> None:
+    drawn = figure.draw(with_fewer("rotor_pendulum"))
     assert all(panel.has_data() for panel in drawn.axes[:6])
 
 
