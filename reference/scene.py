@@ -177,6 +177,7 @@ class PeriodicOrbit:
     units: Mapping[str, str] = field(default_factory=dict)
     mirror: tuple[str, ...] = ()
     connection: Callable[[Any, Array, bool], tuple[float, float, float]] | None = None
+    known: Callable[[Any], tuple[Array, float] | None] = lambda p: None
 
 
 @dataclass(frozen=True)

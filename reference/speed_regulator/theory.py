@@ -39,6 +39,7 @@ from scipy.optimize import brentq
 
 from ..errors import NoOrbitError
 from ..periodic import extremes
+from ..scene import Array
 from .equations import (
     Coefficients,
     SpeedRegulator,
@@ -157,6 +158,22 @@ def rotation(p: SpeedRegulator) -> Rotation:
         maximum_speed=most,
         multiplier=math.exp(exponent[-1]),
     )
+
+
+def known_orbit(p: SpeedRegulator) -> tuple[Array, float] | None:
+    """Return where a period of the limit cycle begins (phi, phi'), and its period [s].
+
+    None in gravity, which the kinetic energy over the crank angle leaves out.
+
+    Raises
+    ------
+    NoOrbitError
+        If there is no limit cycle.
+    """
+    if p.has_gravity:
+        return None
+    cycle = rotation(p)
+    return np.array([0.0, cycle.start_speed]), cycle.period
 
 
 # --- Where it begins -----------------------------------------------------------------------
