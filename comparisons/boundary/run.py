@@ -234,8 +234,8 @@ class Boundary:
         return {
             "x": x,
             "y": y,
-            "x_bound": point.bound[0] * size[0],
-            "y_bound": point.bound[1] * size[1],
+            "x_bound_across": point.bound[0] * size[0],
+            "y_bound_across": point.bound[1] * size[1],
             "state": floats(by_state(scene, state)),
             "period": period,
             "multipliers": numbers if subject == ORBITS else [],
@@ -305,7 +305,7 @@ class Boundary:
         if subject == EQUILIBRIA:
             multipliers = np.exp(unit * multipliers)
         critical, others = split(kind_of(word), multipliers, row is not None)
-        bound = np.array([stored["x_bound"], stored["y_bound"]]) / size
+        bound = np.array([stored["x_bound_across"], stored["y_bound_across"]]) / size
         z = np.concatenate([state, place])
         side = np.array(stored.get("stable_side") or (np.nan, np.nan))
         way = np.array(stored["direction"])

@@ -42,10 +42,14 @@ BoundaryPoint = TypedDict(
     {
         "x": Annotated[float, means("of the first axis, in its unit")],
         "y": Annotated[float, means("of the second")],
-        "x_bound": Annotated[
-            NotNegative, means("bound on the error of `x` on the line across the curve")
+        "x_bound_across": Annotated[
+            NotNegative,
+            means(
+                "bound on the distance in `x` to the true curve, on the line across it; at the "
+                "same `y` that may be farther away"
+            ),
         ],
-        "y_bound": Annotated[NotNegative, means("the same of `y`")],
+        "y_bound_across": Annotated[NotNegative, means("the same in `y`")],
         "state": Annotated[
             dict[str, float],
             means(
@@ -93,7 +97,7 @@ BoundaryPoint = TypedDict(
                 "`y`, in the unit of `x`; null for the reference, and where that has no point near"
             ),
         ],
-        "shift_y": Annotated[float | None, means("the same of `y`, at the same `x`")],
+        "shift_y": Annotated[float | None, means("the same in `y`")],
     },
 )
 

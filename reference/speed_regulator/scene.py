@@ -49,7 +49,7 @@ SCENE = Scene(
     rotations_per_period={"phi": 1},
     period=period,
     orbit=PeriodicOrbit(
-        orbit_guesses, "phi", orbit_quantities, ORBIT_UNITS, connection=connection, known=known_orbit
+        orbit_guesses, "phi", orbit_quantities, ORBIT_UNITS, (), connection, known_orbit
     ),
     cases=CASES,
     placed=with_placements(CASES[0], "algebra", "trajectory"),

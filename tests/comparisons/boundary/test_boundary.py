@@ -47,7 +47,7 @@ def test_a_curve_crosses_the_window(folder: Path, printed: str, small: dict[str,
     for point in curve["points"]:
         assert point["unstable"] == 0
         assert point["critical"]["re"] == pytest.approx(-1, abs=1e-8)
-        assert max(point["x_bound"], point["y_bound"]) < 1e-8
+        assert max(point["x_bound_across"], point["y_bound_across"]) < 1e-8
         assert point["shift_y"] is None
     assert "symmetry breaking" in printed
     assert (folder / "small.png").stat().st_size > 5000

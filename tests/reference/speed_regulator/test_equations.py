@@ -467,6 +467,23 @@ def test_the_limit_cycle_by_shooting_is_that_by_the_crank_angle(changes: dict[st
     assert found["damper_work_ratio"] == pytest.approx(1, abs=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("torque", "period"), [(0.055, 11.1256656), (0.053, 14.9408182), (0.05262, 21.7068219)]
+)
+def test_a_slow_rotation_near_the_homoclinic_torque_is_found(torque: float, period: float) -> None:
+    """From a guess of the state it is not: errors grow by 3000 in the period of the last one."""
+    orbit = find_orbit(SCENE, DEFAULT.replace(torque=torque))
+    assert orbit.stable
+    assert orbit.period == pytest.approx(period, abs=1e-7)
+
+
+@pytest.mark.slow
+def test_a_slow_rotation_in_gravity_is_found() -> None:
+    """By motions over long times alone, the last turn of which is timed over the crank angle."""
+    orbit = find_orbit(SCENE, DEFAULT.replace(torque=0.055, gravity_x=1e-9))
+    assert orbit.period == pytest.approx(11.1256656, abs=1e-6)
+
+
 @pytest.mark.parametrize("factor", [1.01, 1.1, 3.0])
 def test_the_closed_multiplier_is_the_variational_one(factor: float) -> None:
     p = DEFAULT.replace(damping=4.0)
