@@ -315,6 +315,14 @@ def why_none(scene: EquationsOfMotion) -> str:
     return "nothing drives it on" if sought else "none is sought of this scene"
 
 
+def hidden_by_rounding(scene: EquationsOfMotion) -> str:
+    """Return the message for an orbit that exists, but whose state rounding leaves unknown."""
+    return (
+        f"the periodic orbit of {scene.name} is so nearly one of a family, or so near the end "
+        "of its branch, that rounding hides it"
+    )
+
+
 def find_orbit(scene: EquationsOfMotion, parameters: Any) -> Orbit:
     """Find the periodic orbit; a stable one where there is a choice.
 
@@ -331,9 +339,10 @@ def find_orbit(scene: EquationsOfMotion, parameters: Any) -> Orbit:
         raise NoOrbitError(f"{scene.name} has no periodic orbit to look for: {why_none(scene)}")
     guesses = np.stack(candidates, axis=1)
     period = np.full(guesses.shape[1], float(scene.period(parameters)))
-    orbit = _accurate(
-        scene, parameters, *(scene.orbit.known(parameters) or (guesses[:, 0], period[0]))
-    )
+    known = scene.orbit.known(parameters)
+    orbit = _accurate(scene, parameters, *(known or (guesses[:, 0], period[0])))
+    if known and orbit is None:
+        raise NoOrbitError(hidden_by_rounding(scene))
     if orbit is None or not orbit.stable:
         orbit = _most_stable(scene, parameters, guesses, period)
     if orbit is None or not orbit.stable:

@@ -37,6 +37,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from ..cost import watched
 from ..errors import NoOrbitError
 from ..periodic import extremes
 from ..scene import Array
@@ -127,7 +128,7 @@ def _turn(start: float, c: Coefficients, tolerance: float, samples: Any = None) 
         return drive - damping * speed, 1 / speed, -damping / (moment * speed)
 
     return solve_ivp(
-        rates,
+        watched(rates),
         (0, 2 * math.pi),
         [start, 0.0, 0.0],
         "DOP853",
@@ -228,7 +229,7 @@ def _passage(phi: float, speed: float, goal: float, c: Coefficients, tolerance: 
     ):
         event.terminal, event.direction = terminal, direction
     run = solve_ivp(
-        rates, (0, math.inf), [phi, speed], "DOP853", events=events, rtol=tolerance,
+        watched(rates), (0, math.inf), [phi, speed], "DOP853", events=events, rtol=tolerance,
         atol=1e-3 * tolerance,
     )  # fmt: skip
     crossed = run.y_events[3]
