@@ -382,13 +382,33 @@ def json_text(document: Mapping[str, Any]) -> str:
     return json.dumps(document, indent=2, allow_nan=False) + "\n"
 
 
-def csv_text(result: Simulation) -> str:
-    """Return a trajectory as CSV: ``t``, then the observables, all digits; empty where lost."""
-    text = io.StringIO()
+def csv_text(result: Simulation, bounds: bool = False) -> str:
+    """Return a trajectory as CSV: comments with its origin, ``t``, the observables, all digits.
+
+    Cells are empty where the motion is lost; ``bounds`` adds a column ``NAME_bound`` for each
+    observable of the reference.
+    """
+    text, bound = io.StringIO(), result.error_bound or {}
+    tables = {
+        "parameters [SI]": result.parameters,
+        "units": {"t": "s", **result.units},
+        "largest error": bound,
+        "versions": result.versions,
+    }
+    step = "" if result.step is None else f", step {result.step!r} s"
+    lines = [f"{result.scene} by {result.engine} {result.method}, model {result.model}{step}"]
+    lines += [
+        f"{name}: {', '.join(f'{key}={value}' for key, value in table.items())}"
+        for name, table in tables.items()
+        if table
+    ]
+    text.writelines(f"# {line}\n" for line in (*lines, result.lost) if line)
+    columns = {"t": result.times, **result.observables}
+    for name, size in bound.items() if bounds else ():
+        columns[f"{name}_bound"] = np.where(np.isnan(columns[name]), np.nan, size)
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["t", *result.observables])
-    columns = (result.times.tolist(), *(row.tolist() for row in result.observables.values()))
-    for row in zip(*columns, strict=True):
+    writer.writerow(columns)
+    for row in zip(*(values.tolist() for values in columns.values()), strict=True):
         writer.writerow("" if math.isnan(value) else value for value in row)
     return text.getvalue()
 

@@ -22,8 +22,8 @@ import numpy as np
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
-from ..differences import by_complex_step
 from ..cost import keep_budget
+from ..differences import by_complex_step
 from ..errors import NoOrbitError, ParameterError
 from ..orbits import descending, state_scale
 from ..scene import Array, EquationsOfMotion, coefficients_at

@@ -64,8 +64,9 @@ def half_turn(saddle: float, way: int, c: Coefficients, accuracy: Accuracy) -> t
 
     begin = saddle + way * accuracy.offset
     run: Any = solve_ivp(
-        watched(slope), (begin, saddle + way * math.pi), [moment * (rate * accuracy.offset) ** 2 / 2],
-        "DOP853", rtol=accuracy.tolerance, atol=1e-3 * accuracy.tolerance,
+        watched(slope), (begin, saddle + way * math.pi),
+        [moment * (rate * accuracy.offset) ** 2 / 2], "DOP853",
+        rtol=accuracy.tolerance, atol=1e-3 * accuracy.tolerance,
     )  # fmt: skip
     return float(run.y[0, -1]), float(run.y[0].min())
 

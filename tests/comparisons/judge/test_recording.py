@@ -71,8 +71,9 @@ def test_a_file_may_look_like_this(form: str, truth: Simulation) -> None:
     assert bool(found.units) == (form == "units")
 
 
-def test_what_simulate_writes_is_read_with_every_digit(simulated: Simulation) -> None:
-    Path("a.csv").write_text(csv_text(simulated))
+@pytest.mark.parametrize("bounds", [False, True])
+def test_what_simulate_writes_is_read_with_every_digit(simulated: Simulation, bounds: bool) -> None:
+    Path("a.csv").write_text(csv_text(simulated, bounds))
     found = recording("a.csv")
     assert np.array_equal(found.times, simulated.times)
     for name, values in simulated.observables.items():
