@@ -22,7 +22,8 @@ from mbcheck.comparisons.queries.axis import ParameterRange
 from mbcheck.reference.continuation.bifurcations import DOUBLING
 from mbcheck.reference.continuation.network import CurveSearch, CurveStart, SearchOutcome
 from mbcheck.reference.continuation.points import BifurcationCurve, CurvePoint
-from mbcheck.reference.errors import EngineError
+from mbcheck.reference.cost import within
+from mbcheck.reference.errors import EngineError, UsageError
 from mbcheck.reference.scene import Array
 from mbcheck.tests.support.command import SMALL, invoke, refusal, succeeds
 from mbcheck.tests.support.documents import validated
@@ -385,3 +386,10 @@ def test_an_engines_curve_lies_beside_the_references(small: dict[str, Any]) -> N
     (curve,) = validated("boundary", result.as_json())["curves"]
     shifts = [point["shift_y"] for point in curve["points"]]
     assert 1e-4 < min(shifts) < max(shifts) < 1e-3
+
+
+def test_states_of_rest_are_sought_within_the_budget() -> None:
+    x, y = ParameterRange("damping", 1.0, 1e6), ParameterRange("torque", 0.01, 1e3)
+    asked = BoundaryRequest("speed_regulator", x, y, of="equilibria")
+    with pytest.raises(UsageError, match="budget"), within(1e-6):
+        _ = asked.tracer("equilibria").units

@@ -144,6 +144,21 @@ def test_bounds_need_a_csv_file_and_the_reference() -> None:
     assert "an engine states no bound" in refusal(f"{SIMULATE} --engine mujoco --bounds --csv -")
 
 
+@pytest.mark.parametrize(
+    "line",
+    [
+        "orbit hula_hoop --set force_amplitude=1e300",
+        "orbit speed_regulator --set damping=1e6 --set torque=1.1",
+        "orbit speed_regulator --set gravity_x=1e300",
+        "orbit rotor_pendulum --set installation_angle=1e300",
+    ],
+)
+def test_what_leads_nowhere_ends_with_its_budget(line: str) -> None:
+    said = refusal(f"{line} --budget 0.01")
+    assert "its budget is 0.01 s" in said
+    assert "\n" not in said.strip()
+
+
 def test_simulate_csv_has_every_digit() -> None:
     rows = csv_rows(succeeds(f"{SIMULATE} --csv -"))
     assert rows[0] == ["t", "y", "theta", "y_dot", "theta_dot"]

@@ -13,7 +13,8 @@ import sympy as sp
 from numpy.typing import NDArray
 from scipy.integrate import quad
 
-from mbcheck.reference.errors import NoOrbitError, ParameterError
+from mbcheck.reference.cost import within
+from mbcheck.reference.errors import NoOrbitError, ParameterError, UsageError
 from mbcheck.reference.linear import linearise, modes
 from mbcheck.reference.orbits import find_orbit, orbit_samples
 from mbcheck.reference.periodic import extremes
@@ -504,6 +505,13 @@ def test_no_rotation_is_said_so() -> None:
         assert not theory.rotates(p)
         assert np.all(np.isfinite(SCENE.period(p)))
         assert np.all(np.isfinite(SCENE.orbit.guesses(p)))
+
+
+def test_a_crank_that_creeps_ends_with_the_budget() -> None:
+    """Strong damping takes an explicit method more steps than anyone waits for."""
+    p = DEFAULT.replace(damping=1e6, torque=1.1)
+    with pytest.raises(UsageError, match="budget"), within(0.01):
+        theory.rotates(p)
 
 
 @pytest.mark.parametrize("count", [63, 64])
