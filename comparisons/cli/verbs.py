@@ -20,7 +20,6 @@ from ..terminal.program import (
     STATE,
     STEP,
     console,
-    csv_text,
     deliver,
     destination,
     examples,
@@ -95,7 +94,7 @@ def simulate(
     if result.lost and (csv_file or json_file):
         click.echo(f"Warning: {result.lost}", err=True)
     if csv_file:
-        csv_file.write(csv_text(result, bounds))
+        csv_file.write(queries.csv_text(result, bounds))
     if json_file:
         json_file.write(json_text(result.as_json()))
     if not to_stdout(csv_file, json_file):

@@ -42,14 +42,17 @@ BoundaryPoint = TypedDict(
     {
         "x": Annotated[float, means("of the first axis, in its unit")],
         "y": Annotated[float, means("of the second")],
-        "x_bound_across": Annotated[
-            NotNegative,
-            means(
-                "bound on the distance in `x` to the true curve, on the line across it; at the "
-                "same `y` that may be farther away"
-            ),
+        "x_bound": Annotated[
+            NotNegative, means("bound on the error of `x` at this `y`, large where it is flat")
         ],
-        "y_bound_across": Annotated[NotNegative, means("the same in `y`")],
+        "y_bound": Annotated[
+            NotNegative,
+            means("bound on the error of `y` at this `x`, large where it is steep"),
+        ],
+        "x_bound_across": NotRequired[
+            Annotated[NotNegative, means("bound on the error of `x` on the line across the curve")]
+        ],
+        "y_bound_across": NotRequired[Annotated[NotNegative, means("the same of `y`")]],
         "state": Annotated[
             dict[str, float],
             means(

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import math
 import os
@@ -31,7 +29,6 @@ from ..reports.files import Destination
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from ..queries.simulate import Simulation
 
 FAILED, MISUSED, INTERRUPTED, BROKEN_PIPE = 1, 2, 130, 141
 """Exit codes beside 0; the last two are those of a program ended by its signal, as is 143, of
@@ -380,37 +377,6 @@ def to_stdout(*destinations: Destination | None) -> bool:
 def json_text(document: Mapping[str, Any]) -> str:
     """Return a JSON document as text."""
     return json.dumps(document, indent=2, allow_nan=False) + "\n"
-
-
-def csv_text(result: Simulation, bounds: bool = False) -> str:
-    """Return a trajectory as CSV: comments with its origin, ``t``, the observables, all digits.
-
-    Cells are empty where the motion is lost; ``bounds`` adds a column ``NAME_bound`` for each
-    observable of the reference.
-    """
-    text, bound = io.StringIO(), result.error_bound or {}
-    tables = {
-        "parameters [SI]": result.parameters,
-        "units": {"t": "s", **result.units},
-        "largest error": bound,
-        "versions": result.versions,
-    }
-    step = "" if result.step is None else f", step {result.step!r} s"
-    lines = [f"{result.scene} by {result.engine} {result.method}, model {result.model}{step}"]
-    lines += [
-        f"{name}: {', '.join(f'{key}={value}' for key, value in table.items())}"
-        for name, table in tables.items()
-        if table
-    ]
-    text.writelines(f"# {line}\n" for line in (*lines, result.lost) if line)
-    columns = {"t": result.times, **result.observables}
-    for name, size in bound.items() if bounds else ():
-        columns[f"{name}_bound"] = np.where(np.isnan(columns[name]), np.nan, size)
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    for row in zip(*(values.tolist() for values in columns.values()), strict=True):
-        writer.writerow("" if math.isnan(value) else value for value in row)
-    return text.getvalue()
 
 
 def deliver(

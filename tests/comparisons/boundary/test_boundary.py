@@ -50,6 +50,9 @@ def test_a_curve_crosses_the_window(folder: Path, printed: str, small: dict[str,
         assert point["critical"]["re"] == pytest.approx(-1, abs=1e-8)
         assert max(point["x_bound_across"], point["y_bound_across"]) < 1e-8
         assert point["shift_y"] is None
+        steep = abs(point["direction"][-1] * 20 / point["direction"][-2])
+        vertical = point["y_bound_across"] + steep * point["x_bound_across"]
+        assert point["y_bound"] == pytest.approx(vertical)
     assert "symmetry breaking" in printed
     assert (folder / "small.png").stat().st_size > 5000
 

@@ -13,7 +13,7 @@ import pytest
 from mbcheck.comparisons.judge.judge import judge_trajectory
 from mbcheck.comparisons.judge.recording import recording
 from mbcheck.comparisons.queries.simulate import Simulation, simulate
-from mbcheck.comparisons.terminal.program import csv_text
+from mbcheck.comparisons.reports.queries import csv_text
 from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import invoke
 from mbcheck.tests.support.trajectory import (
