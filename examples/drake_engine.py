@@ -12,7 +12,8 @@ What Drake 1.51 makes of MJCF, and what is done about it here:
 - ``armature`` is dropped silently where no ``motor`` or ``position`` stands on the joint: here each
   joint that has one gets an actuator whose rotor has this inertia,
 - a body of mass 0 raises `SystemExit` (condition 'mass > 0' failed): without joints it is left out,
-- loops are not run: a continuous plant refuses constraints.
+- loops are not run: a continuous plant refuses constraints,
+- nor are ball and free joints: a ball is turned by three angles, and velocities are in the world.
 
 Where a time of the grid is no multiple of the step in binary numbers, `Simulator` comes out at it
 with one more step of 1e-14 of its size. It may stretch a step to reach a time, so it is told a
@@ -75,8 +76,10 @@ class DrakeEngine(mbcheck.Engine):
         Raises
         ------
         mbcheck.Unsupported
-            For a loop.
+            For a loop, and for ball and free joints.
         """
+        if {"ball", "free"} & set(system.kinds):
+            raise mbcheck.Unsupported("ball and free joints, whose coordinates differ in Drake")
         if system.closures:
             raise mbcheck.Unsupported("a continuous plant of Drake has no constraints")
         dropped = tuple(term for term in system.terms if term.kind != "damper")

@@ -10,6 +10,8 @@ What Pinocchio 4.1 makes of MJCF, and what is done about it here:
 - ``gravity`` is dropped; its own 9.81 m/s^2 is replaced by what the file says,
 - ``armature``, ``ref`` and site-based ``connect`` are read; ``damping`` is read and does not act;
   springs, tendons and actuators are dropped: `System.force` has them all,
+- a ball joint's quaternion is (x, y, z, w) in place of (w, x, y, z), its velocity the same; a free
+  joint, whose velocity it has in the frame of the body, is refused here,
 - loops are closed by `constraintDynamics`, which leaves 1e-16 of an acceleration after 3 proximal
   iterations; nothing pulls back what an integrator lets drift.
 """
@@ -46,7 +48,17 @@ class PinocchioEngine(mbcheck.Engine):
         self.loaded: tuple[str, Any, Any, Any, Any] | None = None
 
     def load(self, system: mbcheck.System) -> tuple[Any, Any, Any, Any]:
-        """Return model and data, and the models and data of its loops."""
+        """Return model and data, and the models and data of its loops.
+
+        Raises
+        ------
+        mbcheck.Unsupported
+            For a free joint, or if Pinocchio reads other joints.
+        """
+        if "free" in system.kinds:
+            raise mbcheck.Unsupported(
+                "free joints, whose velocities Pinocchio has in the body's frame"
+            )
         if self.loaded is None or self.loaded[0] != system.mjcf:
             pin = self.pin
             with tempfile.TemporaryDirectory() as folder:
@@ -67,7 +79,7 @@ class PinocchioEngine(mbcheck.Engine):
         """Return accelerations (n,) at positions (n,) and velocities (n,)."""
         pin = self.pin
         model, data, loops, loop_data = self.load(system)
-        force = system.force(time, q, v)
+        force, q = system.force(time, q, v), scalar_last(system, q)
         if not system.closures:
             return pin.aba(model, data, q, v, force).copy()
         settings = pin.ProximalSettings(*PROXIMAL)
@@ -76,7 +88,7 @@ class PinocchioEngine(mbcheck.Engine):
     def mass_matrix(self, system: mbcheck.System, q: Any) -> Any:
         """Return the mass matrix (n, n) of the open tree."""
         model, data, *_ = self.load(system)
-        upper = np.triu(self.pin.crba(model, data, q))
+        upper = np.triu(self.pin.crba(model, data, scalar_last(system, q)))
         return upper + np.triu(upper, 1).T
 
     def simulate(
@@ -97,15 +109,26 @@ class PinocchioEngine(mbcheck.Engine):
     def runge_kutta(
         self, system: mbcheck.System, t: float, q: Any, v: Any, h: float
     ) -> tuple[Any, Any]:
-        """Take one step."""
-        a1 = self.accelerations(system, t, q, v)
-        v2 = v + h / 2 * a1
-        a2 = self.accelerations(system, t + h / 2, q + h / 2 * v, v2)
-        v3 = v + h / 2 * a2
-        a3 = self.accelerations(system, t + h / 2, q + h / 2 * v2, v3)
-        v4 = v + h * a3
-        a4 = self.accelerations(system, t + h, q + h * v3, v4)
-        return q + h / 6 * (v + 2 * v2 + 2 * v3 + v4), v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
+        """Take one step; quaternions are of length 1 wherever slopes are taken, and in the end."""
+
+        def slopes(time: float, q: Any, v: Any) -> tuple[Any, Any]:
+            q = system.displaced(q, 0 * v)
+            return system.layout.rates(q, v), self.accelerations(system, time, q, v)
+
+        r1, a1 = slopes(t, q, v)
+        r2, a2 = slopes(t + h / 2, q + h / 2 * r1, v + h / 2 * a1)
+        r3, a3 = slopes(t + h / 2, q + h / 2 * r2, v + h / 2 * a2)
+        r4, a4 = slopes(t + h, q + h * r3, v + h * a3)
+        v = v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
+        return system.displaced(q + h / 6 * (r1 + 2 * r2 + 2 * r3 + r4), 0 * v), v
+
+
+def scalar_last(system: mbcheck.System, q: Any) -> Any:
+    """Return positions (n_q,) with quaternions in Pinocchio's order (x, y, z, w)."""
+    q = np.array(q, dtype=float)
+    for at in system.layout.quaternions:
+        q[at] = np.roll(q[at], -1)
+    return q
 
 
 def below_one_body(text: str) -> str:

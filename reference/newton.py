@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .cost import keep_budget
 from .scene import Array
 
 Rows = NDArray[np.int_]
@@ -156,6 +157,7 @@ def newton(
         else:
             left, slopes = residual(rows, x), jacobians.copy()
         for number in range(effort.jacobians):
+            keep_budget(1.0)
             if number:
                 left, slopes[rows] = linearise(rows, x[:, rows])
             going = rows

@@ -315,6 +315,14 @@ def why_none(scene: EquationsOfMotion) -> str:
     return "nothing drives it on" if sought else "none is sought of this scene"
 
 
+def hidden_by_rounding(scene: EquationsOfMotion) -> str:
+    """Return the message for an orbit that exists, but whose state rounding leaves unknown."""
+    return (
+        f"the periodic orbit of {scene.name} is so nearly one of a family, or so near the end "
+        "of its branch, that rounding hides it"
+    )
+
+
 def find_orbit(scene: EquationsOfMotion, parameters: Any) -> Orbit:
     """Find the periodic orbit; a stable one where there is a choice.
 
@@ -331,7 +339,10 @@ def find_orbit(scene: EquationsOfMotion, parameters: Any) -> Orbit:
         raise NoOrbitError(f"{scene.name} has no periodic orbit to look for: {why_none(scene)}")
     guesses = np.stack(candidates, axis=1)
     period = np.full(guesses.shape[1], float(scene.period(parameters)))
-    orbit = _accurate(scene, parameters, guesses[:, 0], period[0])
+    known = scene.orbit.known(parameters)
+    orbit = _accurate(scene, parameters, *(known or (guesses[:, 0], period[0])))
+    if known and orbit is None:
+        raise NoOrbitError(hidden_by_rounding(scene))
     if orbit is None or not orbit.stable:
         orbit = _most_stable(scene, parameters, guesses, period)
     if orbit is None or not orbit.stable:
@@ -368,20 +379,33 @@ def _long_after(
     derivative = scene.right_hand_side(parameters)
     row = section_row(scene)
     with np.errstate(all="ignore"):
-        before = rk8_steps(derivative, states, 0.0, periods * period, periods * steps)
-        if row is None:
-            usable = np.all(np.isfinite(before), axis=0)
-            return before[:, usable], np.full(int(np.sum(usable)), period)
-        watch = 8
-        states = rk8_steps(derivative, before, 0.0, watch * period, watch * steps)
-        turns = (states[row] - before[row]) / (2 * np.pi)
-        for _ in range(3):  # on to the section, by Newton's method in time
-            missing = 2 * np.pi * np.ceil(states[row] / (2 * np.pi) - 0.5) - states[row]
-            rate = states[len(scene.coordinates) + row]
-            states = rk8_steps(derivative, states, 0.0, missing / rate, steps)
-        states[row] = 0.0
-        usable = np.all(np.isfinite(states), axis=0) & (turns > 1)
-        return states[:, usable], watch * period / turns[usable]
+        states = rk8_steps(derivative, states, 0.0, periods * period, periods * steps)
+        spans = np.full(states.shape[1], period)
+        if row is not None:
+            turns = np.floor(states[row] / (2 * np.pi)) + 1
+            _, states = _turn(derivative, states, row, 2 * np.pi * turns - states[row], steps)
+            states[row] = 0.0
+            spans, ends = _turn(derivative, states, row, 2 * np.pi, steps)
+            states[:, ~np.isfinite(ends[row])] = np.nan
+    usable = np.all(np.isfinite(states), axis=0) & (spans > 0)
+    return states[:, usable], spans[usable]
+
+
+def _turn(
+    derivative: Callable[[Any, Any], Any], states: Array, row: int, angle: Any, steps: int
+) -> tuple[Array, Array]:
+    """Follow states (2 n, k) while one coordinate turns by an angle; the times (k,) [s] and ends.
+
+    The angle takes the place of time, so that the ends lie on a section however slow the turn is.
+    """
+
+    def slopes(_: Any, x: Array) -> Array:
+        rates = derivative(0.0, x[1:])
+        return np.concatenate([np.ones_like(rates[:1]), rates]) / rates[row]
+
+    start = np.concatenate([np.zeros_like(states[:1]), states])
+    ends = rk8_steps(slopes, start, 0.0, angle, steps)
+    return ends[0], ends[1:]
 
 
 def _most_stable(
@@ -432,8 +456,8 @@ def _accurate(scene: EquationsOfMotion, parameters: Any, start: Array, guess: An
     smallest = np.linalg.svd(fine.closing[0], compute_uv=False)[-1]
     if smallest == 0:
         return None
-    growth = max(1.0, float(np.linalg.norm(fine.monodromy[0], 2)))
-    rounding = 1e-14 * (1 + 1 / smallest) * growth
+    growth = np.linalg.norm(np.linalg.solve(fine.closing[0], fine.monodromy[0]), 2)
+    rounding = 1e-14 * (1 + 1 / smallest + float(growth))
     if rounding > ISOLATED:
         return None
     state, period = fine.states[:, 0], float(fine.periods[0])

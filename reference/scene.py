@@ -169,6 +169,9 @@ class PeriodicOrbit:
         Coordinates whose signs change in a symmetry: half a period of the drive later, and with
         what turns half a turn on, the equations of motion are the same. Empty without it.
     connection : callable, or None: see `continuation.rest.RestFamily.connection`
+    known : callable ``(parameters) -> (state (2 n,), period) or None``
+        The orbit by another method, which the search then begins with; raises `NoOrbitError` where
+        that method proves that there is none.
     """
 
     guesses: Callable[[Any], list[Array]] = lambda p: []
@@ -177,6 +180,7 @@ class PeriodicOrbit:
     units: Mapping[str, str] = field(default_factory=dict)
     mirror: tuple[str, ...] = ()
     connection: Callable[[Any, Array, bool], tuple[float, float, float]] | None = None
+    known: Callable[[Any], tuple[Array, float] | None] = lambda p: None
 
 
 @dataclass(frozen=True)

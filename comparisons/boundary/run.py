@@ -232,11 +232,15 @@ class Boundary:
         else:
             period = self.tracers[subject].guesses(point.place)[1]
         numbers = [{"re": value.real, "im": value.imag} for value in values]
+        across, (along_x, along_y) = point.bound * size, np.abs(point.tangent[-2:] * size)
+        slope = np.clip(along_y, 1e-100, None) / np.clip(along_x, 1e-100, None)
         return {
             "x": x,
             "y": y,
-            "x_bound": point.bound[0] * size[0],
-            "y_bound": point.bound[1] * size[1],
+            "x_bound": across[0] + across[1] / slope,
+            "y_bound": across[1] + across[0] * slope,
+            "x_bound_across": across[0],
+            "y_bound_across": across[1],
             "state": floats(by_state(scene, state)),
             "period": period,
             "multipliers": numbers if subject == ORBITS else [],
@@ -308,7 +312,9 @@ class Boundary:
         if subject == EQUILIBRIA:
             multipliers = np.exp(unit * multipliers)
         critical, others = split(kind_of(word), multipliers, row is not None)
-        bound = np.array([stored["x_bound"], stored["y_bound"]]) / size
+        bound = (
+            np.array([stored.get(f"{a}_bound_across", stored[f"{a}_bound"]) for a in "xy"]) / size
+        )
         z = np.concatenate([state, place])
         side = np.array(stored.get("stable_side") or (np.nan, np.nan))
         way = np.array(stored["direction"])

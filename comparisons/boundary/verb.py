@@ -174,12 +174,12 @@ def print_boundary(screen: Any, text: Mapping[str, Any], quiet: bool) -> None:
             f"{in_words(min(p[a] for p in points), 6)} to {in_words(max(p[a] for p in points), 6)}"
             for a in ("x", "y")
         ]
-        bound = max(p["y_bound"] for p in points)
+        bound = max(p["y_bound_across"] for p in points)
         shifts = [abs(p["shift_y"]) for p in points if p["shift_y"] is not None]
         row = (kind_in_words(curve), str(curve["parts"]), str(len(points)), *ranges)
         rows.append((*row, f"{bound:.1e}", f"{max(shifts):.3g}" if shifts else "-"))
     if rows:
-        heads = ("curve", "parts", "points", *names, "bound", "shift")
+        heads = ("curve", "parts", "points", *names, "bound across", "shift")
         print_table(screen, heads, rows)
     who = text["engine"]
     steps = text["steps_per_period"]

@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from ...reference.errors import UsageError
 from ..reports.files import Destination, refuse_conflicts
 from ..terminal.budget import QUERY, budget_option, budgeted
 from ..terminal.program import (
@@ -19,7 +20,6 @@ from ..terminal.program import (
     STATE,
     STEP,
     console,
-    csv_text,
     deliver,
     destination,
     examples,
@@ -59,11 +59,16 @@ from ..terminal.program import (
     help="Also show this output of the scene, see mbcheck list SCENE; 'all' for all that the "
     "engine tells (repeatable).",
 )
-@into("csv", "Write CSV to a file, or '-': t, then the observables, all digits.")
+@into("csv", "Write CSV to a file, or '-': comments, t, then the observables, all digits.")
+@click.option("--bounds", is_flag=True, help="Add columns NAME_bound of the reference to the CSV.")
 @budget_option(QUERY)
 @JSON
 def simulate(
-    csv_file: Destination | None, json_file: Destination | None, budget: float, **asked: Any
+    csv_file: Destination | None,
+    json_file: Destination | None,
+    bounds: bool,
+    budget: float,
+    **asked: Any,
 ) -> None:
     """Simulate a scene from t = 0.
 
@@ -73,8 +78,14 @@ def simulate(
     run cannot be trusted in.
     """
     refuse_conflicts(csv_file, json_file)
+    from ..engines.registry import REFERENCE
     from ..queries import simulate as query
     from ..reports import queries
+
+    if bounds and not csv_file:
+        raise UsageError("--bounds adds columns to a CSV file: name it with --csv FILE")
+    if bounds and asked["engine"] != REFERENCE:
+        raise UsageError("--bounds: an engine states no bound on its error; the reference does")
 
     with budgeted(budget, "simulate"):
         result = query.simulate(**asked)
@@ -83,7 +94,7 @@ def simulate(
     if result.lost and (csv_file or json_file):
         click.echo(f"Warning: {result.lost}", err=True)
     if csv_file:
-        csv_file.write(csv_text(result))
+        csv_file.write(queries.csv_text(result, bounds))
     if json_file:
         json_file.write(json_text(result.as_json()))
     if not to_stdout(csv_file, json_file):

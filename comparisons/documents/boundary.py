@@ -43,9 +43,16 @@ BoundaryPoint = TypedDict(
         "x": Annotated[float, means("of the first axis, in its unit")],
         "y": Annotated[float, means("of the second")],
         "x_bound": Annotated[
-            NotNegative, means("bound on the error of `x` on the line across the curve")
+            NotNegative, means("bound on the error of `x` at this `y`, large where it is flat")
         ],
-        "y_bound": Annotated[NotNegative, means("the same of `y`")],
+        "y_bound": Annotated[
+            NotNegative,
+            means("bound on the error of `y` at this `x`, large where it is steep"),
+        ],
+        "x_bound_across": NotRequired[
+            Annotated[NotNegative, means("bound on the error of `x` on the line across the curve")]
+        ],
+        "y_bound_across": NotRequired[Annotated[NotNegative, means("the same of `y`")]],
         "state": Annotated[
             dict[str, float],
             means(
@@ -93,7 +100,7 @@ BoundaryPoint = TypedDict(
                 "`y`, in the unit of `x`; null for the reference, and where that has no point near"
             ),
         ],
-        "shift_y": Annotated[float | None, means("the same of `y`, at the same `x`")],
+        "shift_y": Annotated[float | None, means("the same in `y`")],
     },
 )
 

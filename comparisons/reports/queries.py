@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import csv
+import io
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -115,3 +118,34 @@ def print_frequencies(console: Console, result: Frequencies) -> None:
     rows = [[m.omega, m.hertz, m.damping_ratio, m.re, m.im, m.error_bound] for m in result.modes]
     heads = ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "im [1/s]", "error bound"]
     print_table(console, heads, rows)
+
+
+def csv_text(result: Simulation, bounds: bool = False) -> str:
+    """Return a trajectory as CSV: comments with its origin, ``t``, the observables, all digits.
+
+    Cells are empty where the motion is lost; ``bounds`` adds a column ``NAME_bound`` for each
+    observable of the reference.
+    """
+    text, bound = io.StringIO(), result.error_bound or {}
+    tables = {
+        "parameters [SI]": result.parameters,
+        "units": {"t": "s", **result.units},
+        "largest error": bound,
+        "versions": result.versions,
+    }
+    step = "" if result.step is None else f", step {result.step!r} s"
+    lines = [f"{result.scene} by {result.engine} {result.method}, model {result.model}{step}"]
+    lines += [
+        f"{name}: {', '.join(f'{key}={value}' for key, value in table.items())}"
+        for name, table in tables.items()
+        if table
+    ]
+    text.writelines(f"# {line}\n" for line in (*lines, result.lost) if line)
+    columns = {"t": result.times, **result.observables}
+    for name, size in bound.items() if bounds else ():
+        columns[f"{name}_bound"] = np.where(np.isnan(columns[name]), np.nan, size)
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    for row in zip(*(values.tolist() for values in columns.values()), strict=True):
+        writer.writerow("" if math.isnan(value) else value for value in row)
+    return text.getvalue()

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import math
 import os
@@ -32,7 +30,6 @@ from ..reports.words import printable
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from ..queries.simulate import Simulation
 
 FAILED, MISUSED, INTERRUPTED, BROKEN_PIPE = 1, 2, 130, 141
 """Exit codes beside 0; the last two are those of a program ended by its signal, as is 143, of
@@ -380,17 +377,6 @@ def to_stdout(*destinations: Destination | None) -> bool:
 def json_text(document: Mapping[str, Any]) -> str:
     """Return a JSON document as text."""
     return json.dumps(document, indent=2, allow_nan=False) + "\n"
-
-
-def csv_text(result: Simulation) -> str:
-    """Return a trajectory as CSV: ``t``, then the observables, all digits; empty where lost."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["t", *result.observables])
-    columns = (result.times.tolist(), *(row.tolist() for row in result.observables.values()))
-    for row in zip(*columns, strict=True):
-        writer.writerow("" if math.isnan(value) else value for value in row)
-    return text.getvalue()
 
 
 def deliver(

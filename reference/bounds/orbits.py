@@ -23,7 +23,15 @@ from scipy.linalg import eig, matrix_balance
 from ..differences import EPS, by_complex_step
 from ..errors import NoOrbitError
 from ..newton import Rows
-from ..orbits import Orbit, PeriodMap, mean_powers, period_advance, section_row, state_scale
+from ..orbits import (
+    Orbit,
+    PeriodMap,
+    hidden_by_rounding,
+    mean_powers,
+    period_advance,
+    section_row,
+    state_scale,
+)
 from ..periodic import spectrum_of
 from ..scene import Array, EquationsOfMotion, coefficients_at
 from ..solve.rk8 import rk8_steps
@@ -238,10 +246,7 @@ def orbit_bounds(scene: EquationsOfMotion, parameters: Any, orbit: Orbit) -> Orb
         bend = near.changes(jacobians)
         bent = float(np.max(np.sum(np.abs(inverse) @ bend[:, columns], axis=1)))
     if not bent < CURVED:
-        raise NoOrbitError(
-            f"the periodic orbit of {scene.name} is so nearly one of a family, or so near the end "
-            "of its branch, that rounding hides it"
-        )
+        raise NoOrbitError(hidden_by_rounding(scene))
     spectrum, scale = Spectrum.of(monodromy), fine.scale
     error = near.together(np.abs(near.unknowns.T)) / (1 - bent)
     off = near.together(np.abs(spectrum.changes((jacobians - jacobians[0])[..., :size])))

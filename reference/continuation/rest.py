@@ -22,6 +22,7 @@ import numpy as np
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
+from ..cost import keep_budget
 from ..differences import by_complex_step
 from ..errors import NoOrbitError, ParameterError
 from ..orbits import descending, state_scale
@@ -253,6 +254,7 @@ class RestTracer(Tracer):
         z = np.vstack([guesses.T, np.repeat(place[:, None], len(guesses), axis=1)])
         size = np.full(len(guesses), np.inf)
         for _ in range(ITERATIONS):
+            keep_budget(1.0)
             left, closing, _ = family.evaluate(z)
             bad = ~np.all(np.isfinite(closing), axis=(1, 2))
             closing[bad], left[:, bad] = np.eye(n), 0.0

@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from ..cost import watched
 from .equations import Coefficients, SpeedRegulator, coefficients, inertia, position
 from .rest import found_equilibria, static_stiffness
 from .theory import saddle_node_torques
@@ -63,8 +64,9 @@ def half_turn(saddle: float, way: int, c: Coefficients, accuracy: Accuracy) -> t
 
     begin = saddle + way * accuracy.offset
     run: Any = solve_ivp(
-        slope, (begin, saddle + way * math.pi), [moment * (rate * accuracy.offset) ** 2 / 2],
-        "DOP853", rtol=accuracy.tolerance, atol=1e-3 * accuracy.tolerance,
+        watched(slope), (begin, saddle + way * math.pi),
+        [moment * (rate * accuracy.offset) ** 2 / 2], "DOP853",
+        rtol=accuracy.tolerance, atol=1e-3 * accuracy.tolerance,
     )  # fmt: skip
     return float(run.y[0, -1]), float(run.y[0].min())
 

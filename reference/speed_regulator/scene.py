@@ -23,6 +23,7 @@ from .homoclinic import connection
 from .orbit import ORBIT_UNITS, orbit_guesses, orbit_quantities, period
 from .outcome import outcome
 from .rest import EQUILIBRIA, equilibrium
+from .theory import cycle_start
 
 SCENE = Scene(
     name="speed_regulator",
@@ -47,7 +48,9 @@ SCENE = Scene(
     equilibria={name: partial(equilibrium, name) for name in EQUILIBRIA},
     rotations_per_period={"phi": 1},
     period=period,
-    orbit=PeriodicOrbit(orbit_guesses, "phi", orbit_quantities, ORBIT_UNITS, connection=connection),
+    orbit=PeriodicOrbit(
+        orbit_guesses, "phi", orbit_quantities, ORBIT_UNITS, (), connection, cycle_start
+    ),
     cases=CASES,
     placed=with_placements(CASES[0], "algebra", "trajectory"),
     outputs=outputs,

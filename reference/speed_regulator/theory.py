@@ -37,8 +37,10 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from ..cost import watched
 from ..errors import NoOrbitError
 from ..periodic import extremes
+from ..scene import Array
 from .equations import (
     Coefficients,
     SpeedRegulator,
@@ -96,9 +98,25 @@ class Rotation(NamedTuple):
     minimum_speed: float
     maximum_speed: float
     multiplier: float
+    sensitivity: float
+    """`speed_sensitivity`."""
 
 
-def _turn(start: float, c: Coefficients, samples: Any = None) -> Any:
+def speed_sensitivity(speed: Array, multiplier: Any) -> Any:
+    """Return the change of the mean speed by one of the turn's energy, relative to the largest.
+
+    Parameters
+    ----------
+    speed : array (..., nodes)
+        At equally spaced crank angles.
+    multiplier : array (...)
+    """
+    mean = 1 / np.mean(1 / speed, axis=-1)
+    share = np.max(speed, axis=-1) ** 2 * np.mean(speed**-3, axis=-1) * mean
+    return mean * share / (1 - multiplier)
+
+
+def _turn(start: float, c: Coefficients, tolerance: float, samples: Any = None) -> Any:
     """Integrate T, the time and the multiplier's exponent over the crank angle from 0 to 2 pi."""
 
     def rates(phi: float, x: Sequence[float]) -> tuple[float, float, float]:
@@ -110,18 +128,18 @@ def _turn(start: float, c: Coefficients, samples: Any = None) -> Any:
         return drive - damping * speed, 1 / speed, -damping / (moment * speed)
 
     return solve_ivp(
-        rates,
+        watched(rates),
         (0, 2 * math.pi),
         [start, 0.0, 0.0],
         "DOP853",
         samples,
-        rtol=1e-12,
-        atol=1e-13 * start,
+        rtol=tolerance,
+        atol=0.1 * tolerance * start,
     )
 
 
-def rotation(p: SpeedRegulator) -> Rotation:
-    """Return the limit cycle, by integration over the crank angle.
+def rotation(p: SpeedRegulator, tolerance: float = 1e-12) -> Rotation:
+    """Return the limit cycle, by integration over the crank angle with a relative tolerance.
 
     Raises
     ------
@@ -138,7 +156,7 @@ def rotation(p: SpeedRegulator) -> Rotation:
     half = inertia(position(0.0, c, math), c) / 2
 
     def gain(start: float) -> float:
-        return float(_turn(start, c).y[0, -1] - start)
+        return float(_turn(start, c, tolerance).y[0, -1] - start)
 
     low = half * slow**2
     high = 2 * max(low, half * float(mean_speed(p)) ** 2)
@@ -146,17 +164,35 @@ def rotation(p: SpeedRegulator) -> Rotation:
         high *= 2
     start = brentq(gain, low, high, xtol=1e-15 * high, rtol=1e-14) if gain(low) > 0 else low
     phi = np.linspace(0, 2 * math.pi, SAMPLES + 1)
-    kinetic, time, exponent = _turn(start, c, phi).y
+    kinetic, time, exponent = _turn(start, c, tolerance, phi).y
     speed = np.sqrt(2 * kinetic / inertia(position(phi, c), c))
     least, most = extremes(speed[:-1])
+    multiplier = math.exp(exponent[-1])
     return Rotation(
         start_speed=float(speed[0]),
         period=float(time[-1]),
         mean_speed=2 * math.pi / float(time[-1]),
         minimum_speed=least,
         maximum_speed=most,
-        multiplier=math.exp(exponent[-1]),
+        multiplier=multiplier,
+        sensitivity=float(speed_sensitivity(speed[:-1], multiplier)),
     )
+
+
+def cycle_start(p: SpeedRegulator) -> tuple[Array, float] | None:
+    """Return where a period of the limit cycle begins (phi, phi'), and its period [s].
+
+    None in gravity, which the kinetic energy over the crank angle leaves out.
+
+    Raises
+    ------
+    NoOrbitError
+        If there is no limit cycle.
+    """
+    if p.has_gravity:
+        return None
+    cycle = rotation(p)
+    return np.array([0.0, cycle.start_speed]), cycle.period
 
 
 # --- Where it begins -----------------------------------------------------------------------
@@ -193,7 +229,7 @@ def _passage(phi: float, speed: float, goal: float, c: Coefficients, tolerance: 
     ):
         event.terminal, event.direction = terminal, direction
     run = solve_ivp(
-        rates, (0, math.inf), [phi, speed], "DOP853", events=events, rtol=tolerance,
+        watched(rates), (0, math.inf), [phi, speed], "DOP853", events=events, rtol=tolerance,
         atol=1e-3 * tolerance,
     )  # fmt: skip
     crossed = run.y_events[3]

@@ -60,6 +60,13 @@ def test_it_has_no_loops() -> None:
     assert "a continuous plant of Drake has no constraints" in {item.reason for item in found}
 
 
+@pytest.mark.parametrize("scene", ["rigid_body", "ball_hoop", "floating_platform", "floating_beam"])
+def test_joints_in_space_are_refused(scene: str) -> None:
+    found = results(engine(), scene, ("parts", "algebra", "frequency"))
+    why = "ball and free joints, whose coordinates differ in Drake"
+    assert {(item.verdict, item.reason) for item in found} == {("skipped", why)}
+
+
 class Twice(DrakeEngine):
     """With the dampers that its reader has read, and those of the file as well."""
 

@@ -50,6 +50,8 @@ CLEAR = 1e-6
 BISECTIONS = 60
 NODES = (64, 256, 1024)
 """Of the collocation of a limit cycle; what the last do not resolve, `theory` solves."""
+TOLERANCES = (1e-12, 1e-9)
+"""Of `theory` there: the second tells the error of the first."""
 MOST_ITERATIONS = 16
 FIRST_ROOM = 1.05
 """Least kinetic energy of the first guess, over what the spring takes of its mean."""
@@ -244,9 +246,10 @@ def rotations(points: Points) -> LimitCycles:
         left = left[~good]
     for i in map(int, left):
         with suppress(NoOrbitError):
-            cycle = theory.rotation(points.one(i))
+            cycle, rough = (theory.rotation(points.one(i), size) for size in TOLERANCES)
             starts[i], means[i] = cycle.start_speed, cycle.mean_speed
             multipliers[i] = cycle.multiplier
+            bounds[i] = difference(means[i], rough.mean_speed) + ROUNDING * cycle.sensitivity
     return LimitCycles(starts, means, multipliers, bounds)
 
 
@@ -300,8 +303,7 @@ def collocation_bound(speed: Array, multiplier: Array, c: Coefficients) -> Array
     mean = 1 / np.mean(1 / speed, axis=1)
     with np.errstate(all="ignore"):
         finer, _, good = collocated(mean, c, 2 * speed.shape[1])
-        share = np.max(speed, axis=1) ** 2 * np.mean(speed**-3, axis=1) * mean
-        rounding = ROUNDING * mean * share / (1 - multiplier)
+        rounding = ROUNDING * theory.speed_sensitivity(speed, multiplier)
         off = difference(mean, 1 / np.mean(1 / finer, axis=1)) + rounding
     return np.where(good, off, np.nan)
 

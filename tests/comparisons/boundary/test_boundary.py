@@ -24,7 +24,8 @@ from mbcheck.comparisons.queries.axis import ParameterRange
 from mbcheck.reference.continuation.bifurcations import DOUBLING
 from mbcheck.reference.continuation.network import CurveSearch, CurveStart, SearchOutcome
 from mbcheck.reference.continuation.points import BifurcationCurve, CurvePoint
-from mbcheck.reference.errors import EngineError
+from mbcheck.reference.cost import within
+from mbcheck.reference.errors import EngineError, UsageError
 from mbcheck.reference.scene import Array
 from mbcheck.tests.support.command import MAIN, SMALL, invoke, refusal, succeeds
 from mbcheck.tests.support.documents import validated
@@ -49,8 +50,11 @@ def test_a_curve_crosses_the_window(folder: Path, printed: str, small: dict[str,
     for point in curve["points"]:
         assert point["unstable"] == 0
         assert point["critical"]["re"] == pytest.approx(-1, abs=1e-8)
-        assert max(point["x_bound"], point["y_bound"]) < 1e-8
+        assert max(point["x_bound_across"], point["y_bound_across"]) < 1e-8
         assert point["shift_y"] is None
+        steep = abs(point["direction"][-1] * 20 / point["direction"][-2])
+        vertical = point["y_bound_across"] + steep * point["x_bound_across"]
+        assert point["y_bound"] == pytest.approx(vertical)
     assert "symmetry breaking" in printed
     assert (folder / "small.png").stat().st_size > 5000
 
@@ -416,3 +420,10 @@ def test_what_was_written_between_two_parts_leads_to_the_same(small: dict[str, A
     next(second.work())
     curve = json.loads(json.dumps(second.as_json()))["curves"][0]
     assert curve == small["curves"][0]
+
+
+def test_states_of_rest_are_sought_within_the_budget() -> None:
+    x, y = ParameterRange("damping", 1.0, 1e6), ParameterRange("torque", 0.01, 1e3)
+    asked = BoundaryRequest("speed_regulator", x, y, of="equilibria")
+    with pytest.raises(UsageError, match="budget"), within(1e-6):
+        _ = asked.tracer("equilibria").units

@@ -115,8 +115,13 @@ def test_an_engine_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
 # Simulate
 
 
+def csv_rows(text: str) -> list[list[str]]:
+    """Return the rows of a CSV file below its comments."""
+    return list(csv.reader(line for line in text.splitlines() if not line.startswith("#")))
+
+
 def test_simulate_csv_has_every_digit() -> None:
-    rows = list(csv.reader(succeeds(f"{SIMULATE} --csv -").splitlines()))
+    rows = csv_rows(succeeds(f"{SIMULATE} --csv -"))
     assert rows[0] == ["t", "y", "theta", "y_dot", "theta_dot"]
     found = simulate("hula_hoop", times=[0, 0.05, 0.1])
     values = np.array([[float(cell) for cell in row] for row in rows[1:]])

@@ -19,7 +19,7 @@ from mbcheck.comparisons.judge.comparison import compare
 from mbcheck.comparisons.judge.judge import judge_trajectory
 from mbcheck.comparisons.judge.recording import Recording, recording, written
 from mbcheck.comparisons.queries.simulate import Simulation, simulate
-from mbcheck.comparisons.terminal.program import csv_text
+from mbcheck.comparisons.reports.queries import csv_text
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineError, UsageError
 from mbcheck.tests.support.command import invoke, refusal

@@ -13,7 +13,7 @@ import pytest
 from mbcheck.comparisons.judge.judge import judge_trajectory
 from mbcheck.comparisons.judge.recording import recording
 from mbcheck.comparisons.queries.simulate import Simulation, simulate
-from mbcheck.comparisons.terminal.program import csv_text
+from mbcheck.comparisons.reports.queries import csv_text
 from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import invoke
 from mbcheck.tests.support.trajectory import (
@@ -71,8 +71,9 @@ def test_a_file_may_look_like_this(form: str, truth: Simulation) -> None:
     assert bool(found.units) == (form == "units")
 
 
-def test_what_simulate_writes_is_read_with_every_digit(simulated: Simulation) -> None:
-    Path("a.csv").write_text(csv_text(simulated))
+@pytest.mark.parametrize("bounds", [False, True])
+def test_what_simulate_writes_is_read_with_every_digit(simulated: Simulation, bounds: bool) -> None:
+    Path("a.csv").write_text(csv_text(simulated, bounds))
     found = recording("a.csv")
     assert np.array_equal(found.times, simulated.times)
     for name, values in simulated.observables.items():

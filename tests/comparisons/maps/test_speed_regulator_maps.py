@@ -22,7 +22,9 @@ from mbcheck.comparisons.scenes.speed_regulator.limit_cycles import (
 from mbcheck.comparisons.scenes.speed_regulator.maps import QUANTITIES
 from mbcheck.comparisons.scenes.speed_regulator.runs import passings, settled, simulated_speed
 from mbcheck.reference import get_scene
+from mbcheck.reference.bounds.orbits import orbit_bounds
 from mbcheck.reference.errors import NoOrbitError, ParameterError
+from mbcheck.reference.orbits import find_orbit
 from mbcheck.reference.speed_regulator import theory
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
 from mbcheck.reference.speed_regulator.orbit import mean_speed
@@ -93,6 +95,13 @@ def test_regimes_are_those_of_the_theory_point_by_point(name: str) -> None:
 
 
 QUICK = ("ordinary", "no torque, no damper", "lengths")
+
+
+def test_a_mean_speed_near_the_homoclinic_torque_has_a_bound() -> None:
+    p = SpeedRegulator(torque=0.0527)
+    cycles, orbit = rotations(points(torque=[p.torque])), find_orbit(SCENE, p)
+    away = 2 * np.pi / orbit.period**2 * orbit_bounds(SCENE, p, orbit).period
+    assert abs(cycles.mean_speed[0] - 2 * np.pi / orbit.period) < cycles.bound[0] + away < 1e-8
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,10 @@ PLACES = {
     "hula_hoop": ("tree", "semicircle_3hz_60n", "rest_rod_across"),
     "rotor_pendulum": ("tree", "case_2_startup", "modes_at_rest"),
     "rotating_beam": ("chain", "spin_up_quick", "steady_at_rest"),
+    "rigid_body": ("ball", "heavy_tumbling", "rest_hanging"),
     "ball_hoop": ("ball", "weighed", "hanging"),
+    "floating_platform": ("free", "tumbling", "afloat"),
+    "floating_beam": ("free", "tumbling", "afloat"),
     "speed_regulator": ("connect", "rotation", "rest_right"),
 }
 """Scene -> model, a case of motion, a case of modes."""
