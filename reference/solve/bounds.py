@@ -11,7 +11,7 @@ R. Soc. A 357, 983-1019).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,6 +25,10 @@ from .rk8 import rk8_steps
 CHANGE = 2.0**-36
 """Relative change of a parameter by which its influence is measured; rounding of the rates has
 the same condition, and is a ten-thousandth of it."""
+
+CONTINUOUS = 0.75
+"""Largest share of a change of the rates that half the change of a parameter makes, unless the
+parameter changes what coordinates mean: a mass that leaves the tip does."""
 
 GAUSS = 0.5 - np.sqrt(3) / 6, 0.5 + np.sqrt(3) / 6
 """Where J is taken in an interval."""
@@ -275,24 +279,35 @@ def sensitivities(
     """Return what changes the rates at times (k,) and states (2 n, k)."""
     derivative = dynamics.right_hand_side(parameters)
     slopes = slopes_of(dynamics, parameters, times, states)
-    c = list(changed(dynamics, parameters))
+    c = list(changed(dynamics, parameters, CHANGE))
     last = len(c)
     c += dynamics.inexact_numbers(c[0], CHANGE)
-    many = type(c[0])(*(np.array(values) for values in zip(*c, strict=True)))
-    rates = dynamics.derivative(many)(times[:, None], np.repeat(states[..., None], len(c), -1))
-    off = np.moveaxis(rates[..., 1:] - rates[..., :1], -1, 1)
+    rates, off = changes_of_rates(dynamics, c, times, states)
     moved, numbers = off[:, : last - 1], off[:, last - 1 :] / CHANGE
-    largest = [np.max(np.abs(values), axis=(0, -1)) for values in (moved, rates[..., :1])]
-    changes = moved[:, largest[0] < np.max(largest[1])] / CHANGE  # others change coordinates
-    later = derivative(times * (1 + CHANGE), states) - rates[..., 0]
+    size = np.max(np.abs(moved), axis=(0, -1))
+    if np.any(size >= np.max(np.abs(rates))):  # what changes coordinates does not halve
+        c = list(changed(dynamics, parameters, CHANGE / 2))
+        halved = changes_of_rates(dynamics, c, times, states)[1]
+        moved = moved[:, np.max(np.abs(halved), axis=(0, -1)) <= CONTINUOUS * size]
+    changes = moved / CHANGE
+    later = derivative(times * (1 + CHANGE), states) - rates
     inputs = np.concatenate(
         [changes, np.moveaxis(slopes, 0, -1) * states, later[:, None] / CHANGE, numbers], axis=1
     )
     inputs[: len(inputs) // 2] = 0.0  # the rate of a coordinate is a state, and copied
     patterns, tables = inputs[:, :0], TABLES * numbers
     if dynamics.discretisation_coordinates or dynamics.eliminates:
-        patterns, tables = inexact_matrices(dynamics, c[0], states, rates[..., 0], slopes)
-    return Sensitivities(slopes, rates[..., 0], changes, inputs, patterns, tables)
+        patterns, tables = inexact_matrices(dynamics, c[0], states, rates, slopes)
+    return Sensitivities(slopes, rates, changes, inputs, patterns, tables)
+
+
+def changes_of_rates(
+    dynamics: Dynamics, c: Sequence[Any], times: Array, states: Array
+) -> tuple[Array, Array]:
+    """Return the rates (2 n, k) by the first coefficients, and what others change (2 n, m, k)."""
+    many = type(c[0])(*(np.array(values) for values in zip(*c, strict=True)))
+    rates = dynamics.derivative(many)(times[:, None], np.repeat(states[..., None], len(c), -1))
+    return rates[..., 0], np.moveaxis(rates[..., 1:] - rates[..., :1], -1, 1)
 
 
 def inexact_matrices(
@@ -345,14 +360,14 @@ def size_of_entries(matrices: Array) -> Array:
     return np.asarray(root[:, :, None] * root[:, None, :])
 
 
-def changed(dynamics: Dynamics, parameters: Any) -> Iterator[Any]:
+def changed(dynamics: Dynamics, parameters: Any, change: float) -> Iterator[Any]:
     """Yield the coefficients, and those with each parameter changed that is not 0."""
     yield dynamics.coefficients(parameters)
     for name, value in parameters.as_dict().items():
         if isinstance(value, float) and value:
-            for change in (CHANGE, -CHANGE):
+            for share in (change, -change):
                 try:
-                    yield dynamics.coefficients(parameters.replace(**{name: value * (1 + change)}))
+                    yield dynamics.coefficients(parameters.replace(**{name: value * (1 + share)}))
                 except ParameterError:
                     continue
                 break
