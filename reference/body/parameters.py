@@ -31,9 +31,9 @@ class BodyParameters(Parameters):
     moment_1: float = quantity(0.004, "I_1", "kg m^2", "chosen", "principal, about C")
     moment_2: float = quantity(0.006, "I_2", "kg m^2", "chosen", "principal, about C")
     moment_3: float = quantity(0.007, "I_3", "kg m^2", "chosen", "principal, about C")
-    axes_x: float = quantity(0.4, "a_x", "rad", "chosen", "rotation of principal axes", "any")
-    axes_y: float = quantity(-0.7, "a_y", "rad", "chosen", "rotation of principal axes", "any")
-    axes_z: float = quantity(0.5, "a_z", "rad", "chosen", "rotation of principal axes", "any")
+    axes_x: float = quantity(0.4, "a_x", "rad", "chosen", "rotation of principal axes", "angle")
+    axes_y: float = quantity(-0.7, "a_y", "rad", "chosen", "rotation of principal axes", "angle")
+    axes_z: float = quantity(0.5, "a_z", "rad", "chosen", "rotation of principal axes", "angle")
     gravity_x: float = quantity(0.0, "g_x", "m/s^2", "chosen", "in the world", "any")
     gravity_y: float = quantity(0.0, "g_y", "m/s^2", "chosen", "in the world", "any")
     gravity_z: float = quantity(0.0, "g_z", "m/s^2", "chosen", "in the world", "any")
@@ -109,20 +109,21 @@ def inexact_numbers(c: Any, change: float) -> Iterator[Any]:
     beside the radii of gyration makes J and K ill-conditioned: about it hardly anything is left of
     terms that cancel, while rounding of the arm and of the moments leaves them as they should be.
     """
+    c = type(c)(*np.broadcast_arrays(*c))
     root = np.sqrt(np.abs(c[3:6]))
     rows, columns = np.transpose(PLACES)
-    inverse = np.zeros((3, 3))
+    inverse = np.zeros((3, 3, *np.shape(c[0])))
     inverse[rows, columns] = inverse[columns, rows] = c[9:15]
     for k, (i, j) in enumerate(PLACES):
         share = change * root[i] * root[j]
         numbers = list(c)
-        numbers[3 + k] += share
+        numbers[3 + k] = numbers[3 + k] + share
         yield type(c)(*numbers)
-        spread = share * np.outer(inverse[i], inverse[j])
-        spread = spread + spread.T if i != j else spread
+        spread = share * inverse[i][:, None] * inverse[j]
+        spread = spread + spread.swapaxes(0, 1) if i != j else spread
         yield type(c)(*c[:9], *(c[9:15] - spread[rows, columns]), *c[15:])
     for name, value in zip(c._fields, c, strict=True):
-        if value:
+        if np.any(value):
             yield c._replace(**{name: value * (1 + change)})
 
 
