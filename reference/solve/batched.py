@@ -147,7 +147,7 @@ def solve_many(
     half of it; the change predicts the number that it needs, until its bound is below
     ``tolerance`` times its range. The bound is 1/4 of the change that the last halving
     made: 64 times what the order 8 predicts for the finer run, which is returned. Where
-    rounding stops the change from falling, or the steps end, it is the change. Three times
+    rounding stops the change from falling, or the steps end, it is twice the change. Three times
     what a `RELATIVE_PERTURBATION` of start and rates and `perturbed` coefficients make is added for
     rounding. heyoka solves
     to rounding, whatever ``tolerance`` is, see `taylor.solve_points`. A chaotic or unstable
@@ -296,7 +296,7 @@ def _solve_points(
                         np.max(np.abs(off - coarse), axis=2), size
                     )
             states[:, block] = fine
-            bound[:, block] = np.where(done, change / HALVING, change)
+            bound[:, block] = np.where(done, change / HALVING, 2 * change)
             bound[:, block] += np.where(np.isfinite(rounding), rounding, np.inf)
             before[block] = relative
             wanted[block] = np.minimum(2 * half * np.clip(growth, *GROWTH), most)

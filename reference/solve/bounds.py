@@ -49,6 +49,9 @@ DEGREE = 14
 HALF_UNIT = EPS / 2
 """Largest relative error of a rounded number."""
 
+BLOCK = 32
+"""States of a continuum whose equations are evaluated together."""
+
 PATTERNS = 16
 """Draws of the rounding of a continuum's matrices, whose effects are squared and averaged."""
 
@@ -270,7 +273,23 @@ def flow_matrices(dynamics: Dynamics, parameters: Any, run: Samples, first: Arra
 def slopes_of(dynamics: Dynamics, parameters: Any, times: Array, states: Array) -> Array:
     """Return the derivatives (k, 2 n, 2 n) of the rates by states (2 n, k)."""
     derivative = dynamics.right_hand_side(parameters)
-    return np.moveaxis(by_complex_step(lambda x: derivative(times, x), states)[1], -1, 0)
+
+    def slopes(times: Array, states: Array) -> Array:
+        return by_complex_step(lambda x: derivative(times, x), states)[1]
+
+    return np.moveaxis(in_blocks(slopes, dynamics, times, states), -1, 0)
+
+
+def in_blocks(
+    function: Callable[[Array, Array], Array], dynamics: Dynamics, times: Array, states: Array
+) -> Array:
+    """Return a function (..., k) of times (k,) and states (2 n, k), of a continuum in blocks.
+
+    The arrays within its equations are a thousand times as large as its states.
+    """
+    block = BLOCK if dynamics.discretisation_coordinates else len(times)
+    parts = [np.s_[i : i + block] for i in range(0, len(times), block)]
+    return np.concatenate([function(times[part], states[:, part]) for part in parts], axis=-1)
 
 
 def sensitivities(
@@ -305,9 +324,14 @@ def changes_of_rates(
     dynamics: Dynamics, c: Sequence[Any], times: Array, states: Array
 ) -> tuple[Array, Array]:
     """Return the rates (2 n, k) by the first coefficients, and what others change (2 n, m, k)."""
-    many = type(c[0])(*(np.array(values) for values in zip(*c, strict=True)))
-    rates = dynamics.derivative(many)(times[:, None], np.repeat(states[..., None], len(c), -1))
-    return rates[..., 0], np.moveaxis(rates[..., 1:] - rates[..., :1], -1, 1)
+    derivative = dynamics.derivative(type(c[0])(*map(np.array, zip(*c, strict=True))))
+
+    def all_rates(times: Array, states: Array) -> Array:
+        rates = derivative(times[:, None], np.repeat(states[..., None], len(c), -1))
+        return np.moveaxis(rates, -1, 1)
+
+    rates = in_blocks(all_rates, dynamics, times, states)
+    return rates[:, 0], rates[:, 1:] - rates[:, :1]
 
 
 def inexact_matrices(

@@ -6,6 +6,7 @@ The figures of all draws are printed by ``python -m mbcheck.tests.support.precis
 from __future__ import annotations
 
 import dataclasses
+import tracemalloc
 from collections.abc import Mapping
 from functools import partial
 from typing import Any
@@ -17,7 +18,7 @@ import pytest
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.scene import Array
 from mbcheck.reference.solve.batched import BatchMethod, solve_many
-from mbcheck.reference.solve.bounds import DEVIATIONS, HALF_UNIT, sensitivities
+from mbcheck.reference.solve.bounds import DEVIATIONS, HALF_UNIT, sensitivities, slopes_of
 from mbcheck.reference.solve.single import MOST_PARTS, solve, straightened
 from mbcheck.tests.support.precise.beam import Beam
 from mbcheck.tests.support.precise.compare import compare, precision, system_of
@@ -172,6 +173,17 @@ def test_accelerations_of_a_body_are_rounded_as_its_bound_says(
         assert number not in corners or np.max(by_parameters) > 1e3
     assert 0.3 < np.sqrt(np.mean(np.square(shares))) < 1.3
     assert np.max(shares) < DEVIATIONS
+
+
+def test_slopes_of_a_continuum_take_little_memory() -> None:
+    scene = get_scene("rotating_beam")
+    states = 1e-3 * np.ones((len(scene.state_names), 500))
+    tracemalloc.start()
+    slopes = slopes_of(scene, scene.parameters(), np.zeros(500), states)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert np.all(np.ptp(slopes, axis=0) == 0)
+    assert peak < 5e7
 
 
 def test_states_are_looked_at_where_they_bend() -> None:
