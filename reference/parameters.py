@@ -110,7 +110,8 @@ class Parameters:
                 number: Any = np.array(value, dtype=float) if many else as_number(value)
             except (TypeError, ValueError, OverflowError):
                 raise ParameterError(f"{item.name} must be a number, not {value!r}") from None
-            inside, words = BOUNDS[item.metadata["bound"]]
+            kind = "angle" if item.metadata["unit"] == "rad" else item.metadata["bound"]
+            inside, words = BOUNDS[kind]
             finite = np.isfinite(number) if many else math.isfinite(number)
             for fits, what in ((finite, "finite"), (inside(number), words)):
                 if not (np.all(fits) if many else fits):

@@ -50,7 +50,7 @@ class FloatingBeam(BodyParameters):
     hinge_damping: float = quantity(
         0.002, "d", "N m s/rad", "chosen", "torsion damper of each hinge", "non-negative"
     )
-    twist: float = quantity(0.9, "tau", "rad", "chosen", "of a hinge's axis to the next", "angle")
+    twist: float = quantity(0.9, "tau", "rad", "chosen", "of a hinge's axis to the next", "any")
 
     @property
     def rod_length(self) -> Any:

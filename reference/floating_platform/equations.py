@@ -46,8 +46,8 @@ class FloatingPlatform(BodyParameters):
     rod_length: float = quantity(0.12, "l", "m", "chosen", "of the rod", "non-negative")
     rod_moment: float = quantity(2e-4, "I_3", "kg m^2", "chosen", "of its mass, about any axis")
     rod_place: float = quantity(0.1, "a", "m", "chosen", "of the rod's hinge along x", "any")
-    tilt: float = quantity(0.6, "tau", "rad", "chosen", "of the rod's hinge about x", "angle")
-    installation_angle: float = quantity(0.5, "beta", "rad", "chosen", "rod, spring loose", "angle")
+    tilt: float = quantity(0.6, "tau", "rad", "chosen", "of the rod's hinge about x", "any")
+    installation_angle: float = quantity(0.5, "beta", "rad", "chosen", "rod, spring relaxed", "any")
     rod_stiffness: float = quantity(4.0, "k", "N m/rad", "chosen", "torsion spring", "non-negative")
     rod_damping: float = quantity(
         0.004, "d", "N m s/rad", "chosen", "torsion damper", "non-negative"

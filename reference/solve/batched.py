@@ -96,7 +96,7 @@ def perturbed(dynamics: Dynamics, c: Any) -> Any:
     if dynamics.discretisation_coordinates:
         return c
     each = [*dynamics.inexact_numbers(c, INEXACT)] or [
-        c._replace(**{name: value * (1 + INEXACT)}) for name, value in zip(c._fields, c, strict=True)
+        c._replace(**{name: getattr(c, name) * (1 + INEXACT)}) for name in c._fields
     ]
     signs = np.random.default_rng(len(each)).choice([-1.0, 1.0], len(each))
     return type(c)(

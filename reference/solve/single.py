@@ -52,9 +52,8 @@ STRAIGHT = 0.1
 MOST_PARTS = 8
 """Most parts that an interval is divided into for that."""
 
-LEAST = 1e-3
-"""Smallest size of a quaternion's coordinate, in that of the largest: its tolerance is then a unit of
-rounding of these."""
+LEAST = 1e-4
+"""Smallest size of a quaternion's coordinate, in that of the largest, whose rounding it shares."""
 
 FIRST = (100, 37, 173)
 """First steps of stiff runs are such parts of them."""

@@ -397,8 +397,10 @@ def test_frequencies_beside_a_heavy_tip_keep_their_digits(alpha: float) -> None:
     with mpmath.workdps(40):
         for omega, bound in zip(found.omega, found.bound, strict=True):
             root = mpmath.findroot(
-                lambda k: (1 + mpmath.cos(k) * mpmath.cosh(k)) / (alpha * mpmath.cosh(k))
-                + k * (mpmath.cos(k) * mpmath.tanh(k) - mpmath.sin(k)),
+                lambda k: (
+                    (1 + mpmath.cos(k) * mpmath.cosh(k)) / (alpha * mpmath.cosh(k))
+                    + k * (mpmath.cos(k) * mpmath.tanh(k) - mpmath.sin(k))
+                ),
                 mpmath.sqrt(float(omega)),
             )
             assert abs(omega - root**2) <= bound < 1e-12 * omega
