@@ -52,7 +52,7 @@ STRAIGHT = 0.1
 MOST_PARTS = 8
 """Most parts that an interval is divided into for that."""
 
-LEAST = 1e-4
+LEAST = 1e-3
 """Smallest size of a quaternion's coordinate, in that of the largest, whose rounding it shares."""
 
 FIRST = (100, 37, 173)
