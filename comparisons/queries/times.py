@@ -15,6 +15,9 @@ from ...reference.solve.solution import sample_times
 SHORTEST_STEP = 1 / 1024
 """Times that need a step below this share of the default step have no spacing in common."""
 
+SHORTEST_RUN = 1e-150
+"""Shortest run [s]; no number is left for the squares of the steps of a much shorter one."""
+
 MOST_STEPS = 10**8
 """A default step that needs more steps is refused, since the run would take hours; a step that the
 user gives may need more."""
@@ -39,8 +42,10 @@ def times_array(times: ArrayLike) -> Array:
     if row.ndim != 1:
         raise UsageError("sample times must be one row of numbers")
     row = sample_times(row, 0.0)
-    if row[-1] == 0:
-        raise UsageError("nothing to simulate: the last sample time must be after t = 0")
+    if row[-1] < SHORTEST_RUN:
+        raise UsageError(
+            f"nothing to simulate: the last sample time must be {SHORTEST_RUN:g} s or more"
+        )
     return row
 
 

@@ -109,20 +109,21 @@ def inexact_numbers(c: Any, change: float) -> Iterator[Any]:
     beside the radii of gyration makes J and K ill-conditioned: about it hardly anything is left of
     terms that cancel, while rounding of the arm and of the moments leaves them as they should be.
     """
+    c = type(c)(*np.broadcast_arrays(*c))
     root = np.sqrt(np.abs(c[3:6]))
     rows, columns = np.transpose(PLACES)
-    inverse = np.zeros((3, 3))
+    inverse = np.zeros((3, 3, *np.shape(c[0])))
     inverse[rows, columns] = inverse[columns, rows] = c[9:15]
     for k, (i, j) in enumerate(PLACES):
         share = change * root[i] * root[j]
         numbers = list(c)
-        numbers[3 + k] += share
+        numbers[3 + k] = numbers[3 + k] + share
         yield type(c)(*numbers)
-        spread = share * np.outer(inverse[i], inverse[j])
-        spread = spread + spread.T if i != j else spread
+        spread = share * inverse[i][:, None] * inverse[j]
+        spread = spread + spread.swapaxes(0, 1) if i != j else spread
         yield type(c)(*c[:9], *(c[9:15] - spread[rows, columns]), *c[15:])
     for name, value in zip(c._fields, c, strict=True):
-        if value:
+        if np.any(value):
             yield c._replace(**{name: value * (1 + change)})
 
 

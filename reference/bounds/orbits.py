@@ -250,7 +250,7 @@ def orbit_bounds(scene: EquationsOfMotion, parameters: Any, orbit: Orbit) -> Orb
     spectrum, scale = Spectrum.of(monodromy), fine.scale
     error = near.together(np.abs(near.unknowns.T)) / (1 - bent)
     off = near.together(np.abs(spectrum.changes((jacobians - jacobians[0])[..., :size])))
-    off += np.abs(spectrum.changes((slopes - other_slopes)[None, :, :size])[0])
+    off += 2 * np.abs(spectrum.changes((slopes - other_slopes)[None, :, :size])[0])
     off += rounding * spectrum.scatter(before, after)
     samples = rough.samples(near)
     spread = near.changes(samples) + (integration * scale)[:, None]

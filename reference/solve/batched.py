@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import DOP853
 
+from ..differences import EPS
 from ..errors import UsageError
 from ..scene import Array, Dynamics, coefficients_at
 from . import BACKENDS, HEYOKA
@@ -34,6 +35,10 @@ SETTLED = 1e-3
 BLOCK = 2048
 """Most points solved together in `solve_many`; about what the cache holds."""
 
+INEXACT = 4 * EPS
+"""Relative change of coefficients by which their rounding is judged: several units, since those of
+some may cancel those of others."""
+
 CALLS = 500
 """Points whose arithmetic takes as long as NumPy's calls do, whatever their number."""
 
@@ -47,7 +52,8 @@ class BatchMethod:
     tolerance : float
         Wanted error relative to the range of each state.
     backend : {"auto", "numpy", "heyoka"}
-        "auto" takes heyoka where it is installed and can solve the scene: no drive of it ends.
+        "auto" takes heyoka where it is installed and can solve the scene: no drive of it ends, and
+        no mass matrix is eliminated.
     most_steps : int
         Most steps of a point over its whole run, without heyoka.
 
@@ -80,6 +86,31 @@ class BatchMethod:
 
 
 AUTOMATIC = BatchMethod()
+
+
+def perturbed(dynamics: Dynamics, c: Any) -> Any:
+    """Return coefficients (...) each off by an `INEXACT` share of its terms, up or down.
+
+    Those of a continuum stay as they are: the place of a mass changes what its coordinates mean.
+    """
+    if dynamics.discretisation_coordinates:
+        return c
+    each = [*dynamics.inexact_numbers(c, INEXACT)] or [
+        c._replace(**{name: getattr(c, name) * (1 + INEXACT)}) for name in c._fields
+    ]
+    signs = np.random.default_rng(len(each)).choice([-1.0, 1.0], len(each))
+    return type(c)(
+        *(
+            value + sum(sign * (one - value) for sign, one in zip(signs, moved, strict=True))
+            for value, moved in zip(c, zip(*each, strict=True), strict=True)
+        )
+    )
+
+
+def derivatives(dynamics: Dynamics, c: Any) -> Callable[[Any], Any]:
+    """Return the right-hand sides of some points; where all are the same it is made once."""
+    common = None if any(map(np.ndim, c)) else dynamics.derivative(c)
+    return lambda points: common or dynamics.derivative(coefficients_at(c, points))
 
 
 def with_relative_perturbation(
@@ -116,8 +147,9 @@ def solve_many(
     half of it; the change predicts the number that it needs, until its bound is below
     ``tolerance`` times its range. The bound is 1/4 of the change that the last halving
     made: 64 times what the order 8 predicts for the finer run, which is returned. Where
-    rounding stops the change from falling, or the steps end, it is the change. Three times
-    what a `RELATIVE_PERTURBATION` of start and rates grows to is added for rounding. heyoka solves
+    rounding stops the change from falling, or the steps end, it is twice the change. Three times
+    what a `RELATIVE_PERTURBATION` of start and rates and `perturbed` coefficients make is added for
+    rounding. heyoka solves
     to rounding, whatever ``tolerance`` is, see `taylor.solve_points`. A chaotic or unstable
     point keeps the bound that it has, however large (or infinite).
 
@@ -189,7 +221,8 @@ def _by_heyoka(method: BatchMethod, dynamics: Dynamics, kind: type[Any], start_t
 
     able = taylor.solves(dynamics, kind)
     if method.backend == HEYOKA and not able:
-        raise UsageError(f"heyoka cannot solve {dynamics.name}, whose drive ends; numpy can")
+        why = "mass matrix is eliminated" if dynamics.eliminates else "drive ends"
+        raise UsageError(f"heyoka cannot solve {dynamics.name}, whose {why}; numpy can")
     return able
 
 
@@ -233,12 +266,12 @@ def _solve_points(
     most = max(method.most_steps // len(times), 2 * FIRST_STEPS)
     work = 0
     pending = np.arange(count)
-    common = None if any(map(np.ndim, c)) else dynamics.derivative(c)
+    answer, check = (derivatives(dynamics, one) for one in (c, perturbed(dynamics, c)))
     while pending.size:
         missed = []
         for block in _blocks(pending, wanted):
             half = int(wanted[block[-1]] + 1) // 2
-            derivative = common or dynamics.derivative(coefficients_at(c, block))
+            derivative = answer(block)
             with np.errstate(all="ignore"):
                 coarse, fine = (
                     _rk8_samples(derivative, points[:, block], start[block], times[:, block], steps)
@@ -255,22 +288,21 @@ def _solve_points(
                 last = done | stuck | (2 * half >= most)
                 rounding = np.zeros_like(size)
                 if np.any(last):
-                    perturbed = with_relative_perturbation(derivative)
+                    other = with_relative_perturbation(check(block))
                     starts = points[:, block] + RELATIVE_PERTURBATION * size
-                    off = _rk8_samples(perturbed, starts, start[block], times[:, block], half)
+                    off = _rk8_samples(other, starts, start[block], times[:, block], half)
                     work += half * len(times) * block.size
                     rounding = 3 * floor_relative_to_largest(
                         np.max(np.abs(off - coarse), axis=2), size
                     )
             states[:, block] = fine
-            bound[:, block] = np.where(done, change / HALVING, change)
+            bound[:, block] = np.where(done, change / HALVING, 2 * change)
             bound[:, block] += np.where(np.isfinite(rounding), rounding, np.inf)
             before[block] = relative
             wanted[block] = np.minimum(2 * half * np.clip(growth, *GROWTH), most)
             missed.append(block[~last])
         pending = np.concatenate(missed)
-    eps = np.finfo(float).eps
-    bound = np.nan_to_num(bound + 8 * eps * np.max(np.abs(states), axis=2), nan=np.inf)
+    bound = np.nan_to_num(bound + 8 * EPS * np.max(np.abs(states), axis=2), nan=np.inf)
     return Solution(times, states, bound, work, work * DOP853.n_stages)
 
 

@@ -11,7 +11,7 @@ R. Soc. A 357, 983-1019).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,6 +25,10 @@ from .rk8 import rk8_steps
 CHANGE = 2.0**-36
 """Relative change of a parameter by which its influence is measured; rounding of the rates has
 the same condition, and is a ten-thousandth of it."""
+
+CONTINUOUS = 0.75
+"""Largest share of a change of the rates that half the change of a parameter makes, unless the
+parameter changes what coordinates mean: a mass that leaves the tip does."""
 
 GAUSS = 0.5 - np.sqrt(3) / 6, 0.5 + np.sqrt(3) / 6
 """Where J is taken in an interval."""
@@ -44,6 +48,9 @@ DEGREE = 14
 
 HALF_UNIT = EPS / 2
 """Largest relative error of a rounded number."""
+
+BLOCK = 32
+"""States of a continuum whose equations are evaluated together."""
 
 PATTERNS = 16
 """Draws of the rounding of a continuum's matrices, whose effects are squared and averaged."""
@@ -266,7 +273,23 @@ def flow_matrices(dynamics: Dynamics, parameters: Any, run: Samples, first: Arra
 def slopes_of(dynamics: Dynamics, parameters: Any, times: Array, states: Array) -> Array:
     """Return the derivatives (k, 2 n, 2 n) of the rates by states (2 n, k)."""
     derivative = dynamics.right_hand_side(parameters)
-    return np.moveaxis(by_complex_step(lambda x: derivative(times, x), states)[1], -1, 0)
+
+    def slopes(times: Array, states: Array) -> Array:
+        return by_complex_step(lambda x: derivative(times, x), states)[1]
+
+    return np.moveaxis(in_blocks(slopes, dynamics, times, states), -1, 0)
+
+
+def in_blocks(
+    function: Callable[[Array, Array], Array], dynamics: Dynamics, times: Array, states: Array
+) -> Array:
+    """Return a function (..., k) of times (k,) and states (2 n, k), of a continuum in blocks.
+
+    The arrays within its equations are a thousand times as large as its states.
+    """
+    block = BLOCK if dynamics.discretisation_coordinates else len(times)
+    parts = [np.s_[i : i + block] for i in range(0, len(times), block)]
+    return np.concatenate([function(times[part], states[:, part]) for part in parts], axis=-1)
 
 
 def sensitivities(
@@ -275,24 +298,40 @@ def sensitivities(
     """Return what changes the rates at times (k,) and states (2 n, k)."""
     derivative = dynamics.right_hand_side(parameters)
     slopes = slopes_of(dynamics, parameters, times, states)
-    c = list(changed(dynamics, parameters))
+    c = list(changed(dynamics, parameters, CHANGE))
     last = len(c)
     c += dynamics.inexact_numbers(c[0], CHANGE)
-    many = type(c[0])(*(np.array(values) for values in zip(*c, strict=True)))
-    rates = dynamics.derivative(many)(times[:, None], np.repeat(states[..., None], len(c), -1))
-    off = np.moveaxis(rates[..., 1:] - rates[..., :1], -1, 1)
+    rates, off = changes_of_rates(dynamics, c, times, states)
     moved, numbers = off[:, : last - 1], off[:, last - 1 :] / CHANGE
-    largest = [np.max(np.abs(values), axis=(0, -1)) for values in (moved, rates[..., :1])]
-    changes = moved[:, largest[0] < np.max(largest[1])] / CHANGE  # others change coordinates
-    later = derivative(times * (1 + CHANGE), states) - rates[..., 0]
+    size = np.max(np.abs(moved), axis=(0, -1))
+    if np.any(size >= np.max(np.abs(rates))):  # what changes coordinates does not halve
+        c = list(changed(dynamics, parameters, CHANGE / 2))
+        halved = changes_of_rates(dynamics, c, times, states)[1]
+        moved = moved[:, np.max(np.abs(halved), axis=(0, -1)) <= CONTINUOUS * size]
+    changes = moved / CHANGE
+    later = derivative(times * (1 + CHANGE), states) - rates
     inputs = np.concatenate(
         [changes, np.moveaxis(slopes, 0, -1) * states, later[:, None] / CHANGE, numbers], axis=1
     )
     inputs[: len(inputs) // 2] = 0.0  # the rate of a coordinate is a state, and copied
     patterns, tables = inputs[:, :0], TABLES * numbers
     if dynamics.discretisation_coordinates or dynamics.eliminates:
-        patterns, tables = inexact_matrices(dynamics, c[0], states, rates[..., 0], slopes)
-    return Sensitivities(slopes, rates[..., 0], changes, inputs, patterns, tables)
+        patterns, tables = inexact_matrices(dynamics, c[0], states, rates, slopes)
+    return Sensitivities(slopes, rates, changes, inputs, patterns, tables)
+
+
+def changes_of_rates(
+    dynamics: Dynamics, c: Sequence[Any], times: Array, states: Array
+) -> tuple[Array, Array]:
+    """Return the rates (2 n, k) by the first coefficients, and what others change (2 n, m, k)."""
+    derivative = dynamics.derivative(type(c[0])(*map(np.array, zip(*c, strict=True))))
+
+    def all_rates(times: Array, states: Array) -> Array:
+        rates = derivative(times[:, None], np.repeat(states[..., None], len(c), -1))
+        return np.moveaxis(rates, -1, 1)
+
+    rates = in_blocks(all_rates, dynamics, times, states)
+    return rates[:, 0], rates[:, 1:] - rates[:, :1]
 
 
 def inexact_matrices(
@@ -345,14 +384,14 @@ def size_of_entries(matrices: Array) -> Array:
     return np.asarray(root[:, :, None] * root[:, None, :])
 
 
-def changed(dynamics: Dynamics, parameters: Any) -> Iterator[Any]:
+def changed(dynamics: Dynamics, parameters: Any, change: float) -> Iterator[Any]:
     """Yield the coefficients, and those with each parameter changed that is not 0."""
     yield dynamics.coefficients(parameters)
     for name, value in parameters.as_dict().items():
         if isinstance(value, float) and value:
-            for change in (CHANGE, -CHANGE):
+            for share in (change, -change):
                 try:
-                    yield dynamics.coefficients(parameters.replace(**{name: value * (1 + change)}))
+                    yield dynamics.coefficients(parameters.replace(**{name: value * (1 + share)}))
                 except ParameterError:
                     continue
                 break

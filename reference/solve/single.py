@@ -52,6 +52,9 @@ STRAIGHT = 0.1
 MOST_PARTS = 8
 """Most parts that an interval is divided into for that."""
 
+LEAST = 1e-3
+"""Smallest size of a quaternion's coordinate, in that of the largest, whose rounding it shares."""
+
 FIRST = (100, 37, 173)
 """First steps of stiff runs are such parts of them."""
 
@@ -278,12 +281,17 @@ def with_companions(dynamics: Dynamics, sizes: Array) -> Array:
     """Return sizes (2 n,) of states, those of a continuum's coordinates the largest of their unit.
 
     The one that stretches least would else set the step: by waves along a beam, which no one sees.
-    Where there are no waves, each has its own.
+    Where there are no waves, each has its own; in a quaternion it is no less than a share of the
+    largest, for one that is 0 but for rounding would set the step by that.
     """
+    names, sizes = dynamics.state_names, sizes.copy()
+    for one in dynamics.quaternions:
+        for end in ("", "_dot"):
+            rows = [names.index(name + end) for name in one.coordinates]
+            sizes[rows] = np.maximum(sizes[rows], LEAST * np.max(sizes[rows]))
     if not dynamics.continuum.has_waves:
         return sizes
     inner = {*dynamics.discretisation_coordinates}
-    names = dynamics.state_names
     units = [dynamics.units[name] if name.removesuffix("_dot") in inner else name for name in names]
     largest: dict[str, float] = {}
     for unit, size in zip(units, sizes, strict=True):

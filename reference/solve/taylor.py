@@ -9,6 +9,7 @@ import heyoka as hy
 import numpy as np
 
 from ..scene import Array, Dynamics
+from .batched import perturbed
 from .solution import RELATIVE_PERTURBATION, Solution, floor_relative_to_largest, run_sizes
 
 TOLERANCES = (0.0, 1e-13)
@@ -30,7 +31,12 @@ def integrator(dynamics: Dynamics, kind: type[Any], tolerance: float) -> tuple[A
 
 
 def solves(dynamics: Dynamics, kind: type[Any]) -> bool:
-    """Return whether heyoka can solve a scene: a drive that ends compares times."""
+    """Return whether heyoka can solve a scene.
+
+    A drive that ends compares times, and an eliminated mass matrix takes minutes to compile.
+    """
+    if dynamics.eliminates:
+        return False
     try:
         integrator(dynamics, kind, TOLERANCES[0])  # type: ignore[arg-type]
     except TypeError:  # expressions are not compared
@@ -53,13 +59,15 @@ def solve_points(dynamics: Dynamics, c: Any, points: Array, times: Array, start:
     -------
     Solution
         The bound is three times the difference between runs at the two `TOLERANCES`; the check
-        starts off by a `RELATIVE_PERTURBATION`, because the answer's own errors are rounding.
+        starts off by a `RELATIVE_PERTURBATION` and has `perturbed` coefficients, because the
+        answer's own errors are rounding.
     """
     states, steps = _propagate(dynamics, c, points, times, start, TOLERANCES[0])
     with np.errstate(all="ignore"):
         size = run_sizes(states, times[-1] - start, points)
         starts = points + RELATIVE_PERTURBATION * np.where(np.isfinite(size), size, 0.0)
-        check, taken = _propagate(dynamics, c, starts, times, start, TOLERANCES[1])
+        off = perturbed(dynamics, c)
+        check, taken = _propagate(dynamics, off, starts, times, start, TOLERANCES[1])
         change = floor_relative_to_largest(np.max(np.abs(states - check), axis=2), size)
     bound = np.where(np.isfinite(change), 3 * change + 8 * np.finfo(float).eps * size, np.inf)
     return Solution(times, states, bound, steps + taken, steps + taken)

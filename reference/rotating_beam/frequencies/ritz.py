@@ -7,8 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
-from scipy.linalg import eigh
+from scipy.linalg import solve_triangular
 
+from ...bounds.modes import graded_svd
 from ...errors import MbcheckError
 from ...scene import Array
 from .numbers import NaturalModes, Numbers, check, pull
@@ -156,13 +157,17 @@ def ritz(n: Numbers, plane: str = "chordwise", count: int = 2) -> NaturalModes:
 
     def solve(degree: int) -> tuple[Array, Array, Array]:
         at, deflection = basis(ends, degree, *gauss(degree)), at_mass(n, ends, degree)
-        mass = gram(at.value, at.weight) + np.outer(deflection, deflection)
+        inertia = np.column_stack([at.value * np.sqrt(at.weight), deflection])
         stiffness = gram(at.curvature, at.weight)
         stiffness += gram(at.slope, pull(n, at.x) * at.weight)
-        # the inverse problem: the lowest frequencies are the best determined
-        inverse, vectors = eigh(mass, stiffness)
-        omega = np.sqrt(1 / inverse[::-1][:count] - shift)
+        factor = np.linalg.cholesky(stiffness)
+        # the inverse problem, in factors: the lowest frequencies are the best determined, and the
+        # others keep their digits beside that of a heavy mass
+        of_energy = solve_triangular(factor, inertia, lower=True)
+        inverse, left = (part[..., :count] for part in graded_svd(of_energy.T))
+        vectors = solve_triangular(factor, of_energy @ left / inverse, lower=True, trans="T")
         at_stations = basis(ends, degree, LOCAL, 0 * LOCAL)
-        return omega, at_stations.x, vectors[:, ::-1][:, :count].T @ at_stations.value
+        omega = np.sqrt(1 / inverse**2 - shift)
+        return omega, at_stations.x, vectors.T @ at_stations.value
 
     return converged(solve, count, lambda omega: 1 + shift / omega**2)

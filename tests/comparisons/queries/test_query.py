@@ -66,6 +66,12 @@ REFUSED: list[Refused] = [
     ),
     (lambda: mbcheck.simulate("hula_hoop", times=[]), UsageError, "not empty"),
     (lambda: mbcheck.simulate("hula_hoop", times=[0]), UsageError, "nothing to simulate"),
+    (lambda: mbcheck.simulate("hula_hoop", times=[1e-320]), UsageError, "must be 1e-150 s or more"),
+    (
+        lambda: mbcheck.simulate("rigid_body", parameters={"axes_x": 1e12}, times=[1]),
+        ParameterError,
+        "axes_x must be an angle of 1e\\+09 rad at most",
+    ),
     (lambda: mbcheck.simulate("hula_hoop", times=[2, 1]), UsageError, "increase"),
     (lambda: mbcheck.simulate("hula_hoop", times=np.ones((2, 2))), UsageError, "one row"),
     (lambda: mbcheck.simulate("hula_hoop", times=["a"]), UsageError, "numbers"),  # type: ignore[list-item]

@@ -388,3 +388,19 @@ def test_the_crossover_is_no_point() -> None:
     assert pair < at[10.0][2]
     two = [crossover(Numbers(1.0, 7.5 * UNIT, alpha), modes=2) for alpha in RATIOS]
     np.testing.assert_allclose(two, [0.6680, 0.6641, 0.6611], atol=1e-4)  # printed: 0.67
+
+
+@pytest.mark.parametrize("alpha", [1e-2, 620.0, 1e12])
+def test_frequencies_beside_a_heavy_tip_keep_their_digits(alpha: float) -> None:
+    """The characteristic equation of a cantilever with a mass at its tip, in 40 digits."""
+    found = ritz(Numbers(alpha=alpha), count=4)
+    with mpmath.workdps(40):
+        for omega, bound in zip(found.omega, found.bound, strict=True):
+            root = mpmath.findroot(
+                lambda k: (
+                    (1 + mpmath.cos(k) * mpmath.cosh(k)) / (alpha * mpmath.cosh(k))
+                    + k * (mpmath.cos(k) * mpmath.tanh(k) - mpmath.sin(k))
+                ),
+                mpmath.sqrt(float(omega)),
+            )
+            assert abs(omega - root**2) <= bound < 1e-12 * omega

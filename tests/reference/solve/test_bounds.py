@@ -6,7 +6,9 @@ The figures of all draws are printed by ``python -m mbcheck.tests.support.precis
 from __future__ import annotations
 
 import dataclasses
+import tracemalloc
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import gmpy2
@@ -15,7 +17,8 @@ import pytest
 
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.scene import Array
-from mbcheck.reference.solve.bounds import DEVIATIONS, HALF_UNIT, sensitivities
+from mbcheck.reference.solve.batched import BatchMethod, solve_many
+from mbcheck.reference.solve.bounds import DEVIATIONS, HALF_UNIT, sensitivities, slopes_of
 from mbcheck.reference.solve.single import MOST_PARTS, solve, straightened
 from mbcheck.tests.support.precise.beam import Beam
 from mbcheck.tests.support.precise.compare import compare, precision, system_of
@@ -93,6 +96,26 @@ def test_no_error_is_above_its_bound_where_that_is_hard(name: str) -> None:
     assert outcome.excess_in_time <= 1
 
 
+@pytest.mark.parametrize(("scene", "number"), [("rigid_body", 72), ("ball_hoop", 32)])
+def test_bounds_of_many_count_the_rounding_of_a_tensor(
+    monkeypatch: pytest.MonkeyPatch, scene: str, number: int
+) -> None:
+    """Their arms are long beside radii of gyration, and heyoka errs by rounding alone."""
+    method = BatchMethod(backend="heyoka")
+    monkeypatch.setattr(COMPARE, partial(solve_many, method=method))
+    assert compare(dataclasses.replace(run_of(scene, number), patience=0.3)).excess <= 1
+
+
+@pytest.mark.parametrize("backend", ["numpy", "heyoka"])
+def test_bounds_of_many_at_rest_count_the_rounding_of_forces(backend: str) -> None:
+    """The saddle's rate is 4.2 1/s: a unit of rounding of the forces grows by 1e9 in 5 s."""
+    run, method = PROVOCATIONS["at rest between balanced forces"].run, BatchMethod(backend=backend)
+    start = get_scene(run.scene).state(run.state)
+    unit = solve(get_scene(run.scene), run.parameters, start, [5.0]).error_bound
+    many = solve_many(get_scene(run.scene), run.parameters, start, [5.0], method=method)
+    assert np.all(many.error_bound > unit / 10)
+
+
 @pytest.mark.campaign
 @pytest.mark.parametrize("first", range(0, MANY, BLOCK))
 @pytest.mark.parametrize("scene", FEW)
@@ -157,6 +180,17 @@ def test_accelerations_of_a_body_are_rounded_as_its_bound_says(
         assert number not in corners or np.max(by_parameters) > 1e3
     assert 0.3 < np.sqrt(np.mean(np.square(shares))) < 1.3
     assert np.max(shares) < DEVIATIONS
+
+
+def test_slopes_of_a_continuum_take_little_memory() -> None:
+    scene = get_scene("rotating_beam")
+    states = 1e-3 * np.ones((len(scene.state_names), 500))
+    tracemalloc.start()
+    slopes = slopes_of(scene, scene.parameters(), np.zeros(500), states)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert np.all(np.ptp(slopes, axis=0) == 0)
+    assert peak < 5e7
 
 
 def test_states_are_looked_at_where_they_bend() -> None:

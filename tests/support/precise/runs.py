@@ -75,6 +75,7 @@ CRANK = {"crank_radius": 1.25 * (1 - 1e-10)}
 RAMP = {"angular_speed": 0.5, "ramp_time": 1e-4}
 WEIGHT = {"drive": "torque", "mass": 0.4, "hub_radius": 0.5, "gravity_x": 3.0, "gravity_y": -9.0}
 SWING = {"theta": 0.5, "theta_dot": 0.8, "b_3": 0.2, "b_8": 0.3}
+BALANCE = {"spring_rest": -3.7, "torque": 19.80204102886729}
 PULSE = {"drive": "torque", "torque_amplitude": 1e3, "torque_period": 1e-5}
 
 PROVOCATIONS: Mapping[str, Provocation] = {
@@ -83,6 +84,12 @@ PROVOCATIONS: Mapping[str, Provocation] = {
         provoking("hula_hoop", {"theta": 0.3, "y": 0.01}, 10.0, TENTHS), slow=True
     ),
     "saddle": Provocation(provoking("speed_regulator", TOP, 60.0, TENTHS, torque=0.0)),
+    "at rest between balanced forces": Provocation(
+        provoking("speed_regulator", {}, 25.0, TENTHS, **BALANCE)
+    ),
+    "slow between balanced forces": Provocation(
+        provoking("speed_regulator", {"phi": 1e-14}, 5.0, TENTHS, **BALANCE)
+    ),
     "nearly as long as the rod": Provocation(
         provoking("speed_regulator", {"phi": 0.5, "phi_dot": 5.0}, 3.0, TENTHS, **CRANK)
     ),
