@@ -14,6 +14,7 @@ from ...reference.errors import UnknownNameError, UsageError
 from ..checks import known as known_deviations
 from ..checks import suite
 from ..checks.execution import Execution, run_checks, unavailable
+from ..checks.refusals import narrowed
 from ..checks.verdict import PROFILES, Result
 from ..engines.protocol import Engine
 from ..engines.registry import LENT, checked_engines, get_engine, lent, resolve_selection
@@ -128,7 +129,7 @@ class CheckRequest:
         world_axes(self.axes)  # which refuses what is none
         if self.source == SOURCES[0]:
             checks = matching_checks(self, custom)
-            return suite.quick(checks) if self.quick else checks
+            return quick_checks(self, custom, checks) if self.quick and checks else checks
         if self.engines or self.methods or self.is_custom or self.placement:
             raise UsageError(
                 "--engine, --method, --set, --state, --horizon and --placement choose among checks "
@@ -176,6 +177,19 @@ def matching_checks(request: CheckRequest, custom: CustomCase | None) -> list[su
     cases = tuple(replace(case, placement=request.axes) for case in cases)
     checks = suite.plan_cases(cases, engines, *names)
     return checks if custom is None else applied(checks, custom)
+
+
+def quick_checks(
+    request: CheckRequest, custom: CustomCase | None, checks: Sequence[suite.Check]
+) -> list[suite.Check]:
+    """Return those of a quick answer; of an id that names none of these, all that it names."""
+    every = matching_checks(replace(request, ids=()), custom) if request.ids else checks
+    quick = {check.prefix for check in suite.quick(every)}
+    prefixes = set[str]() if request.ids else quick
+    for pattern in request.ids:
+        named = {check.prefix for check in checks if suite.matches(check, [pattern])}
+        prefixes |= quick & named or named
+    return narrowed(checks, "--quick", lambda one: one.prefix in prefixes)
 
 
 def listing_of(file: str | None) -> known_deviations.Listing:

@@ -2,28 +2,58 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from difflib import get_close_matches
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from ...reference.errors import CannotJudgeError, MbcheckError
+from ...reference.errors import CannotJudgeError, EngineError, MbcheckError, UsageError
 from ...reference.scene import Array
 from ..engines.run import call_engine
 from ..engines.setup import Setup
 from .free_vibrations import drowns
+from .kinds import algebra, one_step
 from .rules.cautions import RULES, cautions, explained
+from .verdict import Finding
+
+if TYPE_CHECKING:
+    from .suite import Task
 
 UNDRIVEN = 8
 """Steps in which a drive would be seen."""
 
 
+T = TypeVar("T", bound="Task")
+
+
+def narrowed(tasks: Sequence[T], option: str, keeps: Callable[[T], bool]) -> list[T]:
+    """Return the tasks that an option keeps.
+
+    Raises
+    ------
+    UsageError
+        If it keeps none: names the option, and the nearest ids of what it was given.
+    """
+    left = [task for task in tasks if keeps(task)]
+    if left:
+        return left
+    ids = [name for task in tasks for name in task.ids]
+    near = get_close_matches(option.partition(" ")[2].replace("*", ""), ids, cutoff=0)
+    hint = f"nearest ids: {', '.join(near)}" if near else "`mbcheck list` shows what there is"
+    raise UsageError(f"no check matches: none is left by {option}; {hint}")
+
+
 def refuse_undriven(setup: Setup) -> None:
-    """Refuse an engine that has no part of a force that stands in no file.
+    """Refuse an engine that does not take a force in time, which stands in no file.
 
     Raises
     ------
     CannotJudgeError
         If it moves as without the drive, to the last digit.
+    EngineError
+        ``drive``, if it moves alike with and without the drive, but not as without.
     """
     case = setup.case
     still = replace(case, parameters=setup.scene.unforced(case.parameters))
@@ -38,11 +68,25 @@ def refuse_undriven(setup: Setup) -> None:
             return call_engine(lambda: ask(one.case, one.model, times, states))
         return one.simulate(setup.default_step, steps).matrix(setup.scene.observables)
 
-    if np.array_equal(seen(setup), seen(setup.with_case(still))):
-        raise CannotJudgeError(
-            "it moves as without the drive, a force in time that stands in system.force(...) and "
-            "system.controls(...), and in no file; see docs/engines.md"
+    undriven = setup.with_case(still)
+    if not np.array_equal(seen(setup), seen(undriven)):
+        return
+    measure = algebra.measure if setup.method is None else one_step.measure
+    findings = (item for item in measure(undriven) if isinstance(item, Finding))
+    worst = max(findings, key=lambda item: item.error / item.tolerance)
+    if worst.error > worst.tolerance:
+        raise EngineError(
+            "drive",
+            "it moves alike with and without this case's drive, and without it is off by "
+            f"{worst.error / worst.tolerance:.3g} times the tolerance of {worst.quantity}: the "
+            "drive of an earlier case is still applied, unless models without controls deviate "
+            "too; read system.terms of each system anew, since systems with the same file differ "
+            "in them",
         )
+    raise CannotJudgeError(
+        "it moves as without the drive, a force in time that stands in system.force(...) and "
+        "system.controls(...), and in no file; see docs/engines.md"
+    )
 
 
 def refuse_unstable(setup: Setup) -> None:

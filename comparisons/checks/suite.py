@@ -15,7 +15,6 @@ from ...reference.errors import (
     EngineError,
     MbcheckError,
     UnknownNameError,
-    UsageError,
 )
 from ...reference.scene import Case
 from ..engines.adapter import Adapter
@@ -31,7 +30,7 @@ from ..engines.run import describe, excerpt, noting, traceback_of
 from ..engines.setup import Setup
 from .diagnosis.cause import cause
 from .kinds import algebra, energy, frequency, one_step, order, parts, stability, trajectory
-from .refusals import refuse_undriven, refuse_unstable
+from .refusals import narrowed, refuse_undriven, refuse_unstable
 from .rules.cautions import cautions, explained
 from .verdict import (
     PROFILES,
@@ -264,16 +263,16 @@ def plan_cases(
         if not kinds or kind in kinds
         for engine in engines
         for check in planned(kind, case, engine)
-        if full or not check.full_only
         if not methods or (check.method is not None and check.method.name in methods)
     ]
     failed = broken_engines(engines)
     checks = [check for check in checks if (check.loaded_as or check.engine) not in failed]
-    if ids:
-        checks = [check for check in checks if matches(check, ids)]
-    if not checks and engines and not failed:
-        raise UsageError("no check matches; `mbcheck list` shows what there is")
-    return checks
+    if failed or not engines:
+        checks = [check for check in checks if full or not check.full_only]
+        return [check for check in checks if not ids or matches(check, ids)]
+    checks = narrowed(checks, "these scenes, kinds and methods", lambda one: True)
+    checks = narrowed(checks, f"--id {' '.join(ids)}", lambda one: not ids or matches(one, ids))
+    return narrowed(checks, "a run without --full", lambda one: full or not one.full_only)
 
 
 def planned(kind: str, case: Case, engine_name: str) -> list[Check]:

@@ -13,7 +13,8 @@ from time import perf_counter
 
 import numpy as np
 
-from ...reference.errors import UnknownNameError, UsageError
+from ...reference.errors import UnknownNameError
+from ..checks.refusals import narrowed
 from ..checks.suite import Task, matches
 from ..checks.verdict import Result, Subject, Verdict
 from ..engines.registry import REFERENCE, resolve_selection
@@ -58,12 +59,10 @@ def plan(
         RowCheck(scene, row.kind, (row.name,), for_scene(Session(engines), scene).engines)
         for scene in scenes
         for row in tables(scene)[1]
-        if (full or not row.slow) and (not kinds or row.kind in kinds)
+        if not kinds or row.kind in kinds
     ]
-    checks = [check for check in checks if not ids or matches(check, ids)]
-    if not checks:
-        raise UsageError("no row matches; docs/ledger.md lists them, and the slow ones need --full")
-    return checks
+    checks = narrowed(checks, f"--id {' '.join(ids)}", lambda one: not ids or matches(one, ids))
+    return narrowed(checks, "a run without --full", lambda one: full or not one.takes_long)
 
 
 @lru_cache(maxsize=1)

@@ -18,6 +18,7 @@ import numpy as np
 from scipy.integrate import RK45
 
 from ..differences import PROBE
+from ..quaternions import product
 from ..scene import Array, Dynamics
 
 Step = Callable[[Any, list[float], float], list[float]]
@@ -119,6 +120,56 @@ class ScalarEquations:
         return [*f, -(self.c.omega**2) * q[-1]] if self.clock else f
 
 
+class VelocityEquations(ScalarEquations):
+    """A scene's equations for its velocities w: where quaternions turn, those of their bodies.
+
+    ``M_w w' = f_w`` with ``q' = T(q) w``, ``M_w = T' M T`` and ``f_w = T' (f - M T(q') w)``. The
+    columns of T for a quaternion are those of q (0, w) / 2: w is in the frame of the body.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of w, as observables.
+    n : int
+    damping : array (n, n)
+        Of the joints alone.
+    """
+
+    def __init__(self, dynamics: Dynamics, parameters: Any) -> None:
+        super().__init__(dynamics, parameters)
+        places = {name: i for i, name in enumerate(dynamics.coordinates)}
+        self.turning = [
+            [places.pop(name) for name in one.coordinates] for one in dynamics.quaternions
+        ]
+        self.plain = list(places.values())
+        rates = (name for one in dynamics.quaternions for name in one.rates)
+        self.names = (*(f"{name}_dot" for name in places), *rates)
+        self.n = len(self.names)
+        columns = self.columns(list(dynamics.completed({}).values())[: len(self.damping)])
+        self.damping = columns.T @ self.damping @ columns
+
+    def columns(self, q: Any, plain: float = 1.0) -> Array:
+        """Return T (n_q, n), or without ``plain`` what is linear in q of it."""
+        columns = np.zeros((len(q), self.n), dtype=np.asarray(q).dtype)
+        columns[self.plain, range(len(self.plain))] = plain
+        for first, places in zip(range(len(self.plain), self.n, 3), self.turning, strict=True):
+            turn = [q[i] for i in places]
+            for k, axis in enumerate(np.eye(3) / 2, first):
+                columns[places, k] = product(turn, [0.0, *axis])
+        return columns
+
+    def mass_and_forces(self, t: float, q: Any, v: Any, xp: Any = math) -> tuple[Any, Any]:
+        """Return M_w (n, n) and f_w (n,)."""
+        columns, mass = self.columns(q), np.array(self.dynamics.mass_matrix(q, self.c, math))
+        rates = columns @ v
+        force = super().forces(t, q, rates, xp) - mass @ self.columns(rates, plain=0.0) @ v
+        return columns.T @ mass @ columns, columns.T @ force
+
+    def forces(self, t: float, q: Any, v: Any, xp: Any = math) -> Any:
+        """Return f_w (n,)."""
+        return self.mass_and_forces(t, q, v, xp)[1]
+
+
 def explicit_runge_kutta(equations: ScalarEquations, tableau: Tableau) -> Step:
     """Return the step function of a tableau."""
     stages = [(math.fsum(row), moved(row)) for row in tableau.a]
@@ -149,6 +200,17 @@ def moved(weights: tuple[float, ...]) -> Callable[..., list[float]]:
     return function
 
 
+def mean_acceleration(
+    equations: ScalarEquations, t: Any, q: Any, v: Any, h: float, damping: Any = None
+) -> Array:
+    """Return ``(M + h D)^-1 f(q, v)``, by which velocities change in a step.
+
+    ``damping`` is the function that returns D, a value of `DAMPING`; without it D is 0.
+    """
+    mass, f = equations.mass_and_forces(t, q, v)
+    return np.linalg.solve(mass + h * damping(equations, t, q, v) if damping else mass, f)
+
+
 def semi_implicit_euler(equations: ScalarEquations, damping: Callable[..., Array]) -> Step:
     """Velocity first, implicit in some damping; then position with the new velocity.
 
@@ -159,8 +221,7 @@ def semi_implicit_euler(equations: ScalarEquations, damping: Callable[..., Array
 
     def step(t: Any, x: list[float], h: float) -> list[float]:
         q, v = x[:n], x[n:]
-        mass, f = equations.mass_and_forces(t, q, v)
-        change = np.linalg.solve(mass + h * damping(equations, t, q, v), f)
+        change = mean_acceleration(equations, t, q, v, h, damping)
         v = [v_i + h * float(a) for v_i, a in zip(v, change, strict=True)]
         return [*(q_i + h * v_i for q_i, v_i in zip(q, v, strict=True)), *v]
 
@@ -193,6 +254,9 @@ DAMPING = {
     "implicit_euler_velocity": all_damping,
 }
 """Which derivatives of the forces a semi-implicit Euler method takes at the end of its step."""
+
+OF_VELOCITIES: dict[str, Any] = {"ExplicitEuler": None, **DAMPING}
+"""The same of all schemes in whose step velocities do not depend on how rotations go on."""
 
 SCHEMES: dict[str, Callable[[ScalarEquations], Step]] = {
     name: (lambda equations, tableau=tableau: explicit_runge_kutta(equations, tableau))  # type: ignore[misc]

@@ -14,6 +14,7 @@ import numpy as np
 from ....reference import get_scene
 from ....reference.errors import EngineError
 from ....reference.scene import Array, Case
+from ....reference.solve.schemes import OF_VELOCITIES, VelocityEquations, mean_acceleration
 from ...engines.equations import ModelEquations, scene_equations
 from ...engines.run import run_many
 from ...engines.setup import Setup, power_of_two
@@ -68,8 +69,25 @@ def quantities(setup: Setup) -> tuple[str, ...]:
     """
     if setup.case.inconsistency or not startable(setup):
         return ()
-    last = ("scheme_residual",) if setup.scheme else ("extrapolated", "least_error")
-    return (*setup.observables, *last)
+    last = () if setup.scheme else ("extrapolated", "least_error")
+    by_scheme = setup.scheme or scheme_of_velocities(setup)
+    return (*setup.observables, *last, *(("scheme_residual",) if by_scheme else ()))
+
+
+def scheme_of_velocities(setup: Setup) -> str | None:
+    """Return the scheme of the velocities, where rotations make it none of the states.
+
+    How an engine advances rotations is not declared; of these schemes it does not matter in a step.
+    """
+    scheme, in_space = setup.integrator.scheme, setup.scene.quaternions and in_coordinates(setup)
+    return scheme if in_space and not setup.scheme and scheme in OF_VELOCITIES else None
+
+
+def in_coordinates(setup: Setup) -> bool:
+    """Return whether a model has the coordinates of its scene, and no others."""
+    scene = setup.solved_equations.scene
+    others = setup.has_constraints or scene.discretisation_coordinates
+    return scene is setup.scene and not others
 
 
 def startable(setup: Setup) -> bool:
@@ -156,7 +174,10 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
             )
         )
     if not scheme:
-        return [*findings, limit_of_steps(setup, cases, step, size), error_from_below(setup)]
+        findings += [limit_of_steps(setup, cases, step, size), error_from_below(setup)]
+        if scheme_of_velocities(setup):
+            findings.append(residual_of_velocities(setup, cases, step, values, right.size))
+        return findings
     states = list(range(len(setup.scene.observables)))
     window = Window(right.size, states, len(cases))
     away = window.distance(prediction.limit, right.values)
@@ -277,13 +298,65 @@ def predict(
             errors = prediction.shrinks * np.abs(values - prediction.limit)
             prediction = replace(prediction, errors=errors)
         largest = np.max(prediction.errors, axis=1, keepdims=True)  # its first term may vanish
-        largest = largest * slower(runs, order)
-        return replace(prediction, errors=np.broadcast_to(largest, values.shape))
+        errors = np.tile(largest * slower(runs, order), values.shape[1])
+        if order == 1 and in_coordinates(setup):
+            places, bounds = first_order_errors(setup, cases, step, right)
+            errors[places] = np.minimum(errors[places], bounds)
+        return replace(prediction, errors=errors)
     ideal = [
         rows(setup.solved_equations, setup.with_case(one).scheme_states(step, np.array([1])), names)
         for one in cases
     ]
     return by_scheme(setup.scheme, values, np.hstack(ideal), right)
+
+
+def velocities_at(
+    setup: Setup, cases: list[Case]
+) -> tuple[VelocityEquations, list[int], list[tuple[Any, ...]]]:
+    """Return the equations of velocities, their rows among observables, and (t, q, w) at starts."""
+    equations = setup.solved_equations
+    of = VelocityEquations(equations.scene, equations.parameters)
+    states = [(one.start_time, equations.start(one)) for one in cases]
+    starts = [(t, x[: len(x) // 2], rows(equations, x[:, None], of.names)[:, 0]) for t, x in states]
+    return of, [setup.observables.index(name) for name in of.names], starts
+
+
+def residual_of_velocities(
+    setup: Setup, cases: list[Case], step: float, values: Array, size: Array
+) -> Finding | Inconclusive:
+    """Judge velocities after a step by the scheme that they have."""
+    scheme, name = f"{scheme_of_velocities(setup)}", "scheme_residual"
+    kinds = setup.engine.joint_system(setup.case, setup.model).kinds
+    if kinds == ("free",) and scheme.startswith("implicit"):
+        reason = "engines turn a body that floats alone by implicit rules of their own"
+        return Inconclusive(name, reason)
+    (of, places, starts), damping = velocities_at(setup, cases), OF_VELOCITIES[scheme]
+    ideal = [w + step * mean_acceleration(of, t, q, w, step, damping) for t, q, w in starts]
+    away = float(np.max(np.abs(values[places] - np.transpose(ideal)) / size[places, None]))
+    room, reason = rounding(1, 1.0, setup.epsilon), f"distance of velocities from {scheme}"
+    return Finding(name, "1", away, 0.0, away, room, reason)
+
+
+def first_order_errors(
+    setup: Setup, cases: list[Case], step: float, right: Truth
+) -> tuple[list[int], Array]:
+    """Return rows of velocities, and by how much (k, n) a step of a right method of order 1 errs.
+
+    It takes each argument of the accelerations somewhere between the start and the end of the step,
+    and tells velocities at most half a step off, by accelerations of the start or of the end.
+    """
+    of, places, starts = velocities_at(setup, cases)
+    at_end = zip(
+        right.states.T, rows(setup.solved_equations, right.states, of.names).T, strict=True
+    )
+    errors = []
+    for (t, q, w), (later, faster) in zip(starts, at_end, strict=True):
+        moved = ((t, q, np.where(one, faster, w)) for one in np.eye(of.n))
+        arguments = [(t, q, w), (t, q, 0 * w), (t + step, q, w), (t, later[: len(q)], w), *moved]
+        pushed, still, *others = (mean_acceleration(of, *at, step) for at in arguments)
+        change = np.sum(np.abs(np.array(others) - pushed), axis=0)
+        errors.append(step / 2 * (2 * change + np.abs(still) + np.abs(pushed - still)))
+    return places, np.array(errors).T
 
 
 def slower(runs: list[Array], order: int) -> Array:

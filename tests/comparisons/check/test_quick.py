@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -49,6 +50,31 @@ def test_it_is_told_of() -> None:
     )
     assert document["selection"]["quick"] is True
     assert document["checks"]["planned"] == 1
+
+
+@pytest.mark.parametrize(
+    ("id", "count"),
+    [
+        ("*@forced/*", 1),  # of a quick answer, beside another model's
+        ("*/spinning_3hz_60n/order/mujoco/RK4/*", 1),  # of none
+        ("verification/hula_hoop/*", 5),
+    ],
+)
+def test_what_an_id_names_is_run(id: str, count: int) -> None:
+    request = CheckRequest(("hula_hoop",), ("mujoco",), ids=(id,), quick=True)
+    chosen = {check.prefix for check in request.select()}
+    assert len(chosen) == count
+    every = {check.prefix for check in replace(request, ids=()).select()}
+    assert (chosen <= every) == ("order" not in id)
+
+
+def test_what_leaves_nothing_is_named() -> None:
+    line = "check --quick hula_hoop --engine mujoco"
+    assert "none is left by --quick" in refusal(f"{line} --kind order")
+    said = refusal(f"{line} --id */point_mass_3hz_60n/stepp/*")
+    assert "none is left by --id */point_mass_3hz_60n/stepp/*; nearest ids: verif" in said
+    assert "/point_mass_3hz_60n/step/" in said
+    assert "none is left by a run without --full" in refusal(f"{line} --id */heavy_free_mass/*")
 
 
 @pytest.mark.parametrize("other", ["--full", "--source validation"])

@@ -91,8 +91,8 @@ def test_rows_are_chosen_by_kind_and_id() -> None:
     [
         ("hula_hop", "did you mean 'hula_hoop'"),
         ("--kind trajectory", "unknown kind of row 'trajectory'"),
-        ("--id 'x'", "no row matches"),
-        ("--id validation/hula_hoop/region_2", "the slow ones need --full"),
+        ("--id x", "none is left by --id x; nearest ids: validation/"),
+        ("--id validation/hula_hoop/region_2", "none is left by a run without --full"),
         ("--engine mujoco", "choose among checks of engines"),
         ("--method RK4", "choose among checks of engines"),
     ],

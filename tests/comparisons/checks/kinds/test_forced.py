@@ -59,6 +59,17 @@ class Undriven(MujocoPlugin):
         function(*self.at(system, *state))
 
 
+class Cached(MujocoPlugin):
+    """MuJoCo that keeps the terms of the first system of each file."""
+
+    methods: Any = MujocoPlugin.methods[:1]
+
+    def call(self, function: Any, system: Any, *state: Any) -> None:
+        """Call MuJoCo with these."""
+        kept = vars(self).setdefault("kept", {}).setdefault(system.mjcf, system.terms)
+        super().call(function, replace(system, terms=kept), *state)
+
+
 def results(engine: Any, case: Case, kinds: tuple[str, ...]) -> list[Result]:
     """Return what some kinds of check say of an engine on the model that a force drives."""
     one = adapt("forced:Driven", engine)
@@ -121,6 +132,13 @@ def test_an_engine_that_takes_no_controls_is_not_accused(kind: str) -> None:
     found = results(Undriven(), HULA, (kind,))
     assert {item.verdict for item in found} == {"skipped"}
     assert all(item.reason.startswith("it moves as without the drive") for item in found)
+
+
+@pytest.mark.parametrize("kind", ["parts", "algebra", "step", "trajectory"])
+def test_the_drive_of_an_earlier_case_is_an_error(kind: str) -> None:
+    found = results(Cached(), HULA, (kind,))
+    assert {item.verdict for item in found} == {"error"}
+    assert all("the drive of an earlier case is still applied" in item.reason for item in found)
 
 
 @pytest.mark.slow
