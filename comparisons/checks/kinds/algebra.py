@@ -14,7 +14,7 @@ from ....reference.solve.bounds import sensitivities
 from ...engines.equations import ModelEquations, scene_equations
 from ...engines.run import EPS, contained
 from ...engines.setup import Setup
-from ..tolerances import matrix_rounding
+from ..tolerances import OPERATIONS, largest_inertias, matrix_rounding
 from ..truth import permitted_horizon, sample_spacing, sizes
 from ..verdict import Finding, Inconclusive
 
@@ -22,9 +22,6 @@ STATES = 16
 SEED = 2011
 ROUNDING = 1e-10
 """Relative error granted to closed-form algebra; a thousand times what either engine needs."""
-
-OPERATIONS = 8
-"""Times that each term of a force or an inertia is rounded on its way into accelerations."""
 
 CANCELLED = 1e-4
 """`ROUNDING` of so small an entry is 45 units of rounding of the terms that it is the sum of."""
@@ -140,10 +137,15 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     reason = f"relative error over {STATES} random states"
     room = matrix_rounding(setup.epsilon, ROUNDING)
     cancelled = max(CANCELLED, CANCELLED * ROUNDING / EPS * setup.epsilon / room)
+    units = np.array([equations.scene.units.get(name, "1") for name in names])
     for name, reference in truths.items():
         if name not in answers:
             continue
-        scale = entry_sizes(reference, cancelled) if name == "mass_matrix" else reference
+        scale = reference
+        if name == "mass_matrix":
+            largest = np.sqrt(largest_inertias(reference, units[:, None] == units))
+            summed = OPERATIONS * setup.epsilon / room * np.outer(largest, largest)
+            scale = np.maximum(entry_sizes(reference, cancelled), summed)
         error = distance(answers[name], reference, scale)
         granted = room
         if name == "accelerations":

@@ -24,6 +24,7 @@ from ....models.kinematics import (
     gyroscopic_forces,
     inertial_force,
     inertias,
+    movers,
     weight,
     with_shares,
 )
@@ -33,7 +34,7 @@ from ....reference.errors import CannotJudgeError, Unsupported
 from ....reference.scene import Array
 from ...engines.run import contained
 from ...engines.setup import Setup
-from ..tolerances import matrix_rounding
+from ..tolerances import OPERATIONS, largest_inertias, matrix_rounding
 from ..verdict import Finding, Inconclusive
 from .algebra import ROUNDING, random_states
 
@@ -243,10 +244,13 @@ def of_mass_matrix(
     """Return the error of mass matrices (k, n, n), and the shares of masses and inertias."""
     names = inertial_names(whole)
     rows, columns = [], []
-    for position, matrix in zip(q, matrices, strict=True):
-        parts = inertias(whole, position)
-        right = np.sum(list(parts.values()), axis=0)
-        size = scale_of(right)
+    every = [inertias(whole, position) for position in q]
+    totals = np.array([np.sum(list(parts.values()), axis=0) for parts in every])
+    turns = np.isin(range(len(totals[0])), [i for turning, _ in movers(whole) for i in turning])
+    largest = np.sqrt(largest_inertias(totals, turns[:, None] == turns))
+    summed = OPERATIONS * room.unit / room.error * np.outer(largest, largest)
+    for parts, right, matrix in zip(every, totals, matrices, strict=True):
+        size = np.maximum(scale_of(right), summed)
         rows.append(((matrix - right) / size).ravel())
         columns.append(np.array([(parts[name] / size).ravel() for name in names]).T)
     worst = float(np.max(np.abs(rows)))
