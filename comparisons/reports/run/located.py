@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from ...checks.kinds.parts import WHOLE
 from ...checks.verdict import Result
 from ...engines.protocol import NO_ACCELERATIONS
 from ..words import with_unit
@@ -70,7 +71,11 @@ def faults(results: Sequence[Result], every: Sequence[Result]) -> Iterator[str]:
     matrix is off by the masses and inertias that are, where these are named.
     """
     explained = {item.check_id for item in results if item.quantity.startswith(MASS_SHARES)}
-    own = [r for r in results if r.quantity != "mass_matrix" or r.check_id not in explained]
+    own = [
+        r
+        for r in results
+        if r.quantity != "mass_matrix" or r.check_id not in explained or fault(r) != off(r)
+    ]
     for (text,), same in grouped(own, lambda r: (fault(r),)).items():
         worst = max(same, key=error_size)
         size = with_unit(worst.error, worst.unit, 2)
@@ -86,8 +91,9 @@ def fault(result: Result) -> str:
         return result.reason
     if result.cause:
         return result.cause
-    if result.kind == "parts" and result.quantity not in ("mass_matrix", "unexplained"):
-        return result.reason.partition("; ")[2]
+    said = result.reason.partition("; ")[2]
+    if result.kind == "parts" and said != WHOLE.get(result.quantity):
+        return said
     return off(result)
 
 
