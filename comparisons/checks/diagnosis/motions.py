@@ -322,8 +322,8 @@ def limited(seen: Seen) -> Iterator[str]:
         most = float(np.max(one))
         held = one > most * (1 - SEEN)
         whole = abs(most - float(f"{most:.{ROUND}g}")) <= SEEN * most
-        beyond = most > 0 and np.max(right) > most * (1 + SEEN)
-        if name.endswith("_dot") and whole and beyond and 1 < np.sum(held) < len(held):
+        beyond = most > 0 and np.max(right) > most and np.ptp(right[held]) > SEEN * most
+        if name.endswith("_dot") and whole and beyond:
             yield f"{name} never exceeds {most:.3g} {seen.setup.scene.units[name]}: it is clamped there"
 
 

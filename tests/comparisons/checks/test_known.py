@@ -333,6 +333,8 @@ def test_a_team_adopts_it() -> None:
     entries = tomllib.loads(Path("new.toml").read_text())["known"]
     assert entries
     assert all(item["reason"].startswith("TODO") for item in entries)
+    assert "the reason is still 'TODO: why does it deviate?'" in refusal(f"{RUN} --known new.toml")
+    file(Path("new.toml").read_text().replace(known.TODO, "issue 12"), "new.toml")
     code, found = document(f"{RUN} --known new.toml --strict-known")
     assert code == 0
     assert found["summary"]["known"] > 0
