@@ -76,17 +76,6 @@ class Fit(NamedTuple):
 
 
     @property
-    def added(self) -> int:
-        """How many candidates are none of the file's parts."""
-        return sum(one.added for one in self.chosen)
-
-    @property
-    def largest(self) -> float:
-        """The largest change of a share."""
-        shares = zip(self.chosen, self.values, strict=True)
-        return max((float(np.max(np.abs(x))) for one, x in shares if not one.added), default=0.0)
-
-    @property
     def is_meant(self) -> bool:
         """Whether the numbers are distinct, and each of them means something."""
         return self.distinct and all(self.said.values())
@@ -150,7 +139,7 @@ def explain(
     found = None
     if error > RUNNER_UP * granted:
         shares = [one for one in (*parts, *kinds(parts)) if is_visible(one, room)]
-        every = [*shares, *additions]
+        every = [*shares, *additions, *kinds(additions)]
         found = alone(every, rows, room) or in_pairs(every, rows, room)
         found = found or together(parts, additions, rows, room)
     if found is None:
@@ -176,13 +165,18 @@ def is_visible(part: Candidate, room: float) -> bool:
 
 
 def kinds(parts: Sequence[Candidate]) -> Iterator[Candidate]:
-    """Yield all parts of each kind that has several, by one share."""
+    """Yield all candidates of each kind that has several, by one number."""
     for kind in dict.fromkeys(one.name.partition(".")[0] for one in parts):
         same = [one for one in parts if one.name.startswith(f"{kind}.") and one.count]
-        if len(same) > 1:
+        if len(same) > 1 and same[0].columns.shape[1] == 1:
             columns = np.sum([one.columns for one in same], axis=0)
-            names = tuple(one.name for one in same)
-            yield Candidate(kind, columns, lambda x, kind=kind: f"each {kind}", members=names)
+            yield Candidate(
+                kind,
+                columns,
+                lambda x, same=same: "; ".join(one.words(x) for one in same),
+                same[0].added,
+                tuple(one.name for one in same),
+            )
 
 
 def fitted(chosen: Sequence[Candidate], rows: Array, room: float) -> Fit:
@@ -207,7 +201,13 @@ def the_only(fits: Iterable[Fit], granted: float) -> tuple[Fit, Others] | None:
     candidate.
     """
     near = [one for one in fits if one.left < RUNNER_UP * granted and one.is_meant]
-    near.sort(key=lambda fit: (fit.left > granted, fit.added, fit.largest))
+    near.sort(
+        key=lambda fit: (
+            fit.left > granted,
+            sum(one.added for one in fit.chosen),
+            0.0 if fit.chosen[0].added else float(np.max(np.abs(fit.values[0]))),
+        )
+    )
     if not near or near[0].left > granted:
         return None
     first, *rivals = near
@@ -271,30 +271,21 @@ def together(
         return np.asarray(rest - basis @ (basis.T @ rest))
 
     left, granted = across(rows), room * float(np.sqrt(len(rows)))
-    acting = [one for one in parts if one.count]
     wrong = np.abs(turned.T @ (basis.T @ rows / sizes)) > DISTINCT * np.linalg.norm(rows)
-    seen, replacing = [], list[tuple[Candidate, Candidate]]()
-    for one in additions:
+    seen = []
+    for one in (*additions, *kinds(additions)):
         rest = one._replace(columns=across(one.columns))
-        weights = np.abs(turned.T @ (basis.T @ one.columns / sizes[:, None]))
-        those = np.any(weights > APART * np.max(weights), axis=1)
         if np.linalg.norm(rest.columns) > APART * np.linalg.norm(one.columns):
             seen.append(rest)
-        elif len(acting) == count and np.count_nonzero(those) == 1:
-            replacing.append((one, acting[int(np.argmax(those))]))
-        elif not np.any(those & ~wrong):
+            continue
+        weights = np.abs(turned.T @ (basis.T @ one.columns / sizes[:, None]))
+        those = np.any(weights > APART * np.max(weights), axis=1)
+        if np.count_nonzero(those) > 1 and not np.any(those & ~wrong):
             return None
     found: tuple[Fit, Others] | None = (Fit((), (), (), 0.0), {})
     if np.linalg.norm(left) > granted:
         found = alone(seen, left, room) or in_pairs(seen, left, room)
     if found is None:
         return None
-    names = found[0].said
-    fit = fitted([*parts, *(one for one in additions if one.name in names)], rows, room)
-    others = dict(found[1])
-    for one, part in replacing:
-        place = fit.chosen.index(part)
-        if np.any(np.abs(fit.values[place]) > fit.moved[place]):
-            same = fitted([one], part.columns @ fit.values[place], room).said[one.name]
-            others[part.name] = (*others.get(part.name, ()), *([same] if same else []))
-    return fit, others
+    chosen = [one for one in (*additions, *kinds(additions)) if one.name in found[0].said]
+    return fitted([*parts, *chosen], rows, room), found[1]

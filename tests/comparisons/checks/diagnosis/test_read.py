@@ -72,7 +72,7 @@ READERS: dict[str, tuple[Reader, str, list[str]]] = {
     "springref": (
         Reader(system=without(SPRINGS, constant=0.0)),
         "speed_regulator",
-        ["rest length of spring of y is ignored"],
+        ["rest length of spring of y: dropped"],
     ),
     "another rest length": (
         Reader(
@@ -178,8 +178,10 @@ READERS: dict[str, tuple[Reader, str, list[str]]] = {
         Reader(bodies(about_origin)),
         "floating_platform",
         [
-            "each inertia tensor is taken about the origin of the body, "
-            "not about its centre of mass"
+            "; ".join(
+                f"inertia tensor of {name} is about its origin, not its centre of mass"
+                for name in ("body", "rotor", "rod")
+            )
         ],
     ),
 }
@@ -199,4 +201,4 @@ def test_what_a_reader_makes_of_a_file_is_named(name: str) -> None:
 
 def test_a_tensor_about_another_point_is_the_same_as_no_mass_in_a_mass_matrix() -> None:
     found = located(results(Reader(bodies(about_origin)), "rigid_body", ("parts",), explain=False))
-    assert found[1].startswith("  mass of body: dropped, or inertia tensor of body is taken about")
+    assert found[1].startswith("  mass of body: dropped, or inertia tensor of body is about")
