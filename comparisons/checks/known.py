@@ -318,7 +318,9 @@ def entry(number: int, line: int | None, table: Mapping[str, Any]) -> Entry:
         if key not in table:
             raise UsageError(f"{key} is missing")
     if table["reason"].strip() == TODO:
-        raise UsageError(f"the reason is still {TODO!r}: write why it deviates, or remove the entry")
+        raise UsageError(
+            f"the reason is still {TODO!r}: write why it deviates, or remove the entry"
+        )
     entry = Entry(number, line, **table)
     if entry.verdict not in COVERED:
         raise UnknownNameError("verdict", entry.verdict, COVERED)

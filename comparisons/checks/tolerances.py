@@ -80,8 +80,8 @@ def matrix_rounding(epsilon: float, granted: float) -> float:
 def largest_inertias(matrices: Array, alike: NDArray[np.bool_]) -> Array:
     """Return the largest inertia (n,) that enters the sums of each row of mass matrices (k, n, n).
 
-    It is that of the bodies beyond a joint about the farthest joint of the same unit (`alike`, (n, n)),
-    at least M_ij^2 / M_ii: far from the root of a chain what a sum leaves is small beside its terms.
+    It is that of the bodies beyond a joint i about the farthest joint j of the same unit (`alike`,
+    (n, n)), at least M_ij^2 / M_ii: at the end of a chain a sum is small beside its terms.
     """
     inertia = np.abs(np.diagonal(matrices, axis1=1, axis2=2))[:, :, None]
     about = np.where(alike, matrices**2 / np.where(inertia > 0, inertia, np.inf), 0.0)

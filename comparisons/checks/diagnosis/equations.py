@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ....reference.linear import linearise
+from ....reference.scene import Array
 from ...engines.equations import ModelEquations
 from ...engines.run import call_engine
 from ...engines.setup import Setup

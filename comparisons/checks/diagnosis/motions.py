@@ -34,7 +34,7 @@ FOLLOWED = 256
 """Steps in which a reset is looked for."""
 
 STRETCH, MOST_STRETCH = 1e-7, 1e-3
-"""Shares by which steps are tried to be longer, and up to which the motion changes in proportion."""
+"""Shares by which steps are tried to be longer, and up to which motions change in proportion."""
 
 ROUND = 2
 """Digits of a number that somebody has chosen."""
@@ -320,11 +320,12 @@ def limited(seen: Seen) -> Iterator[str]:
     """Yield which rates stop at a round number that right ones exceed."""
     for name, one, right in zip(seen.names, np.abs(seen.values), np.abs(seen.right), strict=True):
         most = float(np.max(one))
-        held = one > most * (1 - SEEN)
+        limit = one > most * (1 - SEEN)
         whole = abs(most - float(f"{most:.{ROUND}g}")) <= SEEN * most
-        beyond = most > 0 and np.max(right) > most and np.ptp(right[held]) > SEEN * most
+        beyond = most > 0 and np.max(right) > most and np.ptp(right[limit]) > SEEN * most
         if name.endswith("_dot") and whole and beyond:
-            yield f"{name} never exceeds {most:.3g} {seen.setup.scene.units[name]}: it is clamped there"
+            size = f"{most:.3g} {seen.setup.scene.units[name]}"
+            yield f"{name} never exceeds {size}: it is clamped there"
 
 
 def after_drive(seen: Seen) -> Iterator[str]:

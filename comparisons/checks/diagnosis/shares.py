@@ -23,13 +23,13 @@ RUNNER_UP = 10.0
 """How many times rounding every other explanation leaves at least, where one is named."""
 
 ROWS = 2
-"""Least number of rows for each share where all are fitted together."""
+"""Least number of rows for each share where all are fit_effects together."""
 
 MOST_OTHERS = 2
 """Most other explanations that are named beside one; where there are more, none is."""
 
 
-class Candidate(NamedTuple):
+class Effect(NamedTuple):
     """A part of a model, or what a reader of files may add or lose.
 
     Attributes
@@ -63,7 +63,7 @@ class Fit(NamedTuple):
     They are distinct where no other numbers leave the same.
     """
 
-    chosen: tuple[Candidate, ...]
+    effects: tuple[Effect, ...]
     values: tuple[Array, ...]
     moved: tuple[Array, ...]
     left: float
@@ -72,8 +72,7 @@ class Fit(NamedTuple):
     @property
     def said(self) -> dict[str, str]:
         """Meaning of the numbers of each candidate."""
-        return {one.name: one.words(x) for one, x in zip(self.chosen, self.values, strict=True)}
-
+        return {one.name: one.words(x) for one, x in zip(self.effects, self.values, strict=True)}
 
     @property
     def is_meant(self) -> bool:
@@ -99,7 +98,7 @@ class Explanation(NamedTuple):
         What an engine adds or loses that is no part, in words.
     left, granted : float
         What the shares of parts leave of the rows, and what rounding may.
-    found : bool
+    unique : bool
         Whether this explains all, and nothing else does.
     """
 
@@ -109,11 +108,11 @@ class Explanation(NamedTuple):
     added: tuple[str, ...]
     left: float
     granted: float
-    found: bool
+    unique: bool
 
 
 def explain(
-    parts: Sequence[Candidate], additions: Sequence[Candidate], rows: Array, room: float
+    parts: Sequence[Effect], additions: Sequence[Effect], rows: Array, room: float
 ) -> Explanation:
     """Explain rows (m,) by shares of parts, and by what readers of files add or lose.
 
@@ -122,55 +121,55 @@ def explain(
 
     Parameters
     ----------
-    parts, additions : sequence of Candidate
+    parts, additions : sequence of Effect
     rows : array (m,)
         What an engine has beside what it should have, relative.
     room : float
         What rounding may leave of a row.
     """
     granted, error = room * float(np.sqrt(len(rows))), float(np.linalg.norm(rows))
-    whole = fitted(parts, rows, room)
+    whole = fit_effects(parts, rows, room)
     names = [one.name for one in parts]
     tolerances = dict(zip(names, whole.moved, strict=True))
     if error <= granted:
         values = dict(zip(names, whole.values, strict=True))
         return Explanation(values, tolerances, {}, (), whole.left, granted, True)
     values = {name: 0 * x for name, x in zip(names, whole.values, strict=True)}
-    found = None
+    best = None
     if error > RUNNER_UP * granted:
         shares = [one for one in (*parts, *kinds(parts)) if is_visible(one, room)]
         every = [*shares, *additions, *kinds(additions)]
-        found = alone(every, rows, room) or in_pairs(every, rows, room)
-        found = found or together(parts, additions, rows, room)
-    if found is None:
+        best = alone(every, rows, room) or in_pairs(every, rows, room)
+        best = best or together(parts, additions, rows, room)
+    if best is None:
         return Explanation(values, tolerances, {}, (), error, granted, False)
-    fit, others = found
-    for one, x, moved in zip(fit.chosen, fit.values, fit.moved, strict=True):
+    fit, others = best
+    for one, x, moved in zip(fit.effects, fit.values, fit.moved, strict=True):
         values |= dict.fromkeys(one.members or (one.name,), x)
         tolerances |= dict.fromkeys(one.members or (one.name,), moved)
     explained = np.sum([one.columns @ values[one.name] for one in parts], axis=0)
     added = tuple(
         ", or ".join([fit.said[one.name], *others.get(one.name, ())])
-        for one in fit.chosen
+        for one in fit.effects
         if one.added
     )
     left = float(np.linalg.norm(rows - explained))
     return Explanation(values, tolerances, others, added, left, granted, True)
 
 
-def is_visible(part: Candidate, room: float) -> bool:
+def is_visible(part: Effect, room: float) -> bool:
     """Return whether rounding moves the share of a part by little."""
     size, along = np.sum(np.abs(part.columns), axis=0), np.sum(part.columns**2, axis=0)
     return bool(part.count and np.all(room * size[along > 0] < VISIBLE * along[along > 0]))
 
 
-def kinds(parts: Sequence[Candidate]) -> Iterator[Candidate]:
+def kinds(parts: Sequence[Effect]) -> Iterator[Effect]:
     """Yield all candidates of each kind that has several, by one number."""
     for kind in dict.fromkeys(one.name.partition(".")[0] for one in parts):
         same = [one for one in parts if one.name.startswith(f"{kind}.") and one.count]
         if len(same) > 1 and same[0].columns.shape[1] == 1:
             columns = np.sum([one.columns for one in same], axis=0)
-            yield Candidate(
+            yield Effect(
                 kind,
                 columns,
                 lambda x, same=same: "; ".join(one.words(x) for one in same),
@@ -179,19 +178,19 @@ def kinds(parts: Sequence[Candidate]) -> Iterator[Candidate]:
             )
 
 
-def fitted(chosen: Sequence[Candidate], rows: Array, room: float) -> Fit:
+def fit_effects(effects: Sequence[Effect], rows: Array, room: float) -> Fit:
     """Fit some candidates by least squares."""
-    columns = np.hstack([np.zeros((len(rows), 0)), *(one.columns for one in chosen)])
+    columns = np.hstack([np.zeros((len(rows), 0)), *(one.columns for one in effects)])
     size = np.max(np.abs(columns), axis=0, initial=0.0)
     acting = np.where(size > 0, size, 1.0)
     inverse = np.linalg.pinv(columns / acting, rcond=DISTINCT) / acting[:, None]
     distinct = bool(np.linalg.matrix_rank(columns / acting, DISTINCT) == np.count_nonzero(size))
     x = inverse @ rows
     moved = np.where(size > 0, room * np.sum(np.abs(inverse), axis=1), np.inf)
-    ends = np.cumsum([one.columns.shape[1] for one in chosen])[:-1]
+    ends = np.cumsum([one.columns.shape[1] for one in effects])[:-1]
     left = float(np.linalg.norm(rows - columns @ x))
     values, tolerances = (tuple(np.split(numbers, ends)) for numbers in (x, moved))
-    return Fit(tuple(chosen), values, tolerances, left, distinct)
+    return Fit(tuple(effects), values, tolerances, left, distinct)
 
 
 def the_only(fits: Iterable[Fit], granted: float) -> tuple[Fit, Others] | None:
@@ -204,8 +203,8 @@ def the_only(fits: Iterable[Fit], granted: float) -> tuple[Fit, Others] | None:
     near.sort(
         key=lambda fit: (
             fit.left > granted,
-            sum(one.added for one in fit.chosen),
-            0.0 if fit.chosen[0].added else float(np.max(np.abs(fit.values[0]))),
+            sum(one.added for one in fit.effects),
+            0.0 if fit.effects[0].added else float(np.max(np.abs(fit.values[0]))),
         )
     )
     if not near or near[0].left > granted:
@@ -215,7 +214,7 @@ def the_only(fits: Iterable[Fit], granted: float) -> tuple[Fit, Others] | None:
     for rival in rivals:
         mine = first.said.keys() - rival.said.keys()
         theirs = [text for name, text in rival.said.items() if name not in first.said]
-        if any(one.members and mine < {*one.members} for one in rival.chosen):
+        if any(one.members and mine < {*one.members} for one in rival.effects):
             continue  # the same part, with others of its kind that hardly act
         if len(mine) != 1 or len(theirs) != 1:
             return None
@@ -224,17 +223,17 @@ def the_only(fits: Iterable[Fit], granted: float) -> tuple[Fit, Others] | None:
     return None if any(len(rest) > MOST_OTHERS for rest in others.values()) else (first, others)
 
 
-def alone(every: Sequence[Candidate], rows: Array, room: float) -> tuple[Fit, Others] | None:
+def alone(every: Sequence[Effect], rows: Array, room: float) -> tuple[Fit, Others] | None:
     """Return the candidate of fewest numbers that explains all."""
     granted = room * float(np.sqrt(len(rows)))
     for count in sorted({one.count for one in every} - {0}):
-        fits = [fitted([one], rows, room) for one in every if one.count == count]
+        fits = [fit_effects([one], rows, room) for one in every if one.count == count]
         if any(one.left <= granted and one.is_meant for one in fits):
             return the_only(fits, granted)
     return None
 
 
-def in_pairs(every: Sequence[Candidate], rows: Array, room: float) -> tuple[Fit, Others] | None:
+def in_pairs(every: Sequence[Effect], rows: Array, room: float) -> tuple[Fit, Others] | None:
     """Return the two candidates, of one number each, that explain all."""
     single = [one for one in every if one.count == one.columns.shape[1] == 1]
     if len(single) < 2:
@@ -244,15 +243,13 @@ def in_pairs(every: Sequence[Candidate], rows: Array, room: float) -> tuple[Fit,
     apart = np.maximum(1 - both**2, DISTINCT)
     explained = (along[:, None] ** 2 + along**2 - 2 * both * np.outer(along, along)) / apart
     near = (explained > (1 - APART) * float(rows @ rows)) & (apart > DISTINCT)
-    pairs = [
-        (single[i], single[j]) for i, j in combinations(range(len(single)), 2) if near[i, j]
-    ]
-    fits = (fitted(pair, rows, room) for pair in pairs)
+    pairs = [(single[i], single[j]) for i, j in combinations(range(len(single)), 2) if near[i, j]]
+    fits = (fit_effects(pair, rows, room) for pair in pairs)
     return the_only(fits, room * float(np.sqrt(len(rows))))
 
 
 def together(
-    parts: Sequence[Candidate], additions: Sequence[Candidate], rows: Array, room: float
+    parts: Sequence[Effect], additions: Sequence[Effect], rows: Array, room: float
 ) -> tuple[Fit, Others] | None:
     """Return all parts, each by its share, with up to two additions, if they explain all.
 
@@ -261,7 +258,7 @@ def together(
     columns = np.hstack([one.columns for one in parts])
     columns = columns[:, np.any(columns, axis=0)]
     columns = columns / np.linalg.norm(columns, axis=0)
-    basis, sizes, turned = np.linalg.svd(columns, full_matrices=False)
+    basis, sizes, axes = np.linalg.svd(columns, full_matrices=False)
     count = len(sizes)
     if len(rows) < ROWS * count or sizes[-1] < APART * sizes[0]:
         return None
@@ -271,21 +268,21 @@ def together(
         return np.asarray(rest - basis @ (basis.T @ rest))
 
     left, granted = across(rows), room * float(np.sqrt(len(rows)))
-    wrong = np.abs(turned.T @ (basis.T @ rows / sizes)) > DISTINCT * np.linalg.norm(rows)
+    wrong = np.abs(axes.T @ (basis.T @ rows / sizes)) > DISTINCT * np.linalg.norm(rows)
     seen = []
     for one in (*additions, *kinds(additions)):
         rest = one._replace(columns=across(one.columns))
         if np.linalg.norm(rest.columns) > APART * np.linalg.norm(one.columns):
             seen.append(rest)
             continue
-        weights = np.abs(turned.T @ (basis.T @ one.columns / sizes[:, None]))
+        weights = np.abs(axes.T @ (basis.T @ one.columns / sizes[:, None]))
         those = np.any(weights > APART * np.max(weights), axis=1)
         if np.count_nonzero(those) > 1 and not np.any(those & ~wrong):
             return None
-    found: tuple[Fit, Others] | None = (Fit((), (), (), 0.0), {})
+    best: tuple[Fit, Others] | None = (Fit((), (), (), 0.0), {})
     if np.linalg.norm(left) > granted:
-        found = alone(seen, left, room) or in_pairs(seen, left, room)
-    if found is None:
+        best = alone(seen, left, room) or in_pairs(seen, left, room)
+    if best is None:
         return None
-    chosen = [one for one in (*additions, *kinds(additions)) if one.name in found[0].said]
-    return fitted([*parts, *chosen], rows, room), found[1]
+    effects = [one for one in (*additions, *kinds(additions)) if one.name in best[0].said]
+    return fit_effects([*parts, *effects], rows, room), best[1]

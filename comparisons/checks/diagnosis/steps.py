@@ -33,10 +33,14 @@ CLEAR = 0.2
 LEAST = 1e-11
 """Relative error that is no rounding of so few steps."""
 
-ANOTHER_MODEL = "it converges with its order, but to another motion: the model differs, not the method"
+ANOTHER_MODEL = (
+    "it converges with its order, but to another motion: the model differs, not the method"
+)
 """Of steps whose changes shrink as declared where they are halved, and whose limit is off."""
 
-ANOTHER_MOTION = "it converges with its order, but to another motion, though its accelerations are right"
+ANOTHER_MOTION = (
+    "it converges with its order, but to another motion, though its accelerations are right"
+)
 """The same where accelerations at random states have been compared."""
 
 UNMOVED = 1e-3
@@ -127,9 +131,7 @@ def rates_of(setup: Setup) -> NDArray[np.bool_]:
     return np.array([name.endswith("_dot") or name in turning for name in scene.observables])
 
 
-def half_a_step(
-    setup: Setup, cases: list[Case], length: float, parts: int, answer: Array
-) -> str:
+def half_a_step(setup: Setup, cases: list[Case], length: float, parts: int, answer: Array) -> str:
     """Return that rates after so many parts of a time [s] are those of another instant."""
     equations, names, rates = setup.solved_equations, setup.scene.observables, rates_of(setup)
     for share, word in ((0.0, ""), (-0.5, "behind"), (0.5, "ahead of")):

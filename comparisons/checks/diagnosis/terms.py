@@ -1,4 +1,4 @@
-"""What readers of files add to a model or lose of it, each by what it does to matrices or forces."""
+"""What readers of files add to a model or lose of it, by what it does to matrices or forces."""
 
 from __future__ import annotations
 
@@ -63,10 +63,10 @@ def on_joints(
     """Yield what acts on each joint that has none of it yet, and alike on all of them."""
     count = whole.layout.size[1]
     every = zip(whole.joints, whole.layout.velocities, strict=True)
-    chosen = [(one.name, one.kind, np.isin(np.arange(count), np.r_[own])) for one, own in every]
-    if len(chosen) > 1:
-        chosen.append(("every joint", "", np.ones(count, dtype=bool)))
-    for name, kind, places in chosen:
+    spans = [(one.name, one.kind, np.isin(np.arange(count), np.r_[own])) for one, own in every]
+    if len(spans) > 1:
+        spans.append(("every joint", "", np.ones(count, dtype=bool)))
+    for name, kind, places in spans:
         unit = UNITS.get(kind, HINGE)[what]
         said = f"{what} of {{:.6g}} {unit} on {name}, which the file does not have"
         if name not in known:
@@ -80,10 +80,12 @@ def on_joints(
 # Inertias
 
 
-def inertial(whole: Mechanism, shown: tuple[str, ...]) -> Iterator[Addition]:
+def added_inertias(whole: Mechanism, visible: tuple[str, ...]) -> Iterator[Addition]:
     """Yield what may be added to mass matrices, beside the parts that they show."""
     for i, body in enumerate(whole.bodies):
-        if movers(whole)[i][0] and (whole.layout.is_spatial or f"inertia.{body.name}" not in shown):
+        if movers(whole)[i][0] and (
+            whole.layout.is_spatial or f"inertia.{body.name}" not in visible
+        ):
             yield of_tensor(whole, i)
         own = body.centre
         shift = body.mass * (own @ own * np.eye(3) - np.outer(own, own))
@@ -136,7 +138,9 @@ def of_tensor(whole: Mechanism, number: int) -> Addition:
             whole,
             number,
             units,
-            lambda x: f"inertia tensor of {body.name}: {of_entries(body, np.tensordot(x, units, 1))}",
+            lambda x: (
+                f"inertia tensor of {body.name}: {of_entries(body, np.tensordot(x, units, 1))}"
+            ),
         )
     start = place(whole, np.zeros(whole.layout.size[0]))
     axis = np.max(np.abs(start.rotations[number].T @ start.turning(number)), axis=1)
@@ -168,7 +172,7 @@ def of_entries(body: Body, change: Array) -> str:
 # Forces
 
 
-def forces(
+def added_forces(
     whole: Mechanism, system: System, share: Callable[[str], Callable[[Array], str]]
 ) -> Iterator[Addition]:
     """Yield what may be added to forces, beside the file's parts.

@@ -36,9 +36,8 @@ from ....reference.errors import CannotJudgeError, Unsupported
 from ....reference.scene import Array
 from ...engines.run import contained
 from ...engines.setup import Setup
-from ..diagnosis.shares import DISTINCT, VISIBLE, Candidate, Explanation, explain
-from ..diagnosis.terms import forces as added_forces
-from ..diagnosis.terms import inertial
+from ..diagnosis.shares import DISTINCT, VISIBLE, Effect, Explanation, explain
+from ..diagnosis.terms import added_forces, added_inertias
 from ..tolerances import OPERATIONS, largest_inertias, matrix_rounding
 from ..verdict import Finding, Inconclusive
 from .algebra import ROUNDING, random_states
@@ -244,29 +243,28 @@ def of_mass_matrix(
     rows = ((matrices - right) / size).ravel()
     worst = float(np.max(np.abs(rows)))
     parts = [
-        Candidate(name, columns(lambda i, name=name: every[i][name]), share_of(name))
-        for name in names
+        Effect(name, columns(lambda i, name=name: every[i][name]), share_of(name)) for name in names
     ]
-    additions = [*inertial(whole, names)] if worst > room.error else []
+    additions = [*added_inertias(whole, names)] if worst > room.error else []
     candidates = [
-        Candidate(one.name, columns(lambda i, one=one: one.at(q[i])), one.words, added=True)
+        Effect(one.name, columns(lambda i, one=one: one.at(q[i])), one.words, added=True)
         for one in additions
     ]
-    found = explain(parts, candidates, rows, room.error)
+    explained = explain(parts, candidates, rows, room.error)
     counted = with_shares(
         whole,
         {
-            one.name: 1 + float(found.values[one.name][0])
+            one.name: 1 + float(explained.values[one.name][0])
             for one in parts
-            if np.any(np.abs(found.values[one.name]) > found.tolerances[one.name])
+            if np.any(np.abs(explained.values[one.name]) > explained.tolerances[one.name])
         },
     )
     for one in additions:
-        if one.name in found.values:
-            counted = one.applied(counted, found.values[one.name])
-    reason = "; ".join(found.added) or WHOLE["mass_matrix"]
+        if one.name in explained.values:
+            counted = one.applied(counted, explained.values[one.name])
+    reason = "; ".join(explained.added) or WHOLE["mass_matrix"]
     first = Finding("mass_matrix", "1", worst, 0.0, worst, room.error, reason)
-    return [first, *findings_of(parts, found, "mass matrix is")], counted
+    return [first, *findings_of(parts, explained, "mass matrix is")], counted
 
 
 def of_forces(
@@ -321,26 +319,32 @@ def of_forces(
         return np.hstack([one @ scale for one, scale in zip(force, scales, strict=True)]).T
 
     relative = np.concatenate(rows)
-    parts = [Candidate(name, columns(force), share_of(name)) for name, force in forces.items()]
+    parts = [Effect(name, columns(force), share_of(name)) for name, force in forces.items()]
     parts.append(
-        Candidate("gravity", columns(pulls), lambda x: pull(x, 0 * x, axes @ whole.gravity).reason)
+        Effect("gravity", columns(pulls), lambda x: pull(x, 0 * x, axes @ whole.gravity).reason)
     )
     candidates = []
     if np.max(np.abs(relative)) > room.error:
         for one in added_forces(file, system, share_of):
             at = [one.at(*three) for three in zip(times, q, v, strict=True)]
-            candidates.append(Candidate(one.name, columns(at), one.words, added=True))
-        for one in inertial(file, inertial_names(file)) if matrices is None else ():
+            candidates.append(Effect(one.name, columns(at), one.words, added=True))
+        for one in added_inertias(file, inertial_names(file)) if matrices is None else ():
             at = [-one.at(position) @ rate for position, rate in zip(q, a, strict=True)]
-            candidates.append(Candidate(one.name, columns(at), one.words, added=True))
-    found = explain(parts, candidates, relative, room.error)
-    said = "; ".join(found.added)
-    if not found.found and not whole.closures:
-        found, said = but_for_one_joint(file, parts, candidates, relative, joints, room)
+            candidates.append(Effect(one.name, columns(at), one.words, added=True))
+    explained = explain(parts, candidates, relative, room.error)
+    said = "; ".join(explained.added)
+    if not explained.unique and not whole.closures:
+        explained, said = but_for_one_joint(file, parts, candidates, relative, joints, room)
     last = Finding(
-        "unexplained", "1", found.left, 0.0, found.left, found.granted, said or WHOLE["unexplained"]
+        "unexplained",
+        "1",
+        explained.left,
+        0.0,
+        explained.left,
+        explained.granted,
+        said or WHOLE["unexplained"],
     )
-    return [*findings_of(parts, found, "forces are", axes @ whole.gravity), last]
+    return [*findings_of(parts, explained, "forces are", axes @ whole.gravity), last]
 
 
 def needed(whole: Mechanism, name: str, q: Array, v: Array, a: Array) -> Array:
@@ -354,8 +358,8 @@ def needed(whole: Mechanism, name: str, q: Array, v: Array, a: Array) -> Array:
 
 def but_for_one_joint(
     whole: Mechanism,
-    parts: list[Candidate],
-    additions: list[Candidate],
+    parts: list[Effect],
+    additions: list[Effect],
     rows: Array,
     velocities: list[Array],
     room: Room,
@@ -369,13 +373,16 @@ def but_for_one_joint(
     none = explain(parts, (), rows, room.error)
     tried = []
     for joint in wrong if len(wrong) <= MOST_JOINTS else ():
-        kept = of_rows != joint
+        others = of_rows != joint
         some, more = (
-            [one._replace(columns=one.columns[kept]) for one in both] for both in (parts, additions)
+            [one._replace(columns=one.columns[others]) for one in both]
+            for both in (parts, additions)
         )
-        rest = explain(some, more, rows[kept], room.error)
-        if rest.found:
-            said = "; ".join([f"the force on {joint} is not the sum of its parts in any shares", *rest.added])
+        rest = explain(some, more, rows[others], room.error)
+        if rest.unique:
+            said = "; ".join(
+                [f"the force on {joint} is not the sum of its parts in any shares", *rest.added]
+            )
             tried.append((rest._replace(left=left, granted=granted), said))
     return tried[0] if len(tried) == 1 else (none, WHOLE["unexplained"])
 
@@ -439,26 +446,30 @@ def of_gravity(extra: Array, gravity: Array, tolerance: float) -> str:
 
 
 def findings_of(
-    parts: list[Candidate], found: Explanation, of: str, gravity: Array | None = None
+    parts: list[Effect], explained: Explanation, of: str, gravity: Array | None = None
 ) -> Iterator[Finding | Inconclusive]:
     """Yield what the share of each part means, or why it cannot be told."""
     for one in parts:
-        name, value, tolerance = one.name, found.values[one.name], found.tolerances[one.name]
+        name, value, tolerance = (
+            one.name,
+            explained.values[one.name],
+            explained.tolerances[one.name],
+        )
         if gravity is not None and name == "gravity":
             finding = pull(value, tolerance, gravity)
         else:
             said = words(name, 1 + float(value[0]), float(tolerance[0]))
             error = abs(float(value[0]))
             finding = Finding(name, "1", 1 + float(value[0]), 1.0, error, float(tolerance[0]), said)
-        hidden = found.left > found.granted and not np.all(np.isfinite(tolerance))
-        if not found.found or (hidden and name != "gravity"):
+        hidden = explained.left > explained.granted and not np.all(np.isfinite(tolerance))
+        if not explained.unique or (hidden and name != "gravity"):
             yield Inconclusive(name, f"the {of} not those of its parts in any shares")
         elif finding.tolerance > VISIBLE:
             yield Inconclusive(
                 name, f"{part_of(name)} does not act enough to be told from rounding"
             )
         else:
-            others = found.others.get(name, ())
+            others = explained.others.get(name, ())
             yield replace(finding, reason=", or ".join([finding.reason, *others]))
 
 

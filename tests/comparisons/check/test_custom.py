@@ -23,8 +23,8 @@ from mbcheck.comparisons.check.custom import (
     with_horizon,
 )
 from mbcheck.comparisons.check.request import CheckRequest, matching_checks
-from mbcheck.comparisons.checks.known import TODO
 from mbcheck.comparisons.checks import suite
+from mbcheck.comparisons.checks.known import TODO
 from mbcheck.comparisons.checks.truth import MOST_AMPLIFICATION
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.registry import get_engine

@@ -6,13 +6,12 @@ from typing import Any
 
 import pytest
 
+import mbcheck
 from mbcheck.comparisons.checks.suite import run_check
 from mbcheck.tests.support.engines.solved import Solved
 from mbcheck.tests.support.example import bad, results
 from mbcheck.tests.support.faults import Edited
 from mbcheck.tests.support.subjects import Subject, check_of
-
-import mbcheck
 
 LOOP = Subject("speed_regulator", "mujoco", "connect", None)
 

@@ -1,4 +1,4 @@
-"""What readers of MJCF add to a model, or lose of it: named where nothing else explains the same."""
+"""What readers of MJCF add to a model or lose of it is named where nothing else explains it."""
 
 from __future__ import annotations
 
@@ -111,9 +111,7 @@ READERS: dict[str, tuple[Reader, str, list[str]]] = {
         ["ref of joints is ignored"],
     ),
     "floor of inertia": (
-        Reader(
-            bodies(lambda one: replace(one, inertia=np.maximum(one.inertia, 1e-6 * np.eye(3))))
-        ),
+        Reader(bodies(lambda one: replace(one, inertia=np.maximum(one.inertia, 1e-6 * np.eye(3))))),
         "hula_hoop",
         [
             "inertia of rod is 1e-06 kg m^2, where the file has 2e-15, "
@@ -134,9 +132,7 @@ READERS: dict[str, tuple[Reader, str, list[str]]] = {
         ["rate gain of actuator of motor_1: dropped; rate gain of actuator of motor_2: dropped"],
     ),
     "no springs, more armature": (
-        Reader(
-            joints(lambda one: replace(one, armature=one.armature + 0.1)), without(SPRINGS)
-        ),
+        Reader(joints(lambda one: replace(one, armature=one.armature + 0.1)), without(SPRINGS)),
         "rotor_pendulum",
         [
             f"an armature of 0.1 (SI units) on every joint, {NOT_IN_FILE}",

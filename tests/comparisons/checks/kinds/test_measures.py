@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.linalg import null_space
 
-from mbcheck.comparisons.checks.diagnosis.shares import Candidate, explain
+from mbcheck.comparisons.checks.diagnosis.shares import Effect, explain
 from mbcheck.comparisons.checks.kinds import (
     algebra,
     elements,
@@ -142,10 +142,10 @@ def test_an_order_that_is_not_met_yet_leaves_larger_errors() -> None:
     assert one_step.slower(runs, 2) == pytest.approx(ratio / (ratio - 1) * 3 / 4)
 
 
-def candidates(columns: Any, *names: str, added: bool = False) -> list[Candidate]:
+def candidates(columns: Any, *names: str, added: bool = False) -> list[Effect]:
     """Return candidates of one number each."""
     return [
-        Candidate(name, column[:, None], lambda x, name=name: f"{name} {x[0]:.3g}", added)
+        Effect(name, column[:, None], lambda x, name=name: f"{name} {x[0]:.3g}", added)
         for name, column in zip(names, np.transpose(columns), strict=True)
     ]
 
@@ -176,14 +176,16 @@ def test_nothing_is_named_that_is_not_unique() -> None:
     """Two parts of five explain what one term does that is none of them, since rows are few."""
     columns = np.random.default_rng(1).normal(size=(5, 6))
     parts, rows = candidates(columns[:, :5], *"abcde"), columns[:, 5]
-    assert not explain(parts, (), rows, 1e-10).found
+    assert not explain(parts, (), rows, 1e-10).unique
     found = explain(parts, candidates(columns[:, 5:], "f", added=True), 3 * rows, 1e-10)
     assert found.added == ("f 3",)
     assert all(found.values[name] == 0 for name in "abcde")
     assert found.left == pytest.approx(np.linalg.norm(3 * rows))
     twins = candidates(columns[:, [5, 5]], "f", "g", added=True)
     assert explain(parts, twins, 3 * rows, 1e-10).added == ("f 3, or g 3",)
-    assert not explain(parts, candidates(columns[:, [5] * 4], *"fghi", added=True), rows, 1e-10).found
+    assert not explain(
+        parts, candidates(columns[:, [5] * 4], *"fghi", added=True), rows, 1e-10
+    ).unique
     near = columns[:, 5] + 2e-10 * columns[:, 0]  # explains nearly as much
     twins = candidates(np.array([columns[:, 5], near]).T, "f", "g", added=True)
     assert explain(parts, twins, 3 * rows, 1e-10).added == ("f 3, or g 3",)
