@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from itertools import combinations
 from typing import NamedTuple
 
@@ -52,7 +53,7 @@ class Effect(NamedTuple):
     members: tuple[str, ...] = ()
 
     @property
-    def count(self) -> int:
+    def acting(self) -> int:
         """How many of its numbers change the rows."""
         return int(np.count_nonzero(np.any(self.columns, axis=0)))
 
@@ -160,22 +161,27 @@ def explain(
 def is_visible(part: Effect, room: float) -> bool:
     """Return whether rounding moves the share of a part by little."""
     size, along = np.sum(np.abs(part.columns), axis=0), np.sum(part.columns**2, axis=0)
-    return bool(part.count and np.all(room * size[along > 0] < VISIBLE * along[along > 0]))
+    return bool(part.acting and np.all(room * size[along > 0] < VISIBLE * along[along > 0]))
 
 
 def kinds(parts: Sequence[Effect]) -> Iterator[Effect]:
     """Yield all candidates of each kind that has several, by one number."""
     for kind in dict.fromkeys(one.name.partition(".")[0] for one in parts):
-        same = [one for one in parts if one.name.startswith(f"{kind}.") and one.count]
+        same = [one for one in parts if one.name.startswith(f"{kind}.") and one.acting]
         if len(same) > 1 and same[0].columns.shape[1] == 1:
             columns = np.sum([one.columns for one in same], axis=0)
             yield Effect(
                 kind,
                 columns,
-                lambda x, same=same: "; ".join(one.words(x) for one in same),
+                partial(words_of_all, same),
                 same[0].added,
                 tuple(one.name for one in same),
             )
+
+
+def words_of_all(several: Sequence[Effect], x: Array) -> str:
+    """Return what it means that several effects have the same number (1,)."""
+    return "; ".join(one.words(x) for one in several)
 
 
 def fit_effects(effects: Sequence[Effect], rows: Array, room: float) -> Fit:
@@ -226,8 +232,8 @@ def the_only(fits: Iterable[Fit], granted: float) -> tuple[Fit, Others] | None:
 def alone(every: Sequence[Effect], rows: Array, room: float) -> tuple[Fit, Others] | None:
     """Return the candidate of fewest numbers that explains all."""
     granted = room * float(np.sqrt(len(rows)))
-    for count in sorted({one.count for one in every} - {0}):
-        fits = [fit_effects([one], rows, room) for one in every if one.count == count]
+    for count in sorted({one.acting for one in every} - {0}):
+        fits = [fit_effects([one], rows, room) for one in every if one.acting == count]
         if any(one.left <= granted and one.is_meant for one in fits):
             return the_only(fits, granted)
     return None
@@ -235,7 +241,7 @@ def alone(every: Sequence[Effect], rows: Array, room: float) -> tuple[Fit, Other
 
 def in_pairs(every: Sequence[Effect], rows: Array, room: float) -> tuple[Fit, Others] | None:
     """Return the two candidates, of one number each, that explain all."""
-    single = [one for one in every if one.count == one.columns.shape[1] == 1]
+    single = [one for one in every if one.acting == one.columns.shape[1] == 1]
     if len(single) < 2:
         return None
     columns = np.hstack([one.columns / np.linalg.norm(one.columns) for one in single])

@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from itertools import combinations_with_replacement
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ....models.kinematics import mass_matrix, movers, place
-from ....models.mechanism import Body, Mechanism
-from ....models.system import System, factors_of, term_force
+from ....models.mechanism import Body, Mechanism, Term
+from ....models.system import System, term_force
 from ....reference.scene import Array
 
 SAME = 1e-6
@@ -73,7 +73,7 @@ def on_joints(
             yield Addition(
                 f"{what} on {name}",
                 partial(at, places),
-                lambda x, said=said: said.format(x[0]) if x[0] > 0 else "",
+                partial(if_positive, said, 0.0),
             )
 
 
@@ -107,6 +107,11 @@ def added_inertias(whole: Mechanism, visible: tuple[str, ...]) -> Iterator[Addit
 def if_whole(said: str, x: Array) -> str:
     """Return words for what is either done or not."""
     return said if abs(x[0] - 1) < SAME else ""
+
+
+def if_positive(said: str, file: float, x: Array) -> str:
+    """Return words for what is added to a number of the file, and cannot be negative."""
+    return said.format(file + x[0]) if file + x[0] > 0 else ""
 
 
 def of_change(
@@ -151,7 +156,7 @@ def of_tensor(whole: Mechanism, number: int) -> Addition:
         whole,
         number,
         np.eye(3)[None],
-        lambda x: said.format(file + x[0]) if file + x[0] > 0 else "",
+        partial(if_positive, said, file),
     )
 
 
@@ -193,18 +198,26 @@ def added_forces(
         called = f"{one.kind.replace('_', ' ')} of {one.name}"
         rested = one.kind.endswith("spring")
         if rested and not one.constant:
-            pull = -one.per_length * factors_of(one, system.joints, system.layout)
-            yield Addition(
-                f"rest length.{one.name}",
-                lambda time, q, v, pull=pull: pull,
-                lambda x, of=called: f"rest length of {of} is {x[0]:.6g}, where the file has 0",
-            )
+            longer = replace(one, constant=-one.per_length, per_length=0.0)
+            words = partial(of_rest, called)
+            yield Addition(f"rest length.{one.name}", partial(force_of, longer, system), words)
         present = [name for name in NUMBERS if getattr(one, name)]
         for name in present if len(present) > 1 else ():
-            part = replace(one, **dict.fromkeys(set(NUMBERS) - {name}, 0.0))
+            none: dict[str, Any] = dict.fromkeys(set(NUMBERS) - {name}, 0.0)
+            part = replace(one, **none)
             word = "rest length" if rested and name == "constant" else NUMBERS[name]
             yield Addition(
                 f"{name}.{one.kind}.{one.name}",
-                lambda time, q, v, part=part: term_force(part, system, time, q, v)[None],
+                partial(force_of, part, system),
                 share(f"{word} of {called}"),
             )
+
+
+def force_of(term: Term, system: System, time: float, q: Array, v: Array) -> Array:
+    """Return the force (1, n) of a term."""
+    return term_force(term, system, time, q, v)[None]
+
+
+def of_rest(called: str, x: Array) -> str:
+    """Return what the rest length (1,) of a spring means that has none."""
+    return f"rest length of {called} is {x[0]:.6g}, where the file has 0"

@@ -16,6 +16,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import null_space
 
 from ....models.kinematics import (
@@ -237,17 +238,16 @@ def of_mass_matrix(
     summed = OPERATIONS * room.unit / room.error * np.outer(largest, largest)
     size = np.array([np.maximum(scale_of(one), summed) for one in right])
 
-    def columns(at: Callable[[int], Array]) -> Array:
-        return np.hstack([(at(i) / size[i]).reshape(-1, size[0].size) for i in range(len(q))]).T
+    def columns(matrices: Sequence[Array]) -> Array:
+        each = zip(matrices, size, strict=True)
+        return np.hstack([(one / scale).reshape(-1, scale.size) for one, scale in each]).T
 
     rows = ((matrices - right) / size).ravel()
     worst = float(np.max(np.abs(rows)))
-    parts = [
-        Effect(name, columns(lambda i, name=name: every[i][name]), share_of(name)) for name in names
-    ]
+    parts = [Effect(name, columns([one[name] for one in every]), share_of(name)) for name in names]
     additions = [*added_inertias(whole, names)] if worst > room.error else []
     candidates = [
-        Effect(one.name, columns(lambda i, one=one: one.at(q[i])), one.words, added=True)
+        Effect(one.name, columns([one.at(at) for at in q]), one.words, added=True)
         for one in additions
     ]
     explained = explain(parts, candidates, rows, room.error)
@@ -361,7 +361,7 @@ def but_for_one_joint(
     parts: list[Effect],
     additions: list[Effect],
     rows: Array,
-    velocities: list[Array],
+    velocities: Sequence[NDArray[np.int_]],
     room: Room,
 ) -> tuple[Explanation, str]:
     """Return what explains all forces but those on one joint, where there is one such joint."""

@@ -13,7 +13,7 @@ from mbcheck.tests.support.example import bad, results
 from mbcheck.tests.support.faults import Edited
 from mbcheck.tests.support.subjects import Subject, check_of
 
-LOOP = Subject("speed_regulator", "mujoco", "connect", None)
+LOOP = Subject("speed_regulator", "mujoco", "connect", "RK4")
 
 
 @pytest.mark.parametrize(

@@ -94,7 +94,8 @@ class Leapfrog(Solved):
                 v = v + step * self.accelerations(system, now, q, middle)
                 q, steps = q + step * v, steps + 1
             rows.append((q, v))
-        return mbcheck.Motion(*map(np.array, zip(*rows, strict=True)), steps=steps)
+        positions, velocities = (np.array(part) for part in zip(*rows, strict=True))
+        return mbcheck.Motion(positions, velocities, steps=steps)
 
 
 RATES_ALONE = "positions are right, and the rates that are told with them are not"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -142,10 +143,15 @@ def test_an_order_that_is_not_met_yet_leaves_larger_errors() -> None:
     assert one_step.slower(runs, 2) == pytest.approx(ratio / (ratio - 1) * 3 / 4)
 
 
+def in_words(name: str, x: Array) -> str:
+    """Return a name and its number (1,)."""
+    return f"{name} {x[0]:.3g}"
+
+
 def candidates(columns: Any, *names: str, added: bool = False) -> list[Effect]:
     """Return candidates of one number each."""
     return [
-        Effect(name, column[:, None], lambda x, name=name: f"{name} {x[0]:.3g}", added)
+        Effect(name, column[:, None], partial(in_words, name), added)
         for name, column in zip(names, np.transpose(columns), strict=True)
     ]
 
