@@ -103,9 +103,12 @@ def of_numbers(setup: Setup) -> str:
     """Return that an engine's numbers have 32 bits, of one that does not declare it."""
     if setup.epsilon > EPS:
         return ""
-    for row in numbers_of(setup):
+    with np.errstate(over="ignore"):  # what no 32 bits hold
+        rows = numbers_of(setup)
+        single = rows.astype(np.float32).astype(float)
+    for row, rounded in zip(rows, single, strict=True):
         varied = len(np.unique(row)) >= DISTINCT / 2
-        if varied and np.array_equal(row.astype(np.float32).astype(float), row):
+        if varied and np.array_equal(rounded, row):
             return (
                 'its numbers have 32 bits: an engine that means to declares precision = "float32"'
             )

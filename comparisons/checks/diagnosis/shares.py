@@ -137,7 +137,7 @@ def explain(
         return Explanation(values, tolerances, {}, (), whole.left, granted, True)
     values = {name: 0 * x for name, x in zip(names, whole.values, strict=True)}
     best = None
-    if error > RUNNER_UP * granted:
+    if RUNNER_UP * granted < error < np.inf:
         shares = [one for one in (*parts, *kinds(parts)) if is_visible(one, room)]
         every = [*shares, *additions, *kinds(additions)]
         best = alone(every, rows, room) or in_pairs(every, rows, room)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import pytest
 
 import mbcheck
 from mbcheck.comparisons.checks.suite import run_check
+from mbcheck.tests.support.engines.reading import Reader
 from mbcheck.tests.support.engines.solved import Solved
 from mbcheck.tests.support.example import bad, results
 from mbcheck.tests.support.faults import Edited
@@ -57,3 +59,20 @@ def test_what_is_wrong_in_motion_alone_is_told(odd: bool, what: str) -> None:
     assert said
     assert said.startswith("accelerations are right at rest, and wrong in motion")
     assert said.endswith(f": {what} are missing or wrong")
+
+
+class Huge(Solved):
+    """Accelerations that no 32 bits hold."""
+
+    def accelerations(self, *asked: Any) -> Any:
+        """Return them times 1e200."""
+        return 1e200 * super().accelerations(*asked)
+
+
+def test_huge_numbers_leave_no_warning_on_the_console() -> None:
+    pushed = Reader(push=lambda time, q, v: 1e200 * v)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert bad(results(pushed, "hula_hoop", ("parts", "algebra")))
+        huge = Huge(mbcheck.Method("RK4", 4, "RK44"))
+        assert bad(results(huge, "hula_hoop", ("algebra",)))
