@@ -189,3 +189,17 @@ def test_every_kind_names_a_level(kind: str, words: str) -> None:
     sound = "algebra" if kind == "frequency" else "algebra and trajectory"
     assert first == f"mujoco: {words} is wrong, {sound} right"
     assert second == "  RK4 q off by 0.25 rad (hula_hoop)"
+
+
+@pytest.mark.parametrize(
+    ("reason", "traceback", "words"),
+    [
+        ("clock: it shows 1 s", None, "its clock does not show the times that were asked for"),
+        ("step_count: 2 steps", None, "it takes or counts other steps than it was asked for"),
+        ("ValueError: no", "Traceback", "it raised an exception"),
+        ("branch: turned over", None, "a free run could not be judged"),
+    ],
+)
+def test_a_header_fits_the_errors_below_it(reason: str, traceback: str | None, words: str) -> None:
+    wrong = result(verdict="error", kind="trajectory", reason=reason, traceback=traceback)
+    assert located([wrong])[0] == f"mujoco: {words}"
