@@ -25,7 +25,7 @@ from mbcheck.tests.support.engines.mistaken import (
     Starting,
 )
 from mbcheck.tests.support.faults import ENGINES, FAULTS, LateForce, Resetting
-from mbcheck.tests.support.results import result
+from mbcheck.tests.support.results import changed, result
 from mbcheck.tests.support.subjects import Subject, check_of, label, results_of
 
 HOOP = (
@@ -201,5 +201,5 @@ def test_every_kind_names_a_level(kind: str, words: str) -> None:
     ],
 )
 def test_a_header_fits_the_errors_below_it(reason: str, traceback: str | None, words: str) -> None:
-    wrong = result(verdict="error", kind="trajectory", reason=reason, traceback=traceback)
+    wrong = changed(result(verdict="error", error=None, reason=reason), traceback=traceback)
     assert located([wrong])[0] == f"mujoco: {words}"
