@@ -23,6 +23,9 @@ from ...reference.errors import UnknownNameError, UsageError
 from ..documents.reading import read_document
 from .verdict import Result
 
+TODO = "TODO: why does it deviate?"
+"""What a drafted file has in place of a reason."""
+
 KEYS = ("id", "reason", "engine", "versions", "verdict", "max_error")
 """What an entry may say; the first two it must."""
 
@@ -308,6 +311,10 @@ def entry(number: int, line: int | None, table: Mapping[str, Any]) -> Entry:
     for key in KEYS[:2]:
         if key not in table:
             raise UsageError(f"{key} is missing")
+    if table["reason"].strip() == TODO:
+        raise UsageError(
+            f"the reason is still {TODO!r}: write why it deviates, or remove the entry"
+        )
     entry = Entry(number, line, **table)
     if entry.verdict not in COVERED:
         raise UnknownNameError("verdict", entry.verdict, COVERED)
@@ -364,7 +371,7 @@ def table(pattern: str, results: Sequence[Result]) -> str:
     """Return the entry of results that fail alike, with what was seen as a comment."""
     lines = ["", "[[known]]"]
     lines += [f"# {r.quantity}: {r.reason}" for r in results]
-    lines += [f"id = {quoted(pattern)}", 'reason = "TODO: why does it deviate?"']
+    lines += [f"id = {quoted(pattern)}", f'reason = "{TODO}"']
     if results[0].verdict != "deviation":
         lines.append(f"verdict = {quoted(results[0].verdict)}")
     return "".join(f"{one_line(line)}\n" for line in lines)

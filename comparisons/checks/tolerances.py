@@ -25,6 +25,9 @@ CAP = 0.05
 UNITS = 256
 """Units of rounding that closed-form algebra of some joints may lose."""
 
+OPERATIONS = 8
+"""Times that each term of a force or an inertia is rounded on its way into a sum."""
+
 LEAST = 1e-6
 """No method of order p errs in a step by less than this share of what Taylor's polynomial of degree
 p leaves: DOPRI5, the sharpest of all that were tried, errs by 3e-4 of it and more."""
@@ -72,6 +75,17 @@ def matrix_rounding(epsilon: float, granted: float) -> float:
     A sum of as many terms as a joint or a body has, each rounded, is off by few units.
     """
     return max(granted, UNITS * epsilon)
+
+
+def largest_inertias(matrices: Array, alike: NDArray[np.bool_]) -> Array:
+    """Return the largest inertia (n,) that enters the sums of each row of mass matrices (k, n, n).
+
+    It is that of the bodies beyond a joint i about the farthest joint j of the same unit (`alike`,
+    (n, n)), at least M_ij^2 / M_ii: at the end of a chain a sum is small beside its terms.
+    """
+    inertia = np.abs(np.diagonal(matrices, axis1=1, axis2=2))[:, :, None]
+    about = np.where(alike, matrices**2 / np.where(inertia > 0, inertia, np.inf), 0.0)
+    return np.asarray(np.max(about, axis=(0, 2)))
 
 
 def taylor_remainder(motion: Array, size: Array, order: int) -> float:

@@ -149,7 +149,8 @@ def guard(
         raise EngineError(
             "clock",
             f"the engine's clock shows {trajectory.clock[late[0]]:.17g} s at "
-            f"t = {expected[late[0]]:.17g} s",
+            f"t = {expected[late[0]]:.17g} s: stop at the times that are asked for; a clock that "
+            "adds up its steps may be off by their rounding alone",
         )
     slivers = slivers or partial(most_slivers, setup, expected)
     refuse_other_steps(trajectory, asked, evaluations, slivers)
@@ -192,7 +193,9 @@ def refuse_other_steps(
     most = slivers() if more > 0 or beyond else 0
     if not 0 <= more <= most:
         raise EngineError(
-            "step_count", f"the engine took {trajectory.steps} steps, {asked} were asked for"
+            "step_count",
+            f"the engine took {trajectory.steps} steps, {asked} were asked for: count "
+            "those of this run, each of the step that is given, or leave Motion.steps out",
         )
     if few or beyond > most:
         raise EngineError(

@@ -8,16 +8,18 @@ from functools import partial
 
 import numpy as np
 
+from ....reference.errors import CannotJudgeError, EngineError
+from ....reference.scene import Array
 from ...engines.run import EPS, call_engine
 from ...engines.setup import Setup
 from ..kinds import algebra, stability
-from ..tolerances import sample_numbers
+from ..tolerances import matrix_rounding, sample_numbers
 from ..truth import simulated_horizon
 from .equations import of_accelerations, of_matrices
 from .joints import of_joints
 from .motions import LONG, SEEN, Part, explanation, looked_at, reset
 from .placement import of_placement
-from .steps import of_order, of_steps
+from .steps import ANOTHER_MODEL, of_order, of_steps
 
 SHORT = 512
 """Steps of a run whose first part is looked at before the whole; a continuum's take long."""
@@ -47,7 +49,7 @@ def cause(setup: Setup, kind: str, verdicts: Mapping[str, str]) -> str:
         if kind in motions and setup.method is not None and setup.case.watch != "elements":
             looks |= dict.fromkeys(motions, of_runs)
             looks["stability"] = of_orbits
-        said = of_placement(setup, kind)
+        said = of_repetition(setup) or of_placement(setup, kind)
         said = said or (looks[kind](setup) if kind in looks else "")
         said = said or of_numbers(setup)
         if kind in ("parts", "algebra"):
@@ -70,28 +72,43 @@ def limit_of(kind: str, verdicts: Mapping[str, str]) -> str:
         return ""
     if verdicts["extrapolated"] == "pass":
         return "extrapolated to h -> 0 it is right"
-    return (
-        "it converges as declared, but to another motion"
-        if (kind == "order" and verdicts["order"] == "pass")
-        else ""
-    )
+    return ANOTHER_MODEL if kind == "order" and verdicts["order"] == "pass" else ""
+
+
+def numbers_of(setup: Setup) -> Array:
+    """Return accelerations at random states, or observables of a short run, row by row."""
+    if setup.method is None:
+        times, states = algebra.random_states(setup.solved_equations, setup.case, setup.coordinates)
+        return call_engine(
+            lambda: setup.engine.accelerations(setup.case, setup.model, times, states)
+        ).T
+    steps = np.arange(1, DISTINCT + 1)
+    return setup.simulate(setup.default_step, steps).matrix(setup.scene.public_states)
+
+
+def of_repetition(setup: Setup) -> str:
+    """Return that an engine does not repeat itself."""
+    try:
+        first, second = numbers_of(setup), numbers_of(setup)
+    except (CannotJudgeError, EngineError):
+        return ""
+    size = np.max(np.abs(first), axis=1, keepdims=True)
+    apart = float(np.max(np.abs(second - first) / np.where(size > 0, size, 1.0)))
+    if apart > matrix_rounding(setup.epsilon, algebra.ROUNDING):
+        return f"it does not repeat itself: two identical calls differ by {apart:.2g} of their size"
+    return ""
 
 
 def of_numbers(setup: Setup) -> str:
     """Return that an engine's numbers have 32 bits, of one that does not declare it."""
     if setup.epsilon > EPS:
         return ""
-    if setup.method is None:
-        times, states = algebra.random_states(setup.solved_equations, setup.case, setup.coordinates)
-        answer = call_engine(
-            lambda: setup.engine.accelerations(setup.case, setup.model, times, states)
-        ).T
-    else:
-        step = setup.default_step
-        answer = setup.simulate(step, np.arange(1, DISTINCT + 1)).matrix(setup.scene.public_states)
-    for row in answer:
+    with np.errstate(over="ignore"):  # what no 32 bits hold
+        rows = numbers_of(setup)
+        single = rows.astype(np.float32).astype(float)
+    for row, rounded in zip(rows, single, strict=True):
         varied = len(np.unique(row)) >= DISTINCT / 2
-        if varied and np.array_equal(row.astype(np.float32).astype(float), row):
+        if varied and np.array_equal(rounded, row):
             return (
                 'its numbers have 32 bits: an engine that means to declares precision = "float32"'
             )

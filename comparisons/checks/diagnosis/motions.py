@@ -33,6 +33,12 @@ PARTS = 8
 FOLLOWED = 256
 """Steps in which a reset is looked for."""
 
+STRETCH, MOST_STRETCH = 1e-7, 1e-3
+"""Shares by which steps are tried to be longer, and up to which motions change in proportion."""
+
+ROUND = 2
+"""Digits of a number that somebody has chosen."""
+
 SHARES = (32, 8, 2, 1)
 """Of the samples of a run, one in so many is looked at before more are predicted."""
 
@@ -139,6 +145,8 @@ class Hypothesis:
         Where in each step the drive that is held over it is evaluated: 0 is its start, 1 its end.
     hold : int
         Over how many steps it is.
+    stretch : float
+        By which share steps are longer than asked for.
     """
 
     case: Case
@@ -150,6 +158,7 @@ class Hypothesis:
     end: float = np.inf
     frozen: float | None = None
     hold: int = 1
+    stretch: float = 0.0
 
     def rows(self, setup: Setup, step: float, names: tuple[str, ...]) -> Array:
         """Return observables (k, n) after these numbers of steps [s]."""
@@ -157,6 +166,7 @@ class Hypothesis:
         scene = self.scene or equations.scene
         own = ModelEquations(scene, equations.parameters)
         scheme, parts = self.scheme or setup.scheme, 1
+        step = step * (1 + self.stretch)
         if scheme is None:
             scheme, parts = "RK44", PARTS
         begin, x = self.case.start_time - self.late * step, own.start(self.case)
@@ -194,6 +204,9 @@ def mistakes(seen: Seen) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
         yield words, partial(changed, scene=scene)
     if setup.scheme is None and setup.integrator.order < 2:
         return  # the error of a right one is of the size of what follows
+    if stretch := longer_steps(seen):
+        words = f"its steps are {'longer' if stretch > 0 else 'shorter'} than the one that is given"
+        yield f"{words}, by {abs(stretch):.3g} of it", partial(changed, stretch=stretch)
     yield "samples are one step late", partial(changed, ahead=-1)
     yield "samples are one step early", partial(changed, ahead=1)
     if setup.equations.scene.drive is not None:
@@ -219,6 +232,15 @@ def mistakes(seen: Seen) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
     for scheme in schemes.SCHEMES:
         if setup.scheme not in (None, scheme):
             yield f"its steps are those of {scheme}", partial(changed, scheme=scheme)
+
+
+def longer_steps(seen: Seen) -> float:
+    """Return by which share steps would be longer that explain what is seen best."""
+    parts = (changed(part, stretch=STRETCH) for part in seen.parts)
+    slope = (np.hstack([seen.rows_of(one) for one in parts]) - seen.right) / STRETCH / seen.size
+    size = float(np.sum(slope**2))
+    stretch = float(np.sum(slope * (seen.values - seen.right) / seen.size)) / size if size else 0.0
+    return stretch if abs(stretch) < MOST_STRETCH else 0.0
 
 
 def changed(
@@ -290,8 +312,20 @@ def explanation(seen: Seen) -> str:
         left = {said: rest for said, rest in left.items() if rest < np.inf}
         second = min(sorted(left.values())[1:], default=np.inf)
         words += [said for said, rest in left.items() if rest < EXPLAINED * second] or left
-    words = words or [*after_drive(seen)]
+    words = words or [*limited(seen)] or [*after_drive(seen)]
     return words[0] if len(words) == 1 else ""
+
+
+def limited(seen: Seen) -> Iterator[str]:
+    """Yield which rates stop at a round number that right ones exceed."""
+    for name, one, right in zip(seen.names, np.abs(seen.values), np.abs(seen.right), strict=True):
+        most = float(np.max(one))
+        limit = one > most * (1 - SEEN)
+        whole = abs(most - float(f"{most:.{ROUND}g}")) <= SEEN * most
+        beyond = most > 0 and np.max(right) > most and np.ptp(right[limit]) > SEEN * most
+        if name.endswith("_dot") and whole and beyond:
+            size = f"{most:.3g} {seen.setup.scene.units[name]}"
+            yield f"{name} never exceeds {size}: it is clamped there"
 
 
 def after_drive(seen: Seen) -> Iterator[str]:

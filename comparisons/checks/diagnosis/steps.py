@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....reference.errors import CannotJudgeError, EngineError
 from ....reference.scene import Array, Case
@@ -12,6 +13,7 @@ from ....reference.solve.schemes import TABLEAUS
 from ...engines.setup import Setup, power_of_two
 from ..kinds import algebra, one_step
 from ..tolerances import rows
+from ..units import EXPLAINED
 from ..verdict import Finding, judge
 from .motions import Part, explanation, looked_at
 
@@ -30,6 +32,16 @@ CLEAR = 0.2
 
 LEAST = 1e-11
 """Relative error that is no rounding of so few steps."""
+
+ANOTHER_MODEL = (
+    "it converges with its order, but to another motion: the model differs, not the method"
+)
+"""Of steps whose changes shrink as declared where they are halved, and whose limit is off."""
+
+ANOTHER_MOTION = (
+    "it converges with its order, but to another motion, though its accelerations are right"
+)
+"""The same where accelerations at random states have been compared."""
 
 UNMOVED = 1e-3
 """Share of an error of rates by which they would move positions in some steps, were they used."""
@@ -66,16 +78,23 @@ def of_order(setup: Setup) -> str:
     equations, names = setup.solved_equations, setup.scene.observables
     cases = one_step.starts(setup, length, scheme)
     right = one_step.truths(equations, cases, length, names)
-    away = []
+    away, answers = [], []
     for parts in counts:
-        answer = one_step.after(setup, cases, length, parts)[: len(names)]
+        answers.append(one_step.after(setup, cases, length, parts)[: len(names)])
         should = by_scheme(setup, cases, length, parts) if scheme else right.values
-        errors = np.max(np.abs(answer - should), axis=1) / right.size
+        errors = np.max(np.abs(answers[-1] - should), axis=1) / right.size
         away.append(float(np.max(errors)))
-    if rates_alone(setup, errors):
+    rates = rates_of(setup)
+    if said := half_a_step(setup, cases, length, counts[-1], answers[-1]):
+        return said
+    if np.max(errors) > LEAST and np.all(errors[~rates] < UNMOVED * np.max(errors)):
         return "positions are right, and the rates that are told with them are not"
+    off = float(np.max(np.max(np.abs(answers[-1] - right.values), axis=1) / right.size))
+    wrong = wrong_forces(setup)
+    if converges(answers, right.size, order, off):
+        return ANOTHER_MOTION if wrong is False else ANOTHER_MODEL
     measured = order_of(away)
-    if not measured or (not scheme and measured >= order) or wrong_forces(setup):
+    if not measured or (not scheme and measured >= order) or wrong:
         return ""
     if not scheme:
         return f"{setup.integrator.name} is of order {measured}, where {order} is declared"
@@ -88,15 +107,41 @@ def of_order(setup: Setup) -> str:
     return f"{said}, and it is of order {measured}, where {order} is declared"
 
 
-def rates_alone(setup: Setup, errors: Array) -> bool:
-    """Return whether only rates are wrong, by the errors (k,) of observables after some steps.
+def converges(answers: list[Array], size: Array, order: int, off: float) -> bool:
+    """Return whether observables (k, n) of halved steps converge, to what is `off` by much more.
+
+    With each halving their changes shrink as the order says, or are rounding.
+    """
+    changes = [
+        float(np.max(np.max(np.abs(coarse - fine), axis=1) / size))
+        for coarse, fine in pairwise(answers)
+    ]
+    *_, before, last = changes
+    shrinks = last < LEAST or before > 2 ** (order - CLEAR) * last
+    return bool(shrinks and last < EXPLAINED * off and off > LEAST)
+
+
+def rates_of(setup: Setup) -> NDArray[np.bool_]:
+    """Return which observables (k,) are rates, with which a run goes on if it is one of them.
 
     Rates that a run goes on with would have changed its positions.
     """
     scene = setup.scene
     turning = {rate for one in scene.quaternions for rate in one.rates}
-    rates = np.array([name.endswith("_dot") or name in turning for name in scene.observables])
-    return bool(np.max(errors) > LEAST and np.all(errors[~rates] < UNMOVED * np.max(errors)))
+    return np.array([name.endswith("_dot") or name in turning for name in scene.observables])
+
+
+def half_a_step(setup: Setup, cases: list[Case], length: float, parts: int, answer: Array) -> str:
+    """Return that rates after so many parts of a time [s] are those of another instant."""
+    equations, names, rates = setup.solved_equations, setup.scene.observables, rates_of(setup)
+    for share, word in ((0.0, ""), (-0.5, "behind"), (0.5, "ahead of")):
+        right = one_step.truths(equations, cases, length * (1 + share / parts), names)
+        error = float(np.max(np.abs(answer - right.values)[rates] / right.size[rates, None]))
+        if not share:
+            least = EXPLAINED * error
+        elif LEAST < error < least:
+            return f"rates are half a step {word} positions, as those of a leapfrog are"
+    return ""
 
 
 def by_scheme(setup: Setup, cases: list[Case], length: float, parts: int) -> Array:
@@ -114,10 +159,10 @@ def order_of(errors: list[float]) -> int:
     return whole if clear and whole > 0 else 0
 
 
-def wrong_forces(setup: Setup) -> bool:
-    """Return whether accelerations at random states, where an engine tells them, are wrong."""
+def wrong_forces(setup: Setup) -> bool | None:
+    """Return whether accelerations at random states are wrong, None if an engine tells none."""
     try:
         findings = algebra.measure(setup)
     except (CannotJudgeError, EngineError):
-        return False
+        return None
     return any(isinstance(one, Finding) and judge(one, 1.0)[0] == "deviation" for one in findings)

@@ -14,7 +14,7 @@ from ....reference.solve.bounds import sensitivities
 from ...engines.equations import ModelEquations, scene_equations
 from ...engines.run import EPS, contained
 from ...engines.setup import Setup
-from ..tolerances import matrix_rounding
+from ..tolerances import OPERATIONS, largest_inertias, matrix_rounding
 from ..truth import permitted_horizon, sample_spacing, sizes
 from ..verdict import Finding, Inconclusive
 
@@ -23,8 +23,8 @@ SEED = 2011
 ROUNDING = 1e-10
 """Relative error granted to closed-form algebra; a thousand times what either engine needs."""
 
-OPERATIONS = 8
-"""Times that each term of a force or an inertia is rounded on its way into accelerations."""
+OPEN = 1e-3
+"""Share of the size of a coordinate by which a loop that gives way is opened."""
 
 CANCELLED = 1e-4
 """`ROUNDING` of so small an entry is 45 units of rounding of the terms that it is the sum of."""
@@ -89,6 +89,36 @@ def expected(
     return {name: np.array(values) for name, values in rows.items()}
 
 
+def opened(setup: Setup, times: Array, states: Array) -> tuple[Array, Array] | None:
+    """Return accelerations (k, n) with a loop open, an engine's and those that it should have.
+
+    In the first half of the states (k, 2 n) positions leave the loop, where its stiffness acts; in
+    the others rates, where its damping does. None where loops do not give way, or no joints are
+    told.
+    """
+    case, equations, engine = setup.case, setup.equations, setup.engine
+    names = equations.scene.coordinates
+    if not (setup.has_soft_closure and engine.reads_mjcf) or case.placement:
+        return None
+    system, q, v = engine.joint_states(case, setup.model, times, states)
+    if not {*names} <= {*system.joints}:
+        return None
+    places, n, half = [system.joints.index(name) for name in names], len(names), len(q) // 2
+    keys = (*setup.coordinates, *(f"{name}_dot" for name in setup.coordinates))
+    starts = (replace(case, state=dict(zip(keys, map(float, x), strict=True))) for x in states)
+    x = np.array([equations.start(replace(one, inconsistency={})) for one in starts])
+    free = [name not in setup.coordinates for name in names]
+    off = OPEN * np.max(np.abs(x), axis=0) * np.tile(free, 2)
+    off = np.vstack([np.tile(off * (np.arange(2 * n) < n), (half, 1)),
+                     np.tile(off * (np.arange(2 * n) >= n), (len(x) - half, 1))])  # fmt: skip
+    q, v = q.copy(), v.copy()
+    q[:, places], v[:, places] = q[:, places] + off[:, :n], v[:, places] + off[:, n:]
+    derivative = equations.scene.right_hand_side(equations.parameters)
+    right = [derivative(time, one)[n:] for time, one in zip(times, x + off, strict=True)]
+    answer = engine.joint_accelerations(system, times, q, v)
+    return np.asarray(answer)[:, places], np.array(right)
+
+
 def inertias(
     case: Case, equations: ModelEquations, names: tuple[str, ...]
 ) -> Callable[[Array], Array]:
@@ -136,18 +166,25 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         if reactions:
             forces = setup.engine.reactions(setup.case, setup.model, times, states)
             answers |= {name: np.asarray(forces[name])[:, None] for name in reactions}
+        both = opened(setup, times, states)
     truths = expected(setup.case, equations, times, states, names, reactions)
     reason = f"relative error over {STATES} random states"
     room = matrix_rounding(setup.epsilon, ROUNDING)
     cancelled = max(CANCELLED, CANCELLED * ROUNDING / EPS * setup.epsilon / room)
+    units = np.array([equations.scene.units.get(name, "1") for name in names])
     for name, reference in truths.items():
         if name not in answers:
             continue
-        scale = entry_sizes(reference, cancelled) if name == "mass_matrix" else reference
+        scale = reference
+        if name == "mass_matrix":
+            largest = np.sqrt(largest_inertias(reference, units[:, None] == units))
+            summed = OPERATIONS * setup.epsilon / room * np.outer(largest, largest)
+            scale = np.maximum(entry_sizes(reference, cancelled), summed)
         error = distance(answers[name], reference, scale)
         granted = room
         if name == "accelerations":
             granted = max(granted, rounding_of_rates(equations, setup, times, states, reference))
+            error = max(error, distance(*both, both[1]) if both else 0.0)
         findings.append(Finding(name, "1", error, 0.0, error, granted, reason))
     if comparable(equations, setup.case):
         exact = expected(setup.case, scene_equations(setup.case), times, states, names, reactions)

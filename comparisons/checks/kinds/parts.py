@@ -9,12 +9,14 @@ shares follow by least squares from the generalised forces and inertias of the p
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import null_space
 
 from ....models.kinematics import (
@@ -24,6 +26,8 @@ from ....models.kinematics import (
     gyroscopic_forces,
     inertial_force,
     inertias,
+    mass_matrix,
+    movers,
     weight,
     with_shares,
 )
@@ -33,23 +37,19 @@ from ....reference.errors import CannotJudgeError, Unsupported
 from ....reference.scene import Array
 from ...engines.run import contained
 from ...engines.setup import Setup
-from ..tolerances import matrix_rounding
+from ..diagnosis.shares import DISTINCT, VISIBLE, Effect, Explanation, explain
+from ..diagnosis.terms import added_forces, added_inertias
+from ..tolerances import OPERATIONS, largest_inertias, matrix_rounding
 from ..verdict import Finding, Inconclusive
 from .algebra import ROUNDING, random_states
 
 STATES = 6
 
-VISIBLE = 1e-2
-"""A share that rounding could move by more cannot be told."""
-
-APART = 1e-6
-"""Share of a part that others could stand for, above which they cannot all be told apart."""
+MORE = 16
+"""States that are compared where fewer show that something is wrong, to tell what it is."""
 
 UNITS = 8
 """Units of rounding of each inertial force in a row, all of which `ROUNDING` of its size holds."""
-
-DISTINCT = 1e-9
-"""Parts whose forces differ by less count as the same."""
 
 GRAVITY = 9.81
 """In m/s^2: the unit of the share of a gravity that the file does not have."""
@@ -57,23 +57,17 @@ GRAVITY = 9.81
 SPATIAL = {"products": "products of inertia", "gyroscopic": "gyroscopic term"}
 """Words for parts that only bodies in space have."""
 
-GRAVITIES = ("gravity_1", "gravity_2", "gravity_3")
-"""Along the axes of `gravity_axes`."""
-
 APART_AXES = 1e-3
 """Share of a direction across those that are axes already, above which it gives one more."""
 
+WHOLE = {
+    "mass_matrix": "largest error of an entry, relative to the diagonal",
+    "unexplained": "of the forces, relative: what no share of a part explains",
+}
+"""Reasons of what is measured of all parts, where no part is named."""
 
-@dataclass(frozen=True)
-class Share:
-    """By how much an engine counts a part, and how well that is known."""
-
-    value: float
-    tolerance: float
-    others: tuple[str, ...] = ()
-    """Parts that would explain the same"""
-    said: str = ""
-    """What it means, where that takes more than a number"""
+MOST_JOINTS = 8
+"""Most joints of which the forces on each are left out in turn."""
 
 
 class Room(NamedTuple):
@@ -95,15 +89,6 @@ class JointStates(NamedTuple):
     positions: Array
     velocities: Array
     accelerations: Array
-
-
-@dataclass(frozen=True)
-class Shares:
-    """The shares of parts, what they leave unexplained (relative), and what rounding may."""
-
-    known: Mapping[str, Share]
-    left: float
-    granted: float
 
 
 def readable(setup: Setup) -> System | None:
@@ -142,15 +127,6 @@ def gyroscopic_names(whole: Mechanism) -> tuple[str, ...]:
     return tuple(gyroscopic_forces(whole, np.linspace(0.3, 1.3, count), np.ones(rates)))
 
 
-def as_counted(whole: Mechanism, findings: Iterable[Finding | Inconclusive]) -> Mechanism:
-    """Return a mechanism with the masses and inertias that an engine's mass matrix shows.
-
-    What they make of Coriolis forces and of weights is no fault of its own.
-    """
-    wrong = [one for one in findings if isinstance(one, Finding) and one.error > one.tolerance]
-    return with_shares(whole, {one.quantity: one.value for one in wrong}) if wrong else whole
-
-
 def inertial_forces(whole: Mechanism, q: Array, v: Array) -> dict[str, Array]:
     """Return Coriolis forces (n,), and in space gyroscopic ones apart, on the side of forces."""
     if not whole.layout.is_spatial:
@@ -184,10 +160,22 @@ def quantities(setup: Setup) -> tuple[str, ...]:
 
 
 def measure(setup: Setup) -> list[Finding | Inconclusive]:
-    """Judge the share of each part."""
+    """Judge the share of each part, at more states where one is wrong."""
+    few = measure_at(setup, STATES)
+    more = measure_at(setup, MORE) if any(map(deviates, few)) else few
+    return more if any(map(deviates, more)) else few
+
+
+def deviates(one: Finding | Inconclusive) -> bool:
+    """Return whether a finding is beyond its tolerance."""
+    return isinstance(one, Finding) and not one.error <= one.tolerance
+
+
+def measure_at(setup: Setup, count: int) -> list[Finding | Inconclusive]:
+    """Judge the share of each part at so many states."""
     equations = setup.equations
     times, states = random_states(equations, setup.case, setup.coordinates)
-    times, states = times[:STATES], states[:STATES]
+    times, states = times[:count], states[:count]
     matrices, silence = None, ""
     with contained():
         system, q, v = setup.engine.joint_states(setup.case, setup.model, times, states)
@@ -197,24 +185,16 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         except Unsupported as error:
             silence = str(error)
     whole, room = mechanism(system.mjcf), Room.of(setup.epsilon)
+    counted = whole
     findings: list[Finding | Inconclusive] = []
     if matrices is None:
         findings.append(Inconclusive("mass_matrix", silence))
     else:
-        findings += of_mass_matrix(whole, q, matrices, room)
+        of_matrix, counted = of_mass_matrix(whole, q, matrices, room)
+        findings += of_matrix
     state = JointStates(times, q, v, a)
-    findings += of_forces(system, as_counted(whole, findings), state, matrices, room)
+    findings += of_forces(system, counted, state, matrices, room)
     return findings + list(closures(whole, state, room))
-
-
-def share_finding(name: str, share: Share) -> Finding:
-    """Judge a share: 1 is right, but for a gravity beside that of the file."""
-    right = 0.0 if name == "gravity" else 1.0
-    error = abs(share.value - right)
-    said = share.said or words(name, share.value, share.tolerance)
-    if share.others:
-        said += f", or it is {' or '.join(share.others)}: accelerations cannot tell"
-    return Finding(name, "1", share.value, right, error, share.tolerance, said)
 
 
 def part_of(name: str) -> str:
@@ -234,26 +214,57 @@ def words(name: str, value: float, tolerance: float) -> str:
     ):
         if abs(value - right) <= max(tolerance, 1e-6 * abs(right)):
             return f"{part}: {said}"
-    return f"{part}: counted {value:.6g} times"
+    digits = 6 if value in (0.0, 1.0) else max(6, math.ceil(1 - math.log10(abs(value - 1))))
+    return f"{part}: counted {value:.{min(digits, 16)}g} times"
 
 
 def of_mass_matrix(
     whole: Mechanism, q: Array, matrices: Array, room: Room
-) -> list[Finding | Inconclusive]:
-    """Return the error of mass matrices (k, n, n), and the shares of masses and inertias."""
+) -> tuple[list[Finding | Inconclusive], Mechanism]:
+    """Return the error of mass matrices (k, n, n) and the shares of masses and inertias.
+
+    Returns
+    -------
+    findings : list of Finding or Inconclusive
+    counted : Mechanism
+        With the masses and inertias that the matrices show: what these make of Coriolis forces and
+        of weights is no fault of its own.
+    """
     names = inertial_names(whole)
-    rows, columns = [], []
-    for position, matrix in zip(q, matrices, strict=True):
-        parts = inertias(whole, position)
-        right = np.sum(list(parts.values()), axis=0)
-        size = scale_of(right)
-        rows.append(((matrix - right) / size).ravel())
-        columns.append(np.array([(parts[name] / size).ravel() for name in names]).T)
+    every = [inertias(whole, position) for position in q]
+    right = np.array([np.sum(list(parts.values()), axis=0) for parts in every])
+    turns = np.isin(range(len(right[0])), [i for turning, _ in movers(whole) for i in turning])
+    largest = np.sqrt(largest_inertias(right, turns[:, None] == turns))
+    summed = OPERATIONS * room.unit / room.error * np.outer(largest, largest)
+    size = np.array([np.maximum(scale_of(one), summed) for one in right])
+
+    def columns(matrices: Sequence[Array]) -> Array:
+        each = zip(matrices, size, strict=True)
+        return np.hstack([(one / scale).reshape(-1, scale.size) for one, scale in each]).T
+
+    rows = ((matrices - right) / size).ravel()
     worst = float(np.max(np.abs(rows)))
-    reason = f"largest error of an entry over {len(q)} positions, relative to the diagonal"
-    whole_error = Finding("mass_matrix", "1", worst, 0.0, worst, room.error, reason)
-    shares = solved(names, np.vstack(columns), np.concatenate(rows), room.error)
-    return [whole_error, *findings_of(shares, "mass matrix is")]
+    parts = [Effect(name, columns([one[name] for one in every]), share_of(name)) for name in names]
+    additions = [*added_inertias(whole, names)] if worst > room.error else []
+    candidates = [
+        Effect(one.name, columns([one.at(at) for at in q]), one.words, added=True)
+        for one in additions
+    ]
+    explained = explain(parts, candidates, rows, room.error)
+    counted = with_shares(
+        whole,
+        {
+            one.name: 1 + float(explained.values[one.name][0])
+            for one in parts
+            if np.any(np.abs(explained.values[one.name]) > explained.tolerances[one.name])
+        },
+    )
+    for one in additions:
+        if one.name in explained.values:
+            counted = one.applied(counted, explained.values[one.name])
+    reason = "; ".join(explained.added) or WHOLE["mass_matrix"]
+    first = Finding("mass_matrix", "1", worst, 0.0, worst, room.error, reason)
+    return [first, *findings_of(parts, explained, "mass matrix is")], counted
 
 
 def of_forces(
@@ -275,40 +286,105 @@ def of_forces(
     room : Room
     """
     times, q, v, a = state
+    file = mechanism(system.mjcf)
     masses = () if matrices is not None else inertial_names(whole)
-    terms = tuple(f"{t.kind}.{t.name}" for t in system.terms)
-    names = (*terms, "coriolis", *gyroscopic_names(mechanism(system.mjcf)), *masses, *GRAVITIES)
+    terms = {f"{one.kind}.{one.name}": one for one in system.terms}
+    names = (*terms, "coriolis", *gyroscopic_names(file), *masses)
     permitted = [free_motions(whole, position) for position in q]
     axes = gravity_axes(whole, q, permitted)
-    rows, columns = [], []
+    forces: dict[str, list[Array]] = {name: [] for name in names}
+    pulls, rows, scales, joints = [], [], [], []
     for i, (time, position, rate) in enumerate(zip(times, q, v, strict=True)):
-        parts = inertias(whole, position)
-        right = np.sum(list(parts.values()), axis=0)
-        forces = dict.fromkeys(names, np.zeros_like(rate))  # of what has no inertia left
-        forces |= {
-            f"{t.kind}.{t.name}": term_force(t, system, time, position, rate) for t in system.terms
-        }
-        forces |= inertial_forces(whole, position, rate)
-        expected = np.sum(list(forces.values()), axis=0) + weight(whole, position, whole.gravity)
+        right = mass_matrix(whole, position)
+        here = dict.fromkeys(names, np.zeros_like(rate))  # of what has no inertia left
+        here |= {n: term_force(one, system, time, position, rate) for n, one in terms.items()}
+        here |= inertial_forces(whole, position, rate)
+        acting = np.sum(list(here.values()), axis=0) + weight(whole, position, whole.gravity)
+        here |= {name: needed(whole, name, position, rate, a[i]) for name in masses}
+        for name, force in here.items():
+            forces[name].append(force[None])
+        pulls.append(np.array([weight(whole, position, GRAVITY * axis) for axis in axes]))
         free = permitted[i]
-        forces |= {name: -parts[name] @ a[i] for name in masses}
-        forces |= {
-            name: weight(whole, position, GRAVITY * axis)
-            for name, axis in zip(GRAVITIES, axes, strict=True)
-        }
-        parts_of_row = np.array([free.T @ forces[name] for name in names]).T
-        present = parts_of_row[:, : -len(GRAVITIES)]
-        size = np.sum(np.abs(present), axis=1) + np.abs(free.T @ right @ a[i])
-        inertial = np.abs(free.T) @ np.abs(right) @ np.abs(a[i])
-        alive = size > room.error * inertial  # below, inertial forces cancel but for rounding
-        size = np.maximum(size, UNITS * len(rate) * room.unit / room.error * inertial)
+        size = np.sum([np.abs(free.T @ one) for one in here.values()], axis=0)
+        size = size + np.abs(free.T @ right @ a[i])
+        inertia = np.abs(free.T) @ np.abs(right) @ np.abs(a[i])
+        alive = size > room.error * inertia  # below, inertial forces cancel but for rounding
+        size = np.maximum(size, UNITS * len(rate) * room.unit / room.error * inertia)
+        scales.append((free / size)[:, alive])
+        joints.append(np.flatnonzero(alive))
         mass = right if matrices is None else matrices[i]
-        rows.append((free.T @ (mass @ a[i] - expected))[alive] / size[alive])
-        columns.append(parts_of_row[alive] / size[alive, None])
-    shares = solved(names, np.vstack(columns), np.concatenate(rows), room.error)
-    reason = "of the forces, relative: what no share of a part explains"
-    last = Finding("unexplained", "1", shares.left, 0.0, shares.left, shares.granted, reason)
-    return [*findings_of(shares, "forces are", axes @ whole.gravity), last]
+        rows.append((mass @ a[i] - acting) @ scales[i])
+
+    def columns(force: Sequence[Array]) -> Array:
+        return np.hstack([one @ scale for one, scale in zip(force, scales, strict=True)]).T
+
+    relative = np.concatenate(rows)
+    parts = [Effect(name, columns(force), share_of(name)) for name, force in forces.items()]
+    parts.append(
+        Effect("gravity", columns(pulls), lambda x: pull(x, 0 * x, axes @ whole.gravity).reason)
+    )
+    candidates = []
+    if np.max(np.abs(relative)) > room.error:
+        for one in added_forces(file, system, share_of):
+            at = [one.at(*three) for three in zip(times, q, v, strict=True)]
+            candidates.append(Effect(one.name, columns(at), one.words, added=True))
+        for one in added_inertias(file, inertial_names(file)) if matrices is None else ():
+            at = [-one.at(position) @ rate for position, rate in zip(q, a, strict=True)]
+            candidates.append(Effect(one.name, columns(at), one.words, added=True))
+    explained = explain(parts, candidates, relative, room.error)
+    said = "; ".join(explained.added)
+    if not explained.unique and not whole.closures:
+        explained, said = but_for_one_joint(file, parts, candidates, relative, joints, room)
+    last = Finding(
+        "unexplained",
+        "1",
+        explained.left,
+        0.0,
+        explained.left,
+        explained.granted,
+        said or WHOLE["unexplained"],
+    )
+    return [*findings_of(parts, explained, "forces are", axes @ whole.gravity), last]
+
+
+def needed(whole: Mechanism, name: str, q: Array, v: Array, a: Array) -> Array:
+    """Return what is left of all forces (n,) for accelerations by one inertia of a mechanism."""
+    only = with_shares(whole, dict.fromkeys(set(inertias(whole, q)) - {name}, 0.0))
+    own = inertias(whole, q)[name] @ a
+    if name.startswith("armature."):
+        return -own
+    return np.asarray(weight(only, q, whole.gravity) - inertial_force(only, q, v) - own)
+
+
+def but_for_one_joint(
+    whole: Mechanism,
+    parts: list[Effect],
+    additions: list[Effect],
+    rows: Array,
+    velocities: Sequence[NDArray[np.int_]],
+    room: Room,
+) -> tuple[Explanation, str]:
+    """Return what explains all forces but those on one joint, where there is one such joint."""
+    along = zip(whole.joints, whole.layout.velocities, strict=True)
+    names = np.concatenate([[one.name] * (own.stop - own.start) for one, own in along])
+    of_rows = names[np.concatenate(velocities)]
+    wrong = dict.fromkeys(of_rows[np.abs(rows) > room.error].tolist())
+    granted, left = room.error * float(np.sqrt(len(rows))), float(np.linalg.norm(rows))
+    none = explain(parts, (), rows, room.error)
+    tried = []
+    for joint in wrong if len(wrong) <= MOST_JOINTS else ():
+        others = of_rows != joint
+        some, more = (
+            [one._replace(columns=one.columns[others]) for one in both]
+            for both in (parts, additions)
+        )
+        rest = explain(some, more, rows[others], room.error)
+        if rest.unique:
+            said = "; ".join(
+                [f"the force on {joint} is not the sum of its parts in any shares", *rest.added]
+            )
+            tried.append((rest._replace(left=left, granted=granted), said))
+    return tried[0] if len(tried) == 1 else (none, WHOLE["unexplained"])
 
 
 def free_motions(whole: Mechanism, position: Array) -> Array:
@@ -345,17 +421,13 @@ def gravity_axes(whole: Mechanism, q: Array, free: list[Array]) -> Array:
     return axes
 
 
-def pull(known: dict[str, Share], gravity: Array) -> Share:
-    """Return the size of what is beside a gravity (3,), which it takes from the shares of three."""
-    axes = [known.pop(name) for name in GRAVITIES]
-    seen = np.array([share.tolerance <= VISIBLE for share in axes])
-    values = np.array([share.value for share in axes]) * seen
-    tolerance = float(np.linalg.norm([share.tolerance for share in np.array(axes)[seen]]))
-    return Share(
-        float(np.linalg.norm(values)),
-        tolerance if np.any(seen) else np.inf,
-        said=of_gravity(GRAVITY * values, gravity * seen, GRAVITY * tolerance),
-    )
+def pull(values: Array, tolerances: Array, gravity: Array) -> Finding:
+    """Judge what is beside a gravity (3,), by shares of three."""
+    seen = tolerances <= VISIBLE
+    tolerance = float(np.linalg.norm(tolerances[seen])) if np.any(seen) else np.inf
+    extra = float(np.linalg.norm(values[seen]))
+    said = of_gravity(GRAVITY * values * seen, gravity * seen, GRAVITY * tolerance)
+    return Finding("gravity", "1", extra, 0.0, extra, tolerance, said)
 
 
 def of_gravity(extra: Array, gravity: Array, tolerance: float) -> str:
@@ -374,99 +446,36 @@ def of_gravity(extra: Array, gravity: Array, tolerance: float) -> str:
 
 
 def findings_of(
-    shares: Shares, of: str, gravity: Array | None = None
+    parts: list[Effect], explained: Explanation, of: str, gravity: Array | None = None
 ) -> Iterator[Finding | Inconclusive]:
-    """Yield what a share of each part means, or why it cannot be told."""
-    known = dict(shares.known)
-    if gravity is not None:
-        known["gravity"] = pull(known, gravity)
-    for name, share in known.items():
-        if shares.left > shares.granted:
+    """Yield what the share of each part means, or why it cannot be told."""
+    for one in parts:
+        name, value, tolerance = (
+            one.name,
+            explained.values[one.name],
+            explained.tolerances[one.name],
+        )
+        if gravity is not None and name == "gravity":
+            finding = pull(value, tolerance, gravity)
+        else:
+            said = words(name, 1 + float(value[0]), float(tolerance[0]))
+            error = abs(float(value[0]))
+            finding = Finding(name, "1", 1 + float(value[0]), 1.0, error, float(tolerance[0]), said)
+        hidden = explained.left > explained.granted and not np.all(np.isfinite(tolerance))
+        if not explained.unique or (hidden and name != "gravity"):
             yield Inconclusive(name, f"the {of} not those of its parts in any shares")
-        elif share.tolerance > VISIBLE:
+        elif finding.tolerance > VISIBLE:
             yield Inconclusive(
                 name, f"{part_of(name)} does not act enough to be told from rounding"
             )
         else:
-            yield share_finding(name, share)
+            others = explained.others.get(name, ())
+            yield replace(finding, reason=", or ".join([finding.reason, *others]))
 
 
-def solved(names: tuple[str, ...], columns: Array, rows: Array, room: float) -> Shares:
-    """Return the shares (1 + least squares) of all parts.
-
-    Parameters
-    ----------
-    names : tuple of str, n of them
-    columns : array (m, n)
-        What each part adds to the rows, relative.
-    rows : array (m,)
-        What an engine has beside what it should have, relative.
-    room : float
-        What rounding may leave of a row.
-    """
-    size = np.max(np.abs(columns), axis=0, initial=0.0)
-    acting = np.where(size > 0, size, 1.0)
-    inverse = np.linalg.pinv(columns / acting, rcond=DISTINCT)
-    extra = inverse @ rows / acting
-    left = float(np.linalg.norm(rows - columns @ extra))
-    granted = room * float(np.sqrt(len(rows)))
-    resolution = inverse @ columns / acting
-    mixed = np.max(np.abs(resolution - np.diag(np.diag(resolution)))) > APART
-    others: dict[str, tuple[str, ...]] = {}
-    if (mixed or left > granted) and np.linalg.norm(rows) > granted:
-        extra, others = simplest(names, columns, rows, room, extra)
-        left = float(np.linalg.norm(rows - columns @ extra))
-    moved = room * np.sum(np.abs(inverse), axis=1) / acting
-    shares = {
-        name: Share(
-            float(extra[i]) + (name not in GRAVITIES),
-            float(moved[i]) if size[i] > 0 else np.inf,
-            others.get(name, ()),
-        )
-        for i, name in enumerate(names)
-    }
-    return Shares(shares, left, granted)
-
-
-def simplest(
-    names: tuple[str, ...], columns: Array, rows: Array, room: float, extra: Array
-) -> tuple[Array, dict[str, tuple[str, ...]]]:
-    """Return shares by which one part alone, or one kind of parts, explains the rows.
-
-    Of several the one that is changed least. A part that rounding could move as much is no
-    explanation.
-
-    Returns
-    -------
-    extra : array (n,)
-        Shares beside the right ones; those given if no single part or kind explains the rows.
-    others : mapping of part to parts
-        Each of which would explain them as well.
-    """
-    granted = room * float(np.sqrt(len(rows)))
-    kinds = [name.partition(".")[0] for name in names]
-    groups = [[i] for i in range(len(names))]
-    groups += [
-        [i for i, other in enumerate(kinds) if other == kind]
-        for kind in dict.fromkeys(kinds)
-        if kinds.count(kind) > 1
-    ]
-    explained = []
-    for group in groups:
-        along = np.sum(columns[:, group], axis=1)
-        weight = float(along @ along)
-        if not weight or room * float(np.sum(np.abs(along))) / weight > VISIBLE:
-            continue
-        share = float(along @ rows) / weight
-        if np.linalg.norm(rows - share * along) <= granted:
-            explained.append((group, share))
-    if not explained:
-        return extra, {}
-    group, share = min(explained, key=lambda one: (abs(one[1]), len(one[0])))
-    extra = np.zeros(len(names))
-    extra[group] = share
-    singles = tuple(names[one[0]] for one, _ in explained if len(one) == 1 and one != group)
-    return extra, {names[group[0]]: singles} if len(group) == 1 else {}
+def share_of(name: str) -> Callable[[Array], str]:
+    """Return the words for a share (1,) of a part beside 1."""
+    return lambda x: words(name, 1 + float(x[0]), DISTINCT)
 
 
 def closures(whole: Mechanism, state: JointStates, room: Room) -> Iterator[Finding]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from ...checks.diagnosis.steps import ANOTHER_MODEL
+from ...checks.kinds.parts import WHOLE
 from ...checks.verdict import Result
 from ...engines.protocol import NO_ACCELERATIONS
 from ..words import with_unit
@@ -20,6 +22,17 @@ LEVELS = {
     "stability": "its periodic or long motion",
 }
 """From the model to its motion: what is wrong on one level is mostly wrong on those below."""
+
+FAILED = {
+    "clock": "its clock does not show the times that were asked for",
+    "step_count": "it takes or counts other steps than it was asked for",
+    "work_count": "it takes or counts other steps than it was asked for",
+    "non_finite": "what it returns is not finite",
+    "returned": "what it returns is refused",
+    "timeout": "it takes longer than the time limit",
+    "crashed": "its process ended",
+}
+"""What is wrong where all that fails is an error of such a kind."""
 
 MASS_SHARES = ("mass.", "inertia.", "products.", "armature.")
 """What quantities begin with that are shares of a mass matrix."""
@@ -39,13 +52,13 @@ def located(results: Sequence[Result]) -> list[str]:
         if level is None:
             continue
         here = [item for item in mine if item.kind == level]
-        lines.append(f"{engine}: {LEVELS[level]} is wrong{sound(level, ran)}")
+        lines.append(f"{engine}: {head(level, here)}{sound(level, ran)}")
         wrong_things = list(faults(here, mine))
         lines += [f"  {line}" for line in wrong_things[:MOST]]
         if len(wrong_things) > MOST:
             lines.append(f"  and {len(wrong_things) - MOST} more")
         deviates = any(item.verdict == "deviation" for item in mine)
-        causes = any(item.cause for item in mine)
+        causes = any(item.cause not in (None, ANOTHER_MODEL) for item in mine)
         if deviates and not causes and lacks_accelerations(engine, results):
             lines.append("  its accelerations would tell which part of the model: docs/engines.md")
     return lines
@@ -55,6 +68,19 @@ def lacks_accelerations(engine: str, results: Sequence[Result]) -> bool:
     """Return whether nothing is known of a model since its engine gives no accelerations."""
     skipped = [r.reason for r in results if (r.engine, r.verdict) == (engine, "skipped")]
     return any(NO_ACCELERATIONS in reason for reason in skipped)
+
+
+def head(level: str, here: Sequence[Result]) -> str:
+    """Return what is wrong on a level, of the results that fail there."""
+    if any(item.verdict == "deviation" for item in here):
+        same = all(item.cause == ANOTHER_MODEL for item in here)
+        return ANOTHER_MODEL if same else f"{LEVELS[level]} is wrong"
+    kinds = {item.reason.partition(":")[0] for item in here}
+    said = " and ".join(dict.fromkeys(FAILED[kind] for kind in sorted(kinds & FAILED.keys())))
+    if said and kinds <= FAILED.keys():
+        return said
+    raised = all(item.traceback for item in here)
+    return "it raised an exception" if raised else f"{LEVELS[level]} could not be judged"
 
 
 def sound(level: str, ran: set[str]) -> str:
@@ -70,7 +96,11 @@ def faults(results: Sequence[Result], every: Sequence[Result]) -> Iterator[str]:
     matrix is off by the masses and inertias that are, where these are named.
     """
     explained = {item.check_id for item in results if item.quantity.startswith(MASS_SHARES)}
-    own = [r for r in results if r.quantity != "mass_matrix" or r.check_id not in explained]
+    own = [
+        r
+        for r in results
+        if r.quantity != "mass_matrix" or r.check_id not in explained or fault(r) != off(r)
+    ]
     for (text,), same in grouped(own, lambda r: (fault(r),)).items():
         worst = max(same, key=error_size)
         size = with_unit(worst.error, worst.unit, 2)
@@ -84,10 +114,11 @@ def fault(result: Result) -> str:
     """Return what is wrong in one result: its cause, of a part what happened to it, or its name."""
     if result.verdict == "error":
         return result.reason
-    if result.cause:
+    if result.cause and result.cause != ANOTHER_MODEL:
         return result.cause
-    if result.kind == "parts" and result.quantity not in ("mass_matrix", "unexplained"):
-        return result.reason.partition("; ")[2]
+    said = result.reason.partition("; ")[2]
+    if result.kind == "parts" and said != WHOLE.get(result.quantity):
+        return said
     return off(result)
 
 

@@ -79,7 +79,7 @@ def reasons_table(title: str, reasons: Reasons) -> list[str]:
 
 
 def matrix(results: Sequence[Result]) -> str:
-    """Return a table of scene and engine against kind: worst verdict, passed of judged."""
+    """Return a table of scene and engine against kind: how many results passed, or fail."""
     cells = grouped(ran(results), lambda r: (r.scene, r.engine, r.kind))
     kinds = dict.fromkeys(kind for _, _, kind in cells)
     rows = [
@@ -90,7 +90,7 @@ def matrix(results: Sequence[Result]) -> str:
 
 
 def verdict_cell(results: Sequence[Result]) -> str:
-    """Return a sign, and how many of the results that were judged passed."""
+    """Return how many results passed, or of how many deviate, fail or are known."""
     if not results:
         return "-"
     failed = worst(results) in FAILURES

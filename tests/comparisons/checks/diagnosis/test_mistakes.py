@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from mbcheck.comparisons.checks.diagnosis.steps import ANOTHER_MODEL
 from mbcheck.comparisons.checks.suite import run_check
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.variants.mujoco import Controlled
@@ -24,7 +25,7 @@ from mbcheck.tests.support.engines.mistaken import (
     Starting,
 )
 from mbcheck.tests.support.faults import ENGINES, FAULTS, LateForce, Resetting
-from mbcheck.tests.support.results import result
+from mbcheck.tests.support.results import changed, result
 from mbcheck.tests.support.subjects import Subject, check_of, label, results_of
 
 HOOP = (
@@ -163,7 +164,8 @@ def test_what_is_no_such_mistake_is_never_named_as_one(subject: Subject, name: s
     wrong = FAULTS[subject.scene][name].make[subject.engine]()
     case = {"rotor_pendulum": "relative_motor"} | CASES
     for kind in ("step", "trajectory"):
-        assert causes(told_of(subject, kind, wrong, case[subject.scene])) <= {""}
+        found = told_of(subject, kind, wrong, case[subject.scene])
+        assert causes(found) <= {"", ANOTHER_MODEL}
 
 
 def test_what_passes_has_no_cause() -> None:
@@ -187,3 +189,17 @@ def test_every_kind_names_a_level(kind: str, words: str) -> None:
     sound = "algebra" if kind == "frequency" else "algebra and trajectory"
     assert first == f"mujoco: {words} is wrong, {sound} right"
     assert second == "  RK4 q off by 0.25 rad (hula_hoop)"
+
+
+@pytest.mark.parametrize(
+    ("reason", "traceback", "words"),
+    [
+        ("clock: it shows 1 s", None, "its clock does not show the times that were asked for"),
+        ("step_count: 2 steps", None, "it takes or counts other steps than it was asked for"),
+        ("ValueError: no", "Traceback", "it raised an exception"),
+        ("branch: turned over", None, "a free run could not be judged"),
+    ],
+)
+def test_a_header_fits_the_errors_below_it(reason: str, traceback: str | None, words: str) -> None:
+    wrong = changed(result(verdict="error", error=None, reason=reason), traceback=traceback)
+    assert located([wrong])[0] == f"mujoco: {words}"

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import mbcheck
-from mbcheck.comparisons.checks.diagnosis.steps import order_of
+from mbcheck.comparisons.checks.diagnosis.steps import ANOTHER_MODEL, order_of
 from mbcheck.comparisons.checks.suite import plan, quick, run_check
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.plugin.adapter import adapt
@@ -91,7 +91,8 @@ def test_a_tableau_is_not_blamed_for_forces_that_are_wrong() -> None:
             return 1.001 * super().accelerations(system, time, q, v)
 
     found = bad(results(Weak(), "hula_hoop", ("step",), HULA))
-    assert {item.cause for item in found} == {None}
+    assert {item.cause for item in found} == {ANOTHER_MODEL}
+    assert located(found)[0] == f"explicit: {ANOTHER_MODEL}"
 
 
 @pytest.mark.slow

@@ -80,13 +80,41 @@ class HalfRates(Turning):
         return replace(found, velocities=np.asarray(found.velocities) / 2)
 
 
+class Leapfrog(Solved):
+    """A leapfrog that tells its velocities as they stand, half a step before the positions."""
+
+    def simulate(self, system: Any, method: Any, step: float, times: Any) -> mbcheck.Motion:
+        """Integrate, begun by half a step."""
+        q, steps, rows = system.positions, 0, []
+        v = system.velocities
+        v = v - step / 2 * self.accelerations(system, system.start_time, q, v)
+        for time in times:
+            while (now := system.start_time + steps * step) + step / 2 < time:
+                middle = v + step / 2 * self.accelerations(system, now, q, v)
+                v = v + step * self.accelerations(system, now, q, middle)
+                q, steps = q + step * v, steps + 1
+            rows.append((q, v))
+        positions, velocities = (np.array(part) for part in zip(*rows, strict=True))
+        return mbcheck.Motion(positions, velocities, steps=steps)
+
+
+RATES_ALONE = "positions are right, and the rates that are told with them are not"
+HALF_A_STEP = "rates are half a step behind positions, as those of a leapfrog are"
+
+
 @pytest.mark.parametrize(
-    ("engine", "scene", "case"),
-    [(Staggered, "hula_hoop", HOOP), (HalfRates, "rigid_body", "heavy_tumbling")],
+    ("engine", "scene", "case", "said"),
+    [
+        (Staggered(), "hula_hoop", HOOP, HALF_A_STEP),
+        (Leapfrog(mbcheck.Method("leapfrog", 2)), "hula_hoop", HOOP, HALF_A_STEP),
+        (HalfRates(), "rigid_body", "heavy_tumbling", RATES_ALONE),
+    ],
 )
-def test_rates_that_no_run_goes_on_with_are_named(engine: Any, scene: str, case: str) -> None:
-    said = "positions are right, and the rates that are told with them are not"
-    assert causes(results(engine(), scene, ("step",), case)) == {said}
+def test_rates_that_are_not_those_of_the_positions_are_named(
+    engine: Any, scene: str, case: str, said: str
+) -> None:
+    """Before another order is."""
+    assert causes(results(engine, scene, ("step",), case)) == {said}
 
 
 class Kutta(MujocoPlugin):
@@ -145,6 +173,47 @@ class Halved(Decimated):
     """One that looks in every second step."""
 
     every = 2
+
+
+class Clamped(Kutta):
+    """Speeds that stop at a round number."""
+
+    def stepped(self, system: Any, begin: float, x: Any, step: float) -> Any:
+        """Return the state (2, n) after a step."""
+        x = super().stepped(system, begin, x, step)
+        place = system.joints.index("theta")
+        x[1, place] = np.clip(x[1, place], -12.0, 12.0)
+        return x
+
+
+class Longer(Kutta):
+    """Steps that are longer than those that it counts, by 1e-6."""
+
+    def stepped(self, system: Any, begin: float, x: Any, step: float) -> Any:
+        """Return the state (2, n) after a step."""
+        return super().stepped(system, begin, x, (1 + 1e-6) * step)
+
+
+class Unsteady(Kutta):
+    """Accelerations that differ from call to call."""
+
+    def accelerations(self, *asked: Any) -> Any:
+        """Return them off by up to 1e-6."""
+        return super().accelerations(*asked) * np.random.default_rng().uniform(1 - 1e-6, 1 + 1e-6)
+
+
+@pytest.mark.parametrize(
+    ("engine", "said"),
+    [
+        (Clamped, "theta_dot never exceeds 12 rad/s: it is clamped there"),
+        (Longer, "its steps are longer than the one that is given, by 1e-06 of it"),
+        (Unsteady, "it does not repeat itself: two identical calls differ by "),
+    ],
+)
+@pytest.mark.parametrize("kind", ["step", "trajectory"])
+def test_what_a_run_does_with_a_right_model_is_named(engine: Any, said: str, kind: str) -> None:
+    (cause,) = causes(results(engine(), "hula_hoop", (kind,), HOOP))
+    assert cause.startswith(said)
 
 
 class SingleClock(Kutta):

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.linalg import null_space
 
+from mbcheck.comparisons.checks.diagnosis.shares import Effect, explain
 from mbcheck.comparisons.checks.kinds import (
     algebra,
     elements,
@@ -15,7 +18,6 @@ from mbcheck.comparisons.checks.kinds import (
     frequency,
     one_step,
     order,
-    parts,
     stability,
 )
 from mbcheck.comparisons.checks.tolerances import NEXT_ORDERS, Richardson
@@ -141,33 +143,58 @@ def test_an_order_that_is_not_met_yet_leaves_larger_errors() -> None:
     assert one_step.slower(runs, 2) == pytest.approx(ratio / (ratio - 1) * 3 / 4)
 
 
-def test_of_explanations_the_smallest_change_is_named() -> None:
+def in_words(name: str, x: Array) -> str:
+    """Return a name and its number (1,)."""
+    return f"{name} {x[0]:.3g}"
+
+
+def candidates(columns: Any, *names: str, added: bool = False) -> list[Effect]:
+    """Return candidates of one number each."""
+    return [
+        Effect(name, column[:, None], partial(in_words, name), added)
+        for name, column in zip(names, np.transpose(columns), strict=True)
+    ]
+
+
+def test_of_explanations_the_smallest_change_is_named_and_the_other_beside_it() -> None:
     """A row that a light part explains by 5 times its size, and a heavy one by 1 % of it."""
-    columns = np.array([[1e-3, 0.5], [1e-3, 0.5]])
-    rows = 5e-3 * np.ones(2)
-    extra, others = parts.simplest(("mass.light", "spring.heavy"), columns, rows, 1e-9, np.zeros(2))
-    np.testing.assert_allclose(extra, [0, 0.01])
-    assert others == {"spring.heavy": ("mass.light",)}
-    extra, others = parts.simplest(
-        ("mass.light", "spring.heavy"), columns[:, ::-1], rows, 1e-9, np.zeros(2)
-    )
-    np.testing.assert_allclose(extra, [0.01, 0])
-    assert others == {"mass.light": ("spring.heavy",)}
+    columns, names = np.array([[1e-3, 0.5], [1e-3, 0.5]]), ("mass.light", "spring.heavy")
+    for both in (candidates(columns, *names), candidates(columns, *names)[::-1]):
+        found = explain(both, (), 5e-3 * np.ones(2), 1e-9)
+        assert found.values["spring.heavy"] == pytest.approx(0.01)
+        assert found.values["mass.light"] == 0
+        assert found.others == {"spring.heavy": ("mass.light 5",)}
 
 
 def test_several_parts_that_are_off_have_their_own_shares() -> None:
     """Whatever the size of their forces; no part alone explains the rows."""
-    columns = np.random.default_rng(4).normal(size=(20, 3)) * [1e-3, 1.0, 0.1]
-    extra = np.array([0.5, -1.0, 0.0])
-    found = parts.solved(
-        ("mass.a", "spring.b", "damper.c"), columns, columns @ extra, algebra.ROUNDING
-    )
+    columns = np.random.default_rng(4).normal(size=(20, 4)) * [1e-3, 1.0, 0.1, 1.0]
+    extra, names = np.array([0.5, -1.0, 0.0, 2.0]), ("mass.a", "spring.b", "damper.c", "spring.d")
+    found = explain(candidates(columns, *names), (), columns @ extra, algebra.ROUNDING)
     assert found.left < found.granted
-    shares = [found.known[name].value for name in ("mass.a", "spring.b", "damper.c")]
-    np.testing.assert_allclose(shares, 1 + extra, atol=1e-12)
-    tolerances = [found.known[name].tolerance for name in ("mass.a", "spring.b", "damper.c")]
+    values = np.concatenate([found.values[name] for name in names])
+    np.testing.assert_allclose(values, extra, atol=1e-12)
     moved = algebra.ROUNDING * np.sum(np.abs(np.linalg.pinv(columns)), axis=1)
-    np.testing.assert_allclose(np.array(tolerances), moved)
+    np.testing.assert_allclose(np.concatenate([found.tolerances[n] for n in names]), moved)
+
+
+def test_nothing_is_named_that_is_not_unique() -> None:
+    """Two parts of five explain what one term does that is none of them, since rows are few."""
+    columns = np.random.default_rng(1).normal(size=(5, 6))
+    parts, rows = candidates(columns[:, :5], *"abcde"), columns[:, 5]
+    assert not explain(parts, (), rows, 1e-10).unique
+    found = explain(parts, candidates(columns[:, 5:], "f", added=True), 3 * rows, 1e-10)
+    assert found.added == ("f 3",)
+    assert all(found.values[name] == 0 for name in "abcde")
+    assert found.left == pytest.approx(np.linalg.norm(3 * rows))
+    twins = candidates(columns[:, [5, 5]], "f", "g", added=True)
+    assert explain(parts, twins, 3 * rows, 1e-10).added == ("f 3, or g 3",)
+    assert not explain(
+        parts, candidates(columns[:, [5] * 4], *"fghi", added=True), rows, 1e-10
+    ).unique
+    near = columns[:, 5] + 2e-10 * columns[:, 0]  # explains nearly as much
+    twins = candidates(np.array([columns[:, 5], near]).T, "f", "g", added=True)
+    assert explain(parts, twins, 3 * rows, 1e-10).added == ("f 3, or g 3",)
 
 
 @pytest.mark.parametrize(
