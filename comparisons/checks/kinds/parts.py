@@ -310,7 +310,7 @@ def of_forces(
         inertia = np.abs(free.T) @ np.abs(right) @ np.abs(a[i])
         alive = size > room.error * inertia  # below, inertial forces cancel but for rounding
         size = np.maximum(size, UNITS * len(rate) * room.unit / room.error * inertia)
-        scales.append((free / size)[:, alive])
+        scales.append(free[:, alive] / size[alive])
         joints.append(np.flatnonzero(alive))
         mass = right if matrices is None else matrices[i]
         rows.append((mass @ a[i] - acting) @ scales[i])
