@@ -154,7 +154,7 @@ def test_errors_arrive_as_one_of_a_few_classes(
     "value",
     [lambda: 0, (i for i in "a"), 1j, np.array([1j]), {1, 2}, b"a", {(1, 2): 3}, np.array(["1.5"]),
      np.ma.masked_equal([1.0, 2.0], 2.0)],
-    ids=repr,
+    ids=lambda value: type(value).__name__,
 )  # fmt: skip
 def test_what_is_no_plain_data_is_not_sent(value: Any) -> None:
     error = plain(value)
