@@ -21,11 +21,13 @@ class Borrowed(PinocchioEngine):
     version = "0"
 
     def __init__(self) -> None:
-        self.loaded = None
+        self.loaded: Any = None
 
     def load(self, system: Any) -> Any:
-        model = mujoco.MjModel.from_xml_string(system.mjcf)
-        return model, mujoco.MjData(model)
+        if self.loaded is None or self.loaded[0] != system.mjcf:
+            model = mujoco.MjModel.from_xml_string(system.mjcf)
+            self.loaded = system.mjcf, model, mujoco.MjData(model)
+        return self.loaded[1:]
 
     def accelerations(self, system: Any, time: float, q: Any, v: Any) -> Any:
         model, data = self.load(system)
