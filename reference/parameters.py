@@ -16,14 +16,17 @@ from .errors import ParameterError, UnknownNameError
 PLAIN = re.compile(r"[+-]?(([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?|inf|nan)")
 """Numbers as text: decimal, in the digits 0 to 9; Python alone would take ``1_0`` too."""
 
-MOST_TURNED = 1e9
+LARGEST_ANGLE = 1e9
 """Largest angle [rad]; rounding of one of 1e12 rad leaves 1e-4 rad of it open."""
 
 BOUNDS: Mapping[str, tuple[Callable[[Any], Any], str]] = {
     "positive": (lambda value: value > 0, "greater than 0"),
     "non-negative": (lambda value: value >= 0, "0 or greater"),
     "any": (lambda value: value == value, "a number"),
-    "angle": (lambda value: abs(value) <= MOST_TURNED, f"an angle of {MOST_TURNED:g} rad at most"),
+    "angle": (
+        lambda value: abs(value) <= LARGEST_ANGLE,
+        f"an angle of {LARGEST_ANGLE:g} rad at most",
+    ),
 }
 
 

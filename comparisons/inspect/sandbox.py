@@ -204,8 +204,9 @@ def inspect_files(
             try:
                 every.append(sandbox.run(work(file), len(files) == 1))
             except MbcheckError as error:
-                found = sandbox.report if isinstance(error, EngineError) else None
-                every += [found] if found else []
-                if not (found and isinstance(error, EngineError) and error.kind == "timeout"):
+                ended = error.kind if isinstance(error, EngineError) else ""
+                report = sandbox.report if ended else None  # a user's slip has none
+                every += [report] if report else []
+                if not (report and ended == "timeout"):
                     unreadable[file] = str(error)
     return Inspections(tuple(model for model, _ in every), unreadable), [text for _, text in every]

@@ -270,7 +270,7 @@ def named(heads: Sequence[str], where: str) -> Heading:
         If a name stands twice, or no column holds times in seconds.
     """
     names, units = [], {}
-    if max(map(len, heads)) > LONGEST_NAME:
+    if max(map(len, heads), default=0) > LONGEST_NAME:
         raise UsageError(f"{where}: a column's name has more than {LONGEST_NAME} characters")
     for head in heads:
         parts = UNIT.fullmatch(head)

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 import mbcheck
-from mbcheck.comparisons.checks import suite
+from mbcheck.comparisons.checks import execution
 from mbcheck.comparisons.engines import registry as engines
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.reference.errors import (
@@ -39,7 +39,7 @@ def test_an_engine_not_asked_for_may_be_missing(monkeypatch: pytest.MonkeyPatch)
 
     for module in (engines, suite):
         monkeypatch.setattr(module, "get_engine", without_exudyn)
-    monkeypatch.setattr(suite, "installed", lambda name: False)
+    monkeypatch.setattr(execution, "installed", lambda name: False)
     report = mbcheck.check(kinds=["frequency"])
     missing = [item for item in report.results if "libgl1" in item.reason]
     assert [(item.engine, item.verdict) for item in missing] == [("exudyn", "skipped")]

@@ -42,7 +42,7 @@ def test_bounds_need_a_csv_file_and_the_reference() -> None:
         "orbit hula_hoop --set force_amplitude=1e300",
         "orbit speed_regulator --set damping=1e6 --set torque=1.1",
         "orbit speed_regulator --set gravity_x=1e300",
-        "orbit rotor_pendulum --set installation_angle=1e300",
+        "orbit rotor_pendulum --set rod_stiffness=1e300",
     ],
 )
 def test_what_leads_nowhere_ends_with_its_budget(line: str) -> None:

@@ -44,7 +44,6 @@ ALLOWED: Mapping[str, Mapping[str, str]] = {
         "comparisons/engines/messages.py::decoded": FOREIGN,
         "comparisons/engines/messages.py::encoded": FOREIGN,
         "comparisons/engines/mujoco/engine.py::MuJoCo.simulate_many": FOREIGN,
-        "comparisons/engines/run.py::attempt": FOREIGN,
         "comparisons/engines/run.py::call_engine": FOREIGN,
         "comparisons/engines/run.py::traceback_of": FOREIGN,
         "comparisons/engines/variants/mujoco_probes.py::transition_matrix": FOREIGN,
