@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 import mbcheck
-from mbcheck.comparisons.checks import execution
+from mbcheck.comparisons.checks import execution, suite
 from mbcheck.comparisons.engines import registry as engines
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.reference.errors import (
