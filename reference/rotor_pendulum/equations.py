@@ -321,9 +321,10 @@ def rest(name: str, p: RotorPendulum) -> dict[str, float]:
 
     # between the relaxed spring and the rod that hangs, their torques balance
     hangs = (down - c.beta + np.pi) % (2 * np.pi) - np.pi
-    is_upright = abs(unbalanced(0.0)) <= 4 * np.finfo(float).eps * most
-    swing = 0.0 if p.rod_stiffness else hangs
-    if p.rod_stiffness and not is_upright:
+    rounding = 4 * np.finfo(float).eps * most
+    is_upright = bool(p.rod_stiffness) and abs(unbalanced(0.0)) <= rounding
+    swing = 0.0 if is_upright else hangs
+    if c.rod_stiffness * abs(hangs) > rounding and not is_upright:  # else the rod hangs
         swing = brentq(unbalanced, min(0.0, hangs), max(0.0, hangs), xtol=1e-15)
     return {
         "x": float(c.mass * p.gravity_x / p.platform_stiffness) if p.gravity_x else 0.0,

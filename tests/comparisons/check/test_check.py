@@ -37,7 +37,7 @@ def test_an_engine_not_asked_for_may_be_missing(monkeypatch: pytest.MonkeyPatch)
             raise EngineUnavailableError("exudyn cannot be imported; install libgl1")
         return get_engine(name)
 
-    for module in (engines, suite):
+    for module in (engines, execution, suite):
         monkeypatch.setattr(module, "get_engine", without_exudyn)
     monkeypatch.setattr(execution, "installed", lambda name: False)
     report = mbcheck.check(kinds=["frequency"])

@@ -36,13 +36,19 @@ def test_bounds_need_a_csv_file_and_the_reference() -> None:
     assert "an engine states no bound" in refusal(f"{SIMULATE} --engine mujoco --bounds --csv -")
 
 
+def test_a_spring_that_is_nothing_beside_the_weight_ends_in_one_line() -> None:
+    done = invoke("orbit rotor_pendulum --set gravity_x=1e300")
+    assert done.exit_code == 1
+    assert done.stderr.startswith("Error: the natural frequencies")
+
+
 @pytest.mark.parametrize(
     "line",
     [
         "orbit hula_hoop --set force_amplitude=1e300",
         "orbit speed_regulator --set damping=1e6 --set torque=1.1",
         "orbit speed_regulator --set gravity_x=1e300",
-        "orbit rotor_pendulum --set rod_stiffness=1e300",
+        "orbit rotor_pendulum --set motor_slope=1e6",
     ],
 )
 def test_what_leads_nowhere_ends_with_its_budget(line: str) -> None:
