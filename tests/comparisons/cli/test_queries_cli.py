@@ -7,7 +7,7 @@ import csv
 import pytest
 
 from mbcheck.comparisons.queries.simulate import simulate
-from mbcheck.tests.support.command import refusal, succeeds
+from mbcheck.tests.support.command import invoke, refusal, succeeds
 
 SIMULATE = "simulate hula_hoop --times 0,0.05,0.1"
 
