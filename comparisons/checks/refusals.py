@@ -70,10 +70,10 @@ def refuse_undriven(setup: Setup) -> None:
         return one.simulate(setup.default_step, steps).matrix(setup.scene.observables)
 
     undriven = setup.with_case(still)
-    motion = seen(undriven)
-    if not np.array_equal(seen(setup), motion):
+    with_drive, motion = seen(setup), seen(undriven)  # in this order: an engine may keep the first
+    if not np.array_equal(with_drive, motion):
         return
-    if is_driven(setup, undriven, motion, setup.default_step * steps):
+    if is_driven(setup, undriven, motion, steps):
         raise EngineError(
             "drive",
             "it moves alike with and without this case's drive, and not as without it: the drive "
@@ -87,8 +87,8 @@ def refuse_undriven(setup: Setup) -> None:
     )
 
 
-def is_driven(setup: Setup, undriven: Setup, motion: Array, after: Array) -> bool:
-    """Return whether a motion (k, n_t) at times [s] after the start is no undriven one.
+def is_driven(setup: Setup, undriven: Setup, motion: Array, steps: Array) -> bool:
+    """Return whether a motion (k, n_t) after so many default steps is no undriven one.
 
     It lies closer to the reference with the drive than to that without. An engine without a method
     is asked for its accelerations once more, at other times.
@@ -96,7 +96,8 @@ def is_driven(setup: Setup, undriven: Setup, motion: Array, after: Array) -> boo
     if setup.method is None:
         findings = (item for item in algebra.measure(undriven) if isinstance(item, Finding))
         return any(item.error > item.tolerance for item in findings)
-    names, times = setup.scene.observables, setup.case.start_time + after
+    names = setup.scene.observables
+    times = setup.case.start_time + setup.default_step * steps
     driven, still = (
         roundoff_reference(one.solved_equations, one.case, times, names).values
         for one in (setup, undriven)
