@@ -216,10 +216,6 @@ KnownEntry = TypedDict(
         ],
         "id": Annotated[Name, means("pattern for ids")],
         "reason": Annotated[Name, means("as the user gave it")],
-        "engine": Annotated[str | None, means("only engine that it holds for; null for any")],
-        "versions": Annotated[
-            str | None, means("range of the engine's versions that it holds for; null for any")
-        ],
         "verdict": Annotated[Literal["deviation", "error"], means("what it covers")],
         "max_error": Annotated[
             float | None,

@@ -272,12 +272,6 @@ class Report:
             **({"reference": run.reference} if run.reference else {}),
         )
 
-    def markdown(self) -> str:
-        """Return a Markdown table with a line for each method of each engine."""
-        from .markdown import method_table
-
-        return method_table(self.results)
-
 
 def json_result(result: Result) -> dict[str, Any]:
     """Return the fields of one result; a number that JSON has no word for is told in its reason."""

@@ -315,7 +315,7 @@ def test_an_interrupted_run_writes_what_it_has(monkeypatch: pytest.MonkeyPatch) 
 @pytest.mark.usefixtures("own_folder")
 def test_a_trajectory_has_a_page_too() -> None:
     Path("my run.csv").write_text("t,theta\n0,0.3\n0.1,1.8\n0.2,4\n")
-    line = ["check", "--trajectory", "my run.csv", "--case", "hula_hoop/spinning_3hz_60n"]
+    line = ["judge", "my run.csv", "--case", "hula_hoop/spinning_3hz_60n"]
     done = invoke("", *line, "--html", "out")
     assert "--html needs verdicts" in done.stderr
     options = "--tolerance 1e-3 --set free_mass=0.05 --html out --junit -"
