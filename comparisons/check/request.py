@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 from ...models.placement import world_axes
@@ -17,7 +17,7 @@ from ..checks.execution import Execution, run_checks, unavailable
 from ..checks.refusals import narrowed
 from ..checks.verdict import PROFILES, Result
 from ..engines.protocol import Engine
-from ..engines.registry import LENT, checked_engines, get_engine, lent, resolve_selection
+from ..engines.registry import LENT, checked_engines, lent, resolve_selection
 from ..queries.environment import environment, versions
 from ..reports.run.outcome import Report, Run
 from .custom import NAME as CUSTOM
@@ -153,14 +153,13 @@ class CheckRequest:
             raise UnknownNameError("profile", self.profile, PROFILES)
         if self.strict_known and self.known is None:
             raise UsageError("--strict-known needs a file of known deviations: --known FILE")
-        listing = listing_of(self.known)
+        listing = known_deviations.Listing()
+        if self.known is not None:
+            listing = known_deviations.read(self.known)
         custom = None
         if self.is_custom:
             custom = custom_case(self.scenes, self.parameters, self.state, self.horizon)
         checks = tuple(self.select(custom))
-        for engine in {check.engine for check in checks}:
-            own = [name for check in checks if check.engine == engine for name in check.ids]
-            listing.refuse_unordered(engine, own)
         return CheckPlan(checks, self, listing, custom)
 
 
@@ -190,17 +189,6 @@ def quick_checks(
         named = {check.prefix for check in checks if suite.matches(check, [pattern])}
         prefixes |= quick & named or named
     return narrowed(checks, "--quick", lambda one: one.prefix in prefixes)
-
-
-def listing_of(file: str | None) -> known_deviations.Listing:
-    """Return the known deviations of a file; none without one."""
-
-    def version_of(name: str) -> str:
-        return get_engine(name).version
-
-    if file is None:
-        return known_deviations.Listing()
-    return known_deviations.read(file, version_of)
 
 
 @dataclass(frozen=True)
@@ -244,17 +232,14 @@ class CheckPlan:
         engines = tuple(dict.fromkeys(check.loaded_as or check.engine for check in self.checks))
         names = {check.engine for check in self.checks}
 
-        def ids(full: bool) -> dict[str, str]:
+        @cache
+        def ids(full: bool) -> list[str]:
             names = engines if request.source == SOURCES[0] else ()
             every = CheckRequest(engines=names, full=full, source=request.source)
-            return {name: one.engine for one in every.select(self.custom) for name in one.ids}
+            return [name for one in every.select(self.custom) for name in one.ids]
 
-        uses = self.listing.uses(
-            reported,
-            cache(lambda: ids(request.full)),
-            cache(lambda: ids(True)),
-            set(checked_engines()) - names,
-        )
+        every = partial(ids, request.full), partial(ids, True)
+        uses = self.listing.uses(reported, *every, set(checked_engines()) - names)
         about = Run(
             planned=len(self.checks),
             selection=request.selection,

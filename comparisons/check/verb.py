@@ -73,7 +73,6 @@ def new_file(
         "mbcheck check --known mbcheck-known.toml --strict-known --markdown summary.md",
         "mbcheck check hula_hoop --set force_amplitude=80 --state theta=0.3 --horizon 1",
         "mbcheck check hula_hoop --placement turned:7 --kind parts --kind algebra",
-        "mbcheck check --trajectory run.csv --case hula_hoop/rod_aligned --order 4 --step 1e-3",
     ),
 )
 @click.argument("scenes", nargs=-1, metavar="[SCENE]...")

@@ -11,13 +11,10 @@ import json
 import math
 import re
 import tomllib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from typing import Any, Literal
-
-from packaging.specifiers import InvalidSpecifier, SpecifierSet
-from packaging.version import InvalidVersion, Version
 
 from ...reference.errors import UnknownNameError, UsageError
 from ..documents.reading import read_document
@@ -26,7 +23,7 @@ from .verdict import Result
 TODO = "TODO: why does it deviate?"
 """What a drafted file has in place of a reason."""
 
-KEYS = ("id", "reason", "engine", "versions", "verdict", "max_error")
+KEYS = ("id", "reason", "verdict", "max_error")
 """What an entry may say; the first two it must."""
 
 COVERED = ("deviation", "error")
@@ -50,10 +47,6 @@ class Entry:
     id : str
         Shell pattern for ids, as `mbcheck check --id` takes it.
     reason : str
-    engine : str or None
-        Name of the only engine that it holds for.
-    versions : str or None
-        Versions of the result's engine that it holds for (PEP 440), e.g. ``>=4.0,<4.2``.
     verdict : {"deviation", "error"}
         What it covers.
     max_error : float or None
@@ -64,8 +57,6 @@ class Entry:
     line: int | None
     id: str
     reason: str
-    engine: str | None = None
-    versions: str | None = None
     verdict: str = "deviation"
     max_error: float | None = None
 
@@ -74,33 +65,11 @@ class Entry:
         """Where it stands, for messages."""
         return f"entry {self.number}" + ("" if self.line is None else f" (line {self.line})")
 
-    def names(self, id: str, engine: str) -> bool:
-        """Return whether it is about this id of this engine, of whatever version."""
-        return self.engine in (None, engine) and fnmatchcase(id, self.id)
-
     def has_room_for(self, result: Result) -> bool:
         """Return whether the error of a result is not larger than it covers."""
         if self.max_error is None:
             return True
         return result.error is not None and result.error <= self.max_error
-
-    def holds_for(self, engine: str, version: str) -> bool:
-        """Return whether a version of an engine is in its range; development versions count.
-
-        Raises
-        ------
-        UsageError
-            If the version is none that has an order.
-        """
-        if self.versions is None:
-            return True
-        try:
-            return SpecifierSet(self.versions).contains(Version(version), prereleases=True)
-        except InvalidVersion:
-            raise UsageError(
-                f"{self.place} of the known deviations has versions = {self.versions!r}, but the "
-                f"version {version!r} of {engine} has no order (PEP 440): leave `versions` out"
-            ) from None
 
 
 @dataclass(frozen=True)
@@ -133,17 +102,14 @@ class Listing:
     file : str or None
         None if there is no file.
     entries : tuple of Entry
-    version_of : callable
-        Version of an engine by its name.
     """
 
     file: str | None = None
     entries: tuple[Entry, ...] = ()
-    version_of: Callable[[str], str] = lambda name: ""
 
     def settle(self, result: Result) -> Result:
         """Return a result, `known` if an entry covers it; of several the first tells why."""
-        about = [one for one in self.entries if self._is_about(one, result)]
+        about = [one for one in self.entries if is_about(one, result)]
         entry = next((one for one in about if one.has_room_for(result)), None)
         if result.verdict not in COVERED or not about:
             return result
@@ -153,23 +119,12 @@ class Listing:
             return replace(result, reason=reason)
         return replace(result, verdict="known", known=entry.reason)
 
-    def refuse_unordered(self, engine: str, ids: Sequence[str]) -> None:
-        """Refuse a range of versions for an engine whose version has no order.
-
-        Raises
-        ------
-        UsageError
-        """
-        for item in self.entries:
-            if item.versions is not None and any(item.names(id, engine) for id in ids):
-                item.holds_for(engine, self.version_of(engine))
-
     def uses(
         self,
         results: Sequence[Result],
-        usual: Callable[[], Mapping[str, str]],
-        every: Callable[[], Mapping[str, str]],
-        others: Iterable[str] = (),
+        usual: Callable[[], Collection[str]],
+        every: Callable[[], Collection[str]],
+        others: Collection[str] = (),
     ) -> tuple[Use, ...]:
         """Return what became of each entry.
 
@@ -177,33 +132,33 @@ class Listing:
         ----------
         results : sequence of Result
             As `settle` returned them.
-        usual : callable () -> mapping of id to engine
+        usual : callable () -> collection of str
             All ids of the run's engines, had nothing been filtered. Called if needed.
-        every : callable () -> mapping of id to engine
+        every : callable () -> collection of str
             These, and those that are left out by default.
-        others : iterable of str
+        others : collection of str
             Names of engines that took no part.
         """
-        others = frozenset(others)
         return tuple(self._use(entry, results, usual, every, others) for entry in self.entries)
 
     def _use(
         self,
         entry: Entry,
         results: Sequence[Result],
-        usual: Callable[[], Mapping[str, str]],
-        every: Callable[[], Mapping[str, str]],
-        others: frozenset[str],
+        usual: Callable[[], Collection[str]],
+        every: Callable[[], Collection[str]],
+        others: Collection[str],
     ) -> Use:
-        covered = sum(self._covers(entry, result) for result in results)
+        covered = sum(is_about(entry, one) and entry.has_room_for(one) for one in results)
         if covered:
             return Use(entry, covered, "used")
-        about = {id for id, engine in usual().items() if entry.names(id, engine)}
-        if not about:
-            return Use(entry, 0, *why_no_id(entry, every(), others))
-        mine = {id for id in about if self._holds(entry, usual()[id])}
+        mine = {id for id in usual() if fnmatchcase(id, entry.id)}
+        if not mine and any(fnmatchcase(id, entry.id) for id in every()):
+            return Use(entry, 0, "open", "its checks run with --full only")
+        absent = [name for name in entry.id.split("/") if name in others]
         if not mine:
-            return Use(entry, 0, "open", f"versions {entry.versions} are not the engine's")
+            why = f"engine {absent[0]} took no part" if absent else "no check has such an id"
+            return Use(entry, 0, "open" if absent else "stale", why)
         here = {result.id: result for result in results if result.id in mine}
         ran = [result for result in here.values() if result.verdict != "skipped"]
         if len(here) < len(mine):
@@ -215,20 +170,10 @@ class Listing:
             return Use(entry, 0, "stale", f"what it covers passes now ({len(ran)} results)")
         return Use(entry, 0, "stale", f"none of its {len(ran)} results is now: {entry.verdict}")
 
-    def _holds(self, entry: Entry, engine: str) -> bool:
-        return entry.versions is None or entry.holds_for(engine, self.version_of(engine))
 
-    def _covers(self, entry: Entry, result: Result) -> bool:
-        """Return whether an entry covers a result, before or after it was settled."""
-        return self._is_about(entry, result) and entry.has_room_for(result)
-
-    def _is_about(self, entry: Entry, result: Result) -> bool:
-        """Return whether an entry covers a result but for how large its error is."""
-        return (
-            original_verdict(result) == entry.verdict
-            and entry.names(result.id, result.engine)
-            and self._holds(entry, result.engine)
-        )
+def is_about(entry: Entry, result: Result) -> bool:
+    """Return whether an entry covers a result, settled or not, but for how large its error is."""
+    return original_verdict(result) == entry.verdict and fnmatchcase(result.id, entry.id)
 
 
 def original_verdict(result: Result) -> str:
@@ -242,22 +187,10 @@ def original_verdict(result: Result) -> str:
     return "deviation" if all(x is not None and math.isfinite(x) for x in numbers) else "error"
 
 
-def why_no_id(entry: Entry, every: Mapping[str, str], others: frozenset[str]) -> tuple[State, str]:
-    """Return the state of an entry that no id of a usual run matches, and why."""
-    if any(entry.names(id, engine) for id, engine in every.items()):
-        return "open", "its checks run with --full only"
-    engines = set(every.values())
-    foreign = ({entry.engine} if entry.engine else set(entry.id.split("/"))) & others
-    if foreign or (entry.engine and entry.engine not in engines):
-        name = entry.engine or min(foreign)
-        return "open", f"engine {name} took no part"
-    return "stale", "no check has such an id"
-
-
 # Reading
 
 
-def read(file: str, version_of: Callable[[str], str]) -> Listing:
+def read(file: str) -> Listing:
     """Return the known deviations of a file.
 
     Raises
@@ -285,8 +218,7 @@ def read(file: str, version_of: Callable[[str], str]) -> Listing:
             entries.append(entry(number, line, table))
         except UsageError as error:
             raise UsageError(f"--known: {file!r}, {where}: {error}") from None
-    refuse_twins(file, entries)
-    return Listing(file, tuple(entries), version_of)
+    return Listing(file, tuple(entries))
 
 
 def entry(number: int, line: int | None, table: Mapping[str, Any]) -> Entry:
@@ -318,62 +250,24 @@ def entry(number: int, line: int | None, table: Mapping[str, Any]) -> Entry:
     entry = Entry(number, line, **table)
     if entry.verdict not in COVERED:
         raise UnknownNameError("verdict", entry.verdict, COVERED)
-    try:
-        SpecifierSet(entry.versions or "")
-    except InvalidSpecifier:
-        raise UsageError(
-            f"versions must be a range such as '>=4.0,<4.2', not {entry.versions!r}"
-        ) from None
     return entry
-
-
-def refuse_twins(file: str, entries: Sequence[Entry]) -> None:
-    """Refuse an entry that covers just what another one does.
-
-    Raises
-    ------
-    UsageError
-    """
-    seen: dict[tuple[Any, ...], Entry] = {}
-    for item in entries:
-        key = (item.id, item.engine, item.versions, item.verdict, item.max_error)
-        if key in seen:
-            raise UsageError(
-                f"--known: {file!r}, {item.place}: it covers the same as {seen[key].place}; "
-                "remove one"
-            )
-        seen[key] = item
 
 
 # Writing
 
 
 def draft(results: Iterable[Result]) -> str:
-    """Return a file of known deviations: an entry for each result that fails.
-
-    Where all results of a check fail in the same way it is one entry. Each says what to replace.
-    """
-    checks: dict[str, list[Result]] = {}
-    for result in results:
-        checks.setdefault(result.check_id, []).append(result)
-    tables = []
-    for prefix, members in checks.items():
-        verdicts = {result.verdict for result in members}
-        if len(members) > 1 and len(verdicts) == 1 and verdicts <= set(COVERED):
-            tables.append(table(literal(prefix) + "/*", members))
-        else:
-            tables += [table(literal(r.id), [r]) for r in members if r.verdict in COVERED]
+    """Return a file of known deviations: an entry for each result that fails, to be completed."""
     head = "# Known deviations: give each a reason, and remove what is to be repaired instead.\n"
-    return head + "".join(tables)
+    return head + "".join(table(result) for result in results if result.verdict in COVERED)
 
 
-def table(pattern: str, results: Sequence[Result]) -> str:
-    """Return the entry of results that fail alike, with what was seen as a comment."""
-    lines = ["", "[[known]]"]
-    lines += [f"# {r.quantity}: {r.reason}" for r in results]
-    lines += [f"id = {quoted(pattern)}", f'reason = "{TODO}"']
-    if results[0].verdict != "deviation":
-        lines.append(f"verdict = {quoted(results[0].verdict)}")
+def table(result: Result) -> str:
+    """Return the entry of a result that fails, with what was seen as a comment."""
+    lines = ["", "[[known]]", f"# {result.quantity}: {result.reason}"]
+    lines += [f"id = {quoted(literal(result.id))}", f'reason = "{TODO}"']
+    if result.verdict != "deviation":
+        lines.append(f"verdict = {quoted(result.verdict)}")
     return "".join(f"{one_line(line)}\n" for line in lines)
 
 

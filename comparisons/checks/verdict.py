@@ -28,15 +28,12 @@ class Series:
     over : {"time", "step"}
         A trajectory over its times [s]; relative errors over steps [s].
     x, value, reference : array (n,)
-    seconds : array (n,), optional
-        Wall time of the run with each step [s].
     """
 
     over: Literal["time", "step"]
     x: Array
     value: Array
     reference: Array
-    seconds: Array | None = None
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from ..check.verb import check_verb
 from ..diff.verb import diff
 from ..extremes.verbs import extremes
 from ..inspect.verbs import inspect
-from ..judge.verb import judge_verb, with_trajectory
+from ..judge.verb import judge_verb
 from ..maps.verbs import compare_maps, map_
 from ..papers.verbs import reproduce_papers
 from ..reports.files import Destination
@@ -89,7 +89,7 @@ def list_(scene: str | None, coverage: bool, json_file: Destination | None) -> N
 
 
 VERBS = (
-    *(with_trajectory(check_verb), judge_verb, *QUERIES, list_),
+    *(check_verb, judge_verb, *QUERIES, list_),
     *(diff, map_, boundary, compare_maps, reproduce_papers, tradeoff, extremes, inspect),
 )
 

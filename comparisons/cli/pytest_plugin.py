@@ -38,9 +38,6 @@ RESULTS: pytest.StashKey[list[Result]] = pytest.StashKey()
 DOCUMENTS: pytest.StashKey[list[dict[str, Any]]] = pytest.StashKey()
 REPORT: pytest.StashKey[Report] = pytest.StashKey()
 
-NOTHING_RAN = 2
-"""Exit code, as of `mbcheck check`. pytest's own code for no tests, 5, is often forgiven."""
-
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add the options of `mbcheck check` that choose checks, and those for known deviations."""

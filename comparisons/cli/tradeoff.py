@@ -101,8 +101,8 @@ def tradeoff(
 
     Each method of each engine runs a case of the scene over halved steps, and over what else
     limits it. Times are those of this machine; counts may be compared. Of several scenes,
-    --plot writes a picture each, FILE_scene.png, and more of the beam's elements and of what steps
-    cost in stability, which a page of --markdown shows.
+    --plot writes a picture each, FILE_scene.png, and more of what steps cost in stability, which a
+    page of --markdown shows.
 
     Of an MJCF file: which step and integrator it needs. Runs from its keyframes and from the
     state that it opens in, controls held and moving, against its own converged run. Exit code 1
@@ -211,11 +211,10 @@ def with_pictures(page: str, pictures: Pictures, place: Destination) -> str:
 
 
 def draw_all(result: Tradeoff, path: Path) -> Pictures:
-    """Write a figure for each scene, and those of its elements and of its stability, if any."""
+    """Write a figure for each scene, and one of its stability, if any."""
     from ..reports.drawing import save
-    from ..tradeoff.draw import figure_parts, figure_stability, figure_work_precision
-    from ..tradeoff.elements import continuum_of
-    from ..tradeoff.pages import LIMITS, PARTS, SHIFTS
+    from ..tradeoff.draw import figure_stability, figure_work_precision
+    from ..tradeoff.pages import LIMITS, SHIFTS
     from ..tradeoff.report import pareto
 
     pictures: Pictures = []
@@ -224,10 +223,6 @@ def draw_all(result: Tradeoff, path: Path) -> Pictures:
         name = path if len(result.scenes) == 1 else path.with_stem(f"{path.stem}_{scene}")
         front = [point for _, point in pareto(series)]
         figures = [(LIMITS, name, figure_work_precision(series, front))]
-        continuum = continuum_of(scene)
-        if continuum.kinds and result.minimal.curves:
-            place = path.with_stem(f"{path.stem}_elements")
-            figures.append((PARTS, place, figure_parts(result.minimal, continuum)))
         if shifts := [one for one in result.stability if one.scene == scene]:
             place = name.with_stem(f"{name.stem}_stability")
             figures.append((SHIFTS, place, figure_stability(shifts)))

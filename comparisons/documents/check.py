@@ -216,10 +216,8 @@ KnownEntry = TypedDict(
         ],
         "id": Annotated[Name, means("pattern for ids")],
         "reason": Annotated[Name, means("as the user gave it")],
-        "engine": Annotated[str | None, means("only engine that it holds for; null for any")],
-        "versions": Annotated[
-            str | None, means("range of the engine's versions that it holds for; null for any")
-        ],
+        "engine": Annotated[str | None, means("null: an entry holds for all that its id matches")],
+        "versions": Annotated[str | None, means("null: an entry holds for all versions")],
         "verdict": Annotated[Literal["deviation", "error"], means("what it covers")],
         "max_error": Annotated[
             float | None,

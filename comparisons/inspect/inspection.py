@@ -194,17 +194,6 @@ def inspection_of(
     )
 
 
-def subject_of(
-    loaded: Loaded,
-    about_rotation: Mapping[str, float | str] | None = None,
-    modes: bool | None = None,
-    strict: bool = False,
-    pace: Pace | None = None,
-) -> InspectedModel:
-    """Return a model with all that rules look at; see `inspect`."""
-    return with_motion(without_motion(loaded, strict, pace or Pace()), about_rotation, modes)
-
-
 def without_motion(loaded: Loaded, strict: bool, pace: Pace) -> InspectedModel:
     """Return a model with what costs no time: nothing of its states, of steps and of loops."""
     pace.total = len(loaded.states) + len(RULES)

@@ -1,13 +1,11 @@
-"""The verb ``mbcheck judge``, which ``mbcheck check --trajectory`` is another name for."""
+"""The verb ``mbcheck judge``."""
 
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable
 from typing import Any
 
 import click
-from click.core import ParameterSource
 
 from ...reference.errors import UsageError
 from ..reports.files import Destination, refuse_conflicts
@@ -21,39 +19,12 @@ from ..terminal.program import (
     QUIET,
     SET,
     STATE,
+    STEP,
     WHOLE,
     console,
     examples,
     json_text,
 )
-
-ALIAS = ("trajectory", "case", "tolerance", "order", "step")
-"""Options of `check` that are for a trajectory alone."""
-
-BOTH = ("parameters", "state", "profile", "json_file", "junit_file", "html_file", "quiet", "budget")
-"""Options of `check` that mean the same for a trajectory."""
-
-
-def options(prefix: str = "") -> tuple[Callable[[click.Command], click.Command], ...]:
-    """Return the options of a trajectory, ``prefix`` before the help of each."""
-    return (
-        click.option("--case", metavar="SCENE/CASE", help=f"{prefix}What it is a run of."),
-        click.option(
-            "--tolerance",
-            type=NUMBER,
-            metavar="X",
-            help=f"{prefix}Largest error, as a share of an observable's largest value.",
-        ),
-        click.option(
-            "--order",
-            type=WHOLE,
-            metavar="P",
-            help=f"{prefix}Order of the method, from which tolerances follow with --step.",
-        ),
-        click.option(
-            "--step", type=NUMBER, metavar="H", help=f"{prefix}Fixed step of the run [s]."
-        ),
-    )
 
 
 @click.command(
@@ -65,6 +36,20 @@ def options(prefix: str = "") -> tuple[Callable[[click.Command], click.Command],
     ),
 )
 @click.argument("trajectory", metavar="FILE")
+@click.option("--case", metavar="SCENE/CASE", help="What it is a run of.")
+@click.option(
+    "--tolerance",
+    type=NUMBER,
+    metavar="X",
+    help="Largest error, as a share of an observable's largest value.",
+)
+@click.option(
+    "--order",
+    type=WHOLE,
+    metavar="P",
+    help="Order of the method, from which tolerances follow with --step.",
+)
+@STEP
 @SET
 @STATE
 @PROFILE
@@ -73,7 +58,14 @@ def options(prefix: str = "") -> tuple[Callable[[click.Command], click.Command],
 @HTML
 @QUIET
 @budget_option(QUERY)
-def judge_verb(**asked: Any) -> int:
+def judge_verb(
+    json_file: Destination | None,
+    junit_file: Destination | None,
+    html_file: Destination | None,
+    quiet: bool,
+    budget: float,
+    **asked: Any,
+) -> int:
     """Judge a trajectory that was computed elsewhere.
 
     FILE is CSV with the columns t and observables, as `mbcheck simulate --csv` writes it; '-'
@@ -82,72 +74,6 @@ def judge_verb(**asked: Any) -> int:
     """
     if asked["case"] is None:
         raise UsageError("judge needs --case SCENE/CASE; `mbcheck list SCENE` shows them")
-    return judge_file(**asked)
-
-
-for option in options():
-    option(judge_verb)
-
-
-def with_trajectory(check: click.Command) -> click.Command:
-    """Return `check` with the options by which it judges a trajectory in place of its engines."""
-    run_checks = check.callback
-    assert run_checks is not None
-
-    def either(**values: Any) -> Any:
-        asked = {name: values.pop(name) for name in ALIAS}
-        if is_trajectory(click.get_current_context()):
-            return judge_file(**asked, **{name: values[name] for name in BOTH})
-        return run_checks(**values)
-
-    check.callback = either
-    click.option("--trajectory", metavar="FILE", help="Judge this file, as `mbcheck judge` does.")(
-        check
-    )
-    for option in options("Of --trajectory: "):
-        option(check)
-    return check
-
-
-def is_trajectory(context: click.Context) -> bool:
-    """Return whether `check` is to judge a trajectory; refuse what makes no sense beside it.
-
-    Raises
-    ------
-    UsageError
-        For options of the one kind of check with the other.
-    """
-    used = [
-        item
-        for item in context.command.params
-        if item.name and context.get_parameter_source(item.name) is ParameterSource.COMMANDLINE
-    ]
-    names = {item.name for item in used}
-    for item in used:
-        word = item.opts[-1] if item.opts[-1].startswith("-") else "a scene"
-        if "trajectory" in names and item.name not in (*ALIAS, *BOTH):
-            raise UsageError(f"--trajectory judges one file: it does not go with {word}")
-        if "trajectory" not in names and item.name in ALIAS:
-            raise UsageError(f"{word} is for a trajectory of your own: add --trajectory FILE")
-    if "trajectory" in names and "case" not in names:
-        raise UsageError("--trajectory needs --case SCENE/CASE; `mbcheck list SCENE` shows them")
-    return "trajectory" in names
-
-
-def judge_file(
-    json_file: Destination | None,
-    junit_file: Destination | None,
-    html_file: Destination | None,
-    quiet: bool,
-    budget: float,
-    **asked: Any,
-) -> int:
-    """Judge a trajectory as asked for; write its documents, print it, return the exit code.
-
-    Raises
-    ------
-    UsageError
-    """
     from ..reports.run.junit import junit
     from . import report
     from .judge import judge_trajectory

@@ -18,13 +18,6 @@ from . import chapters
 from .ledger import ERROR, VERDICTS
 from .outcomes import Made, Reproduction, RowOutcome, tables
 
-KIND_TITLES = {
-    "number": "Printed numbers",
-    "claim": "Claims",
-    "misprint": "Misprints",
-    "reading": "What the text leaves open",
-}
-
 
 def write_pages(result: Reproduction, out: Path) -> None:
     """Write a page for each paper and one that leads to them, as Markdown and as HTML."""

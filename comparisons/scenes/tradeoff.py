@@ -171,8 +171,6 @@ class ContinuumParts:
         Cases whose first frequency is looked at.
     moving, observable : str
         Case that is run, and what is looked at.
-    drawn : str
-        Of the steady cases.
     first_frequency : callable ``(parameters, Scene) -> array (1,)``
         [rad/s], of a kind's equations.
     """
@@ -181,7 +179,6 @@ class ContinuumParts:
     steady: tuple[str, ...]
     moving: str
     observable: str
-    drawn: str
     first_frequency: Callable[[Any, Scene], Array]
 
 

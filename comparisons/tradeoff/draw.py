@@ -1,4 +1,4 @@
-"""Pictures of the trade-off: error over cost, and error over the number of parts."""
+"""Pictures of the trade-off: error over cost, and what a step costs in stability."""
 
 from __future__ import annotations
 
@@ -8,9 +8,6 @@ from typing import Any
 import numpy as np
 
 from ..reports.drawing import FAINT, INK, label, look, named, new_figure
-from ..scenes.tradeoff import ContinuumParts
-from .elements import OMEGA, Curve
-from .minimal import Minimal
 from .series import STEP, Point, StepSeries
 from .stability import BoundaryShift
 
@@ -23,9 +20,6 @@ FRONT = "#000000"
 
 USELESS, TOP = 2.0, 8.0
 """Relative errors above the first are as good as a failure, and stand at the second."""
-
-GUIDED = (1, 2, 4)
-"""Orders that are drawn."""
 
 Measure = Callable[[Point], float | None]
 """What of a point is its cost, per simulated second."""
@@ -275,92 +269,3 @@ def figure_stability(shifts: Sequence[BoundaryShift]) -> Any:
     label(panel, "steps in a period", words, f"{first.scene}: {first.case}")
     figure.legend(loc="outside lower center", ncols=4, fontsize=7, frameon=False)
     return figure
-
-
-# A continuum --------------------------------------------------------------------------------
-
-KIND_STYLES: dict[str, tuple[str, Any]] = {
-    "chain A": ("s", "solid"),
-    "chain B": ("D", (0, (5, 1.5))),
-    "ancf": ("o", "solid"),
-    "geometrically_exact": ("^", (0, (5, 1.5))),
-    "polynomials": ("v", "solid"),
-    "cantilever_modes": ("P", (0, (5, 1.5))),
-}
-
-
-def figure_parts(minimal: Minimal, continuum: ContinuumParts) -> Any:
-    """Draw how the errors of a continuum's first frequency and of a run fall with its parts.
-
-    Parameters
-    ----------
-    minimal : Minimal
-    continuum : ContinuumParts
-        Tells which cases are drawn.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
-    figure, panels = new_figure(1, 2, height=3.6, sharey=True)
-    drawn = {
-        f"first frequency, {continuum.drawn}": (OMEGA, continuum.drawn),
-        f"{continuum.observable.replace('_', ' ')}, {continuum.moving}": (
-            continuum.observable,
-            continuum.moving,
-        ),
-    }
-    targets = {row.target for row in minimal.fewest}
-    for axes, (title, what) in zip(panels[0], drawn.items(), strict=True):
-        axes.set_xscale("log", base=2)
-        axes.set_yscale("log")
-        for curve in minimal.curves:
-            if (curve.quantity, curve.case) == what:
-                draw_curve(axes, curve)
-        for target in targets:
-            axes.axhline(target, color=INK, linewidth=0.7, linestyle=(0, (1, 2)), zorder=0)
-        order_guides(axes)
-        axes.xaxis.set_major_formatter("{x:g}")
-        label(axes, "rods, elements or modes", "", title)
-    panels[0, 0].set_ylabel("relative error", fontsize=8)
-    for target in targets:
-        panels[0, 1].annotate(
-            f"{100 * target:g} %",
-            (1.0, target),
-            xycoords=("axes fraction", "data"),
-            xytext=(3, 0),
-            textcoords="offset points",
-            fontsize=7,
-            va="center",
-            annotation_clip=False,
-        )
-    panels[0, 0].set_ylim(1e-8, 1)
-    handles, names = panels[0, 0].get_legend_handles_labels()
-    figure.legend(handles, names, loc="outside lower center", ncols=3, fontsize=7, frameon=False)
-    return figure
-
-
-def draw_curve(axes: Any, curve: Curve) -> None:
-    """Draw one way to make a continuum of parts."""
-    marker, line = KIND_STYLES.get(curve.kind, ("*", "solid"))
-    colour = INK if curve.engine == "reference" else look(curve.engine).colour
-    axes.plot(
-        curve.counts,
-        curve.errors,
-        color=colour,
-        linestyle=line,
-        linewidth=1.1,
-        marker=marker,
-        markersize=4.5,
-        markerfacecolor=colour if look(curve.engine).filled else "white",
-        label=f"{curve.engine} {curve.kind}, {curve.part}",
-    )
-
-
-def order_guides(axes: Any) -> None:
-    """Draw slopes of the orders, fanned out from one point at the upper right."""
-    start, level, end = 40.0, 0.6, 150.0
-    for order in GUIDED:
-        low = level * (start / end) ** order
-        axes.plot([start, end], [level, low], color=FAINT, linewidth=0.9, zorder=0)
-        axes.annotate(f"order {order}", (end, low), fontsize=6.5, color=INK, va="top", ha="right")

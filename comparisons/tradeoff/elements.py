@@ -205,7 +205,7 @@ class Counting:
 
 def continuum_of(scene: str) -> ContinuumParts:
     """Return how the parts of a scene are counted; what is no continuum has none."""
-    none = ContinuumParts({}, (), "", "", "", lambda p, equations: np.zeros(0))
+    none = ContinuumParts({}, (), "", "", lambda p, equations: np.zeros(0))
     return scene_data(scene, "tradeoff", "CONTINUUM", none)
 
 

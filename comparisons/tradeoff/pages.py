@@ -18,8 +18,7 @@ from .sweep import settings_text
 DIGITS = 2
 """Of errors and times."""
 
-LIMITS, PARTS = "What limits the methods", "Fewest parts of a beam"
-SHIFTS = "What a step costs in stability"
+LIMITS, SHIFTS = "What limits the methods", "What a step costs in stability"
 """Titles under which a page shows pictures."""
 
 Row = tuple[object, ...]
@@ -31,7 +30,7 @@ def tables(result: Tradeoff) -> list[tuple[str, tuple[str, ...], list[Row]]]:
     every = [
         ("Cheapest settings", CHOICE, [choice(item) for item in result.choices]),
         (LIMITS, LIMIT, [limits(one) for one in result.series]),
-        (PARTS, FEWEST, [fewest(item) for item in least.fewest]),
+        ("Fewest parts of a beam", FEWEST, [fewest(item) for item in least.fewest]),
         ("Softest closure of a loop", CLOSURE, [closure(item) for item in least.closures]),
         ("What may be left out", LEFT_OUT, [left_out(item) for item in least.left_out]),
         (SHIFTS, STABILITY, [shifts(item) for item in result.stability]),

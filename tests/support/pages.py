@@ -60,7 +60,7 @@ def over_time(count: int = 20) -> Series:
 
 def over_step() -> Series:
     steps: Array = 2.0 ** -np.arange(4.0, 10.0)
-    return Series("step", steps, steps**2, steps**2, 1e-3 / steps)
+    return Series("step", steps, steps**2, steps**2)
 
 
 HOSTILE_RESULT = made(

@@ -62,7 +62,6 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     floors: list[float] = []
     runs: list[Array] = []
     errors: list[float] = []
-    seconds: list[float] = []
     for level in range(LEVELS):
         step = coarsest / 2**level
         bound = noise(len(marks) * 2**level, growth, setup.epsilon) + trust
@@ -82,7 +81,6 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         floors.append(lowest)
         runs.append(values)
         errors.append(error_now)
-        seconds.append(run.seconds)
         if enough(errors, order):
             break
     below = [] if setup.scheme else [error_from_below(setup, right, coarsest, steps[0], errors[0])]
@@ -110,7 +108,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
             SLACK,
             f"slopes {listed} down to h = {steps[-1]:.3g} s, error {errors[-1]:.2g}; "
             f"declared {order}",
-            series_of(np.array(steps), np.array(errors), order, np.array(seconds)),
+            series_of(np.array(steps), np.array(errors), order),
         ),
         Finding(
             "extrapolated",
@@ -142,9 +140,9 @@ def error_from_below(
     return least_error(order, step, error, trust, remainder)
 
 
-def series_of(steps: Array, errors: Array, order: int, seconds: Array) -> Series:
+def series_of(steps: Array, errors: Array, order: int) -> Series:
     """Return errors over steps (n,) beside those that shrink from the first as declared."""
-    return Series("step", steps, errors, errors[0] * (steps / steps[0]) ** order, seconds)
+    return Series("step", steps, errors, errors[0] * (steps / steps[0]) ** order)
 
 
 def relative_error(values: Array, right: Truth) -> float:

@@ -1,9 +1,8 @@
-"""Pictures of results: what deviates beside what it should be, and error over work."""
+"""Pictures of results: what deviates beside what it should be."""
 
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Iterator, Sequence
 from io import BytesIO
 from typing import Any, NamedTuple
 
@@ -11,18 +10,15 @@ import numpy as np
 
 from ....reference.scene import Array
 from ...checks.verdict import Result, Series
-from ..drawing import FAINT, INK, PALETTE, broad, engine_line, import_pyplot, label, new_figure
+from ..drawing import FAINT, INK, broad, engine_line, import_pyplot, label, new_figure
 from ..words import number, printable
-from .results import grouped, method_of
+from .results import method_of
 
 SETTINGS = {"svg.hashsalt": "mbcheck", "svg.fonttype": "path"}
 """The same picture of the same numbers each time."""
 
 PIXELS = 96
 """Per inch, in a browser."""
-
-LINES = ("solid", (0, (4, 1.5)), (0, (1, 1.2)), (0, (4, 1.5, 1, 1.5)))
-MARKS = "os^Dv<>PX"
 
 
 class Figure(NamedTuple):
@@ -110,52 +106,3 @@ def over_step(result: Result, series: Series) -> Figure:
         f"Error of {method_of(result)} of {result.engine} over the step: {slope}",
         f"Error of {result.engine} {method_of(result)} over the step: {slope}.",
     )
-
-
-def work_precision(results: Sequence[Result]) -> Iterator[Figure]:
-    """Yield error over steps and over time of a scene's methods, where *order* measured them."""
-    measured = [r for r in results if r.kind == "order" and r.series and r.series.over == "step"]
-    by_case = grouped(measured, lambda r: (r.case,))
-    if not by_case:
-        return
-    (case,), members = max(by_case.items(), key=lambda item: len(item[1]))
-    engines = grouped(members, lambda r: (r.engine,))
-    with import_pyplot().rc_context(SETTINGS):
-        figure, axes = new_figure(len(engines), 2, 2.7, sharey="row", sharex="col")
-        for row, ((engine,), of_engine) in zip(axes, engines.items(), strict=True):
-            for i, result in enumerate(of_engine):
-                draw_method(row, i, result)
-            for panel in row:
-                drawn = [line.get_xydata().T for line in panel.lines if len(line.get_xdata())]
-                logarithmic(panel, *np.concatenate(drawn, axis=1) if drawn else ())
-            label(row[0], y="relative error", title=plain(engine))
-            row[1].legend(fontsize=7, frameon=False, loc="upper left", bbox_to_anchor=(1, 1))
-        axes[-1, 0].invert_xaxis()
-        axes[-1, 0].set_xlabel("step [s]", fontsize=8)
-        axes[-1, 1].set_xlabel("wall time of the run [s]", fontsize=8)
-        yield finished(
-            figure,
-            f"Error over step and over wall time, {case}, of {len(members)} methods",
-            f"Work and precision in {case}, from the runs of the order checks: largest relative "
-            "error of any observable. Times are of single short runs beside other work: read "
-            "factors of ten from them, not per cents (mbcheck tradeoff measures them).",
-        )
-
-
-def draw_method(row: Any, i: int, result: Result) -> None:
-    """Draw the errors of the i-th method over step and time."""
-    assert result.series is not None
-    style = {
-        "color": PALETTE[i % len(PALETTE)],
-        "linestyle": LINES[i // len(PALETTE) % len(LINES)],
-        "marker": MARKS[i % len(MARKS)],
-        "markersize": 3,
-        "linewidth": 1,
-        "label": plain(method_of(result)),
-    }
-    row[0].plot(result.series.x, result.series.value, **style)
-    if result.series.seconds is not None and np.all(result.series.seconds > 0):
-        times: Array = result.series.seconds
-        row[1].plot(times, result.series.value, **style)
-    else:
-        row[1].plot([], [], **style)

@@ -1,27 +1,21 @@
-"""A run as Markdown: what a CI service shows of it, and a table of its methods."""
+"""A run as Markdown: what a CI service shows of it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from ...checks.verdict import Result
 from ..text import Rows, markdown_table
-from ..words import Markdown, code, number, plain, plural, with_unit
+from ..words import Markdown, code, plain, plural, with_unit
 from .blocks import Block, blocks
 from .located import located
 from .outcome import Report
 from .results import (
     FAILURES,
-    error_size,
     grouped,
-    headline_errors,
     known_reasons,
-    method_of,
-    pass_counts,
     ran,
-    ratio,
     skip_reasons,
-    summary,
     tally,
     worst,
 )
@@ -110,67 +104,3 @@ def short_table(heads: Sequence[str], rows: Rows) -> str:
     if left > 0:
         text += f"\nand {plural(left, 'more row')}, see the JSON or JUnit document\n"
     return text
-
-
-# Methods
-
-
-def method_table(results: Sequence[Result]) -> str:
-    """Return a Markdown table with one row per scene, engine and method.
-
-    The measured error is the largest of a trajectory's first observable; columns named by
-    a kind hold the largest error / tolerance of its checks. A row without trajectory, such
-    as that of a model, shows the check that is nearest to its tolerance.
-    """
-    ordered = in_order([result for result in results if result.verdict != "skipped"])
-    kinds = list(dict.fromkeys(r.kind for r in results if r.verdict != "skipped"))
-    heads = ["Scene", "Engine", "Method", "Measured", "Error", "Tolerance", *kinds, "Verdict"]
-    rows = []
-    for (scene,), of_scene in grouped(ordered, lambda r: (r.scene,)).items():
-        quantity, _ = headline_errors(of_scene)
-        for (engine, how), members in grouped(of_scene, lambda r: (r.engine, method_of(r))).items():
-            ratios = [ratio_cell([r for r in members if r.kind == kind]) for kind in kinds]
-            method = f"(model {how})" if members[0].method is None else how
-            rows.append(
-                [scene, engine, method, *headline(members, quantity), *ratios, outcome(members)]
-            )
-    return markdown_table(heads, rows) + "\n"
-
-
-def in_order(results: Sequence[Result]) -> list[Result]:
-    """Return results with scenes, and then engines, together, in the order of appearance."""
-    scenes = list(dict.fromkeys(result.scene for result in results))
-    engines = list(dict.fromkeys(result.engine for result in results))
-    return sorted(results, key=lambda r: (scenes.index(r.scene), engines.index(r.engine)))
-
-
-def headline(results: Sequence[Result], quantity: str | None) -> list[str]:
-    """Return the name, error and tolerance of the result that stands for a method."""
-    _, errors = headline_errors([result for result in results if result.quantity == quantity])
-    example = max(errors or results, key=error_size if errors else ratio)
-    what = example.quantity if errors else f"{example.kind}: {example.quantity}"
-    return [what, *(with_unit(x, example.unit) for x in (example.error, example.tolerance))]
-
-
-def ratio_cell(results: Sequence[Result]) -> str:
-    """Return the largest error / tolerance of results, bold where it is too large."""
-    if not results:
-        return ""
-    verdict = worst(results)
-    if verdict == "error":
-        return bold("error")
-    text = number(max(map(ratio, results)), digits=2)
-    return bold(text) if verdict == "deviation" else text
-
-
-def outcome(results: Sequence[Result]) -> str:
-    """Return how many results of a row passed, and in words what the others did."""
-    counts, (passed, count) = summary(results), pass_counts(results)
-    parts: Iterable[str] = [
-        f"{counts[name]} known" if name == "known" else bold(plural(counts[name], name))
-        for name in ("error", "deviation", "known")
-        if counts[name]
-    ]
-    return Markdown(
-        ", ".join([f"{passed} of {count} pass", *parts]) if parts else f"pass ({count})"
-    )

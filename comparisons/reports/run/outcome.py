@@ -256,7 +256,8 @@ class Report:
             for (engine, reason), members in skip_reasons(self.results).items()
         ]
         entries = [
-            {**vars(use.entry), "results": use.results, "state": use.state, "why": use.why}
+            {**vars(use.entry), "engine": None, "versions": None}
+            | {"results": use.results, "state": use.state, "why": use.why}
             for use in run.uses
         ]
         return document(
@@ -271,12 +272,6 @@ class Report:
             results=[json_result(result) for result in self.results],
             **({"reference": run.reference} if run.reference else {}),
         )
-
-    def markdown(self) -> str:
-        """Return a Markdown table with a line for each method of each engine."""
-        from .markdown import method_table
-
-        return method_table(self.results)
 
 
 def json_result(result: Result) -> dict[str, Any]:

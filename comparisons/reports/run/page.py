@@ -104,7 +104,7 @@ def check_page(
     """
     results, run = outcome.results, outcome.run
     artist = Artist(most_figures)
-    scenes = list(scene_sections(results, artist))
+    scenes = list(scene_sections(results))
     failures = list(failed_checks(outcome, artist))
     known, skipped = known_reasons(results), skip_reasons(results)
     failed = sum(result.verdict in FAILURES for result in results)
@@ -194,7 +194,7 @@ def failed_checks(outcome: Report, artist: Artist) -> Iterator[Content]:
         }
 
 
-def scene_sections(results: Sequence[Result], artist: Artist) -> Iterator[Content]:
+def scene_sections(results: Sequence[Result]) -> Iterator[Content]:
     """Yield the results by scene, and of each by engine and kind."""
     for i, ((scene,), members) in enumerate(grouped(ran(results), lambda r: (r.scene,)).items()):
         groups = grouped(members, lambda r: (r.engine, r.kind))
@@ -202,7 +202,6 @@ def scene_sections(results: Sequence[Result], artist: Artist) -> Iterator[Conten
             "anchor": f"scene-{i}",
             "name": scene,
             "parts": {key: part(f"scene-{i}-{j}", groups[key]) for j, key in enumerate(groups)},
-            "figures": list(artist.scene(members)),
         }
 
 
@@ -252,11 +251,6 @@ class Artist:
             return
         self.drawn += 1
         yield self.figures.deviation(max(drawable, key=ratio))
-
-    def scene(self, members: Sequence[Result]) -> Iterator[Figure]:
-        """Yield the work-precision diagram of a scene, if its order was measured."""
-        if self.figures:
-            yield from self.figures.work_precision(members)
 
     def undrawn(self) -> str:
         """Return how many failures have no picture because there are too many."""

@@ -62,7 +62,6 @@ CONTINUUM = ContinuumParts(
     steady=("steady_at_rest", "steady_4", "steady_12"),
     moving=SPIN_UP.name,
     observable=TIP,
-    drawn="steady_4",
     first_frequency=lambda p, equations: chain_frequencies(p, 1, equations),
 )
 

@@ -304,7 +304,6 @@ DEAD = "--set flywheel_inertia=1e-12 --set rod_mass=0 --state phi=1.570796326794
         (f"speed_regulator {DEAD}", "starts in a singular position (a dead centre"),
         ("hula_hoop --set free_mass=1 --kind stabilty", "did you mean 'stability'?"),
         ("hula_hoop --set free_mass=1 --id nothing", "no check matches"),
-        ("--horizon 1 --trajectory a.csv --case a/b", "does not go with --horizon"),
     ],
 )
 def test_refused(line: str, words: str) -> None:

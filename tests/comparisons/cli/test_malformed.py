@@ -83,7 +83,7 @@ KINDS = {
     "NAME=VALUE": OF_HULA_HOOP, "T1,T2,...|START:STOP:STEP": NOT_TIMES, "NAME=LO:HI:N": NOT_AXES,
     "JOINT=SPEED": NOT_VALUES,
 }  # fmt: skip
-READ = {"--known", "--trajectory"}
+READ = {"--known"}
 
 Call = tuple[str, tuple[str, ...]]
 

@@ -15,7 +15,7 @@ pytestmark = pytest.mark.usefixtures("own_folder")
 
 LINES = (
     "check hula_hoop --known {}",
-    "check --trajectory {} --case hula_hoop/rod_aligned",
+    "judge {} --case hula_hoop/rod_aligned",
     "inspect model.xml --waivers {}",
     "inspect model.xml --baseline {}",
     "inspect {}",
@@ -50,7 +50,7 @@ def test_what_is_nested_deeply_is_refused(line: str, tmp_path: Path) -> None:
 def test_a_cell_longer_than_any_number() -> None:
     for text in (f"t,{'a' * 140_000}\n0,1\n", f"t,y\n0,{'1' * 140_000}x\n"):
         Path("long.csv").write_text(text)
-        line = "check --trajectory long.csv --case hula_hoop/rod_aligned"
+        line = "judge long.csv --case hula_hoop/rod_aligned"
         assert "field larger than field limit" in refusal(line)
 
 

@@ -12,8 +12,7 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.inspect.findings import Selection, findings
-from mbcheck.comparisons.inspect.inspection import Inspection, inspect, subject_of
-from mbcheck.comparisons.inspect.mujoco.model import load
+from mbcheck.comparisons.inspect.inspection import Inspection, inspect
 from mbcheck.comparisons.inspect.rules.table import RULES
 from mbcheck.tests.support.command import invoke
 from mbcheck.tests.support.mjcf.mistakes import (
@@ -283,7 +282,7 @@ def test_what_was_not_tried_is_told(tmp_path: Path) -> None:
     path = written(tmp_path, joint('type="hinge"'), (KEY, waiver))
     assert inspect(path, modes=False, strict=True).untried is None
     every = Selection.of_profile(strict=True)
-    results, untried = findings(subject_of(load(path), modes=False), every, budget=1.0)
+    results, untried = findings(inspect(path, modes=False), every, budget=1.0)
     assert results == ()
     assert "not tried" in str(untried)
 

@@ -47,7 +47,7 @@ METHOD: dict[str, Any] = {"order": 4, "step": STEP}
 def test_the_reference_passes_its_own_judgement() -> None:
     start = " ".join(f"--state {name}={value}" for name, value in START.items())
     assert invoke(f"simulate hula_hoop --times 0:0.5:0.003 {start} --csv a.csv").exit_code == 0
-    done = invoke(f"check --trajectory a.csv --case {CASE} --tolerance 1e-9")
+    done = invoke(f"judge a.csv --case {CASE} --tolerance 1e-9")
     assert done.exit_code == 0, done.output
     assert "PASS: 4 passed" in done.stdout
     assert "167 of 167 samples" in done.stdout
@@ -297,30 +297,18 @@ def test_internal_states_are_no_ones_business() -> None:
         (f"--case {CASE} --order x --step 1", "not a valid integer"),
         (f"--case {CASE} --tolerance 0.1 --profile lose", "did you mean 'loose'?"),
         (f"--case {CASE} --junit -", "--junit needs verdicts"),
-        (f"--case {CASE} --engine mujoco", "does not go with --engine"),
-        (f"--case {CASE} hula_hoop", "does not go with a scene"),
-        (f"--case {CASE} -j 1", "does not go with --jobs"),
-        (f"--case {CASE} --full", "does not go with --full"),
-        ("", "--trajectory needs --case SCENE/CASE"),
     ],
 )
 def test_options_that_are_refused(options: str, words: str) -> None:
     Path("a.csv").write_text(GOOD)
-    done = invoke(f"check --trajectory a.csv {options}")
+    done = invoke(f"judge a.csv {options}")
     assert done.exit_code == 2
     assert words in done.stderr
     assert "Traceback" not in done.stderr
 
 
-@pytest.mark.parametrize("option", ["--case a/b", "--tolerance 1", "--order 1", "--step 1"])
-def test_options_for_a_trajectory_need_one(option: str) -> None:
-    done = invoke(f"check {option}")
-    assert done.exit_code == 2
-    assert "add --trajectory FILE" in done.stderr
-
-
 def test_a_file_that_is_not_there() -> None:
-    done = invoke(f"check --trajectory a.csv --case {CASE}")
+    done = invoke(f"judge a.csv --case {CASE}")
     assert done.exit_code == 2
     assert done.stderr == "Error: cannot read a.csv: No such file or directory\n"
 
@@ -330,7 +318,7 @@ def test_a_file_that_is_not_there() -> None:
 
 def test_without_a_tolerance_the_error_is_told(simulated: Simulation) -> None:
     text = csv_text(simulated)
-    done = invoke(f"check --trajectory - --case {CASE}", stdin=text)
+    done = invoke(f"judge - --case {CASE}", stdin=text)
     assert done.exit_code == 0
     assert "nothing is judged without --tolerance" in done.stdout
     assert "an initial error grows by 11.7" in done.stdout
@@ -363,12 +351,9 @@ def test_its_results_are_those_of_check() -> None:
     )
 
 
-@pytest.mark.parametrize("verb", [["judge"], ["check", "--trajectory"]])
-def test_the_command_line_writes_what_the_function_returns(
-    simulated: Simulation, verb: list[str]
-) -> None:
+def test_the_command_line_writes_what_the_function_returns(simulated: Simulation) -> None:
     Path("my run.csv").write_text(csv_text(simulated))
-    line = [*verb, "my run.csv", "--case", CASE, "--json", "-", "--junit", "a.xml"]
+    line = ["judge", "my run.csv", "--case", CASE, "--json", "-", "--junit", "a.xml"]
     done = invoke("", *line, "--tolerance", "1e-9")
     assert done.exit_code == 1
     judgement = mbcheck.judge_trajectory("my run.csv", CASE, tolerance=1e-9)
@@ -397,7 +382,7 @@ def test_a_judge_needs_a_case() -> None:
 
 def test_quietly() -> None:
     Path("a.csv").write_text(GOOD)
-    done = invoke(f"check --trajectory a.csv --case {CASE} --tolerance 0.5 -q")
+    done = invoke(f"judge a.csv --case {CASE} --tolerance 0.5 -q")
     assert done.stdout == "PASS: 1 passed, 0 deviations, 0 errors, 3 skipped\n"
 
 

@@ -108,7 +108,7 @@ REFUSED: list[tuple[str, str]] = [
 @pytest.mark.parametrize(("text", "words"), REFUSED)
 def test_a_file_that_is_refused(text: str, words: str) -> None:
     Path("a.csv").write_text(text)
-    done = invoke(f"check --trajectory a.csv --case {CASE} --tolerance 0.1")
+    done = invoke(f"judge a.csv --case {CASE} --tolerance 0.1")
     assert done.exit_code == 2
     assert words in done.stderr
     assert len(done.stderr.splitlines()) == 1

@@ -11,10 +11,7 @@ import pytest
 pytest.importorskip("matplotlib")
 
 from mbcheck.comparisons.reports import drawing
-from mbcheck.comparisons.scenes.rotating_beam.tradeoff import CONTINUUM
 from mbcheck.comparisons.tradeoff import draw
-from mbcheck.comparisons.tradeoff.elements import Curve, Fewest
-from mbcheck.comparisons.tradeoff.minimal import Minimal
 from mbcheck.comparisons.tradeoff.series import FAILED, MODEL, STEP, Cost, Point, StepSeries
 
 
@@ -92,24 +89,3 @@ def test_a_series_that_only_failed_can_be_drawn() -> None:
     )
     figure = draw.figure_work_precision([failed])
     assert "RK44" in texts(figure)
-
-
-def test_the_beam_is_drawn() -> None:
-    """Each way to make a beam in both panels, targets by name."""
-    counts = (2, 4, 8)
-    curves = [
-        Curve(engine, kind, part, case, quantity, 2, counts, (1e-1, 2.5e-2, 6e-3), 0.0, 0.0)
-        for engine, kind, part in (("mujoco", "chain A", "rods"), ("exudyn", "ancf", "elements"))
-        for case, quantity in (("steady_4", "omega_1"), ("spin_up_quick", "tip_deflection"))
-    ]
-    asked = Fewest(
-        "mujoco", "chain A", "rods", "steady_4", "omega_1",
-        target=3e-4, count=None, extrapolated=False, limit=0.0,
-    )  # fmt: skip
-    figure = draw.figure_parts(Minimal(curves=tuple(curves), fewest=(asked,)), CONTINUUM)
-    written = texts(figure)
-    for name in ("mujoco chain A, rods", "exudyn ancf, elements", "0.03 %", "order 2"):
-        assert name in written
-    for axes in figure.axes:
-        drawn = [line for line in axes.lines if list(line.get_xdata()) == list(counts)]
-        assert len(drawn) == 2

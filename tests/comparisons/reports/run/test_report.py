@@ -17,6 +17,7 @@ from mbcheck.comparisons.checks.verdict import Result, Verdict
 from mbcheck.comparisons.reports import drawing
 from mbcheck.comparisons.reports.run.console import print_report
 from mbcheck.comparisons.reports.run.junit import junit
+from mbcheck.comparisons.reports.run.markdown import matrix
 from mbcheck.comparisons.reports.run.outcome import Report, Run
 from mbcheck.tests.support.documents import validated
 from mbcheck.tests.support.results import HOSTILE, MIXED, VERSIONS, changed, result
@@ -161,7 +162,7 @@ def test_hostile_text_survives(verdict: Verdict) -> None:
         assert not re.search(r"[\x00-\x09\x0b-\x1f\x7f\ud800-\udfff]", text)
         if verbosity >= 0:
             assert "[bold red]\\[/] ]]>" in " ".join(text.split())
-    table = outcome([nasty]).markdown()
+    table = matrix([nasty])
     assert len(set(re.sub(r"\\\|", "", line).count("|") for line in table.splitlines())) == 1
     json.dumps(outcome([nasty], {}).as_json(), allow_nan=False)
 
@@ -254,28 +255,6 @@ def test_rerun_command_keeps_options_and_quotes() -> None:
     odd = changed(result(verdict="deviation"), id="a/b/c/d/e/f/it's", quantity="it's")
     text = printed([odd], 0, selection={"full": True})
     assert "mbcheck check --full --id 'a/b/c/d/e/f/it'\\''s'" in text
-
-
-# Markdown
-
-
-def test_markdown_has_a_row_per_method() -> None:
-    model = changed(result("tree", kind="algebra"), method=None, unit="1", tolerance=1e-5)
-    table = outcome([*MIXED, model]).markdown()
-    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in table.splitlines()]
-    assert rows[0][:6] == ["Scene", "Engine", "Method", "Measured", "Error", "Tolerance"]
-    assert rows[0][6:] == ["trajectory", "order", "algebra", "Verdict"]
-    body = {tuple(row[1:3]): row[3:] for row in rows[2:]}
-    assert list(body) == [
-        ("mujoco", "RK4"), ("mujoco", "Euler"), ("mujoco", "(model tree)"),
-        ("exudyn", "RK67"), ("exudyn", "RK33"),
-    ]  # fmt: skip
-    assert body["mujoco", "RK4"] == [
-        "theta", "1.23e-06 rad", "2e-06 rad", "0.62", "", "", "pass (1)"
-    ]  # fmt: skip
-    assert body["mujoco", "Euler"][3:] == ["**25**", "", "", "1 of 2 pass, **1 deviation**"]
-    assert body["mujoco", "(model tree)"][:3] == ["algebra: theta", "1.23e-06", "1e-05"]
-    assert body["exudyn", "RK33"][4:] == ["**error**", "", "0 of 1 pass, **1 error**"]
 
 
 def test_drawings_are_saved_as_svg(tmp_path: Path) -> None:
