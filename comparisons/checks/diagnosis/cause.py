@@ -13,7 +13,7 @@ from ...engines.setup import Setup
 from ..kinds import algebra, stability
 from ..tolerances import matrix_rounding, sample_numbers
 from ..truth import simulated_horizon
-from .equations import of_accelerations, of_matrices, told
+from .equations import accelerations_of, of_accelerations, of_matrices
 from .joints import of_joints
 from .motions import LONG, SEEN, Part, explanation, looked_at, reset
 from .placement import of_placement
@@ -74,7 +74,7 @@ def limit_of(kind: str, verdicts: Mapping[str, str]) -> str:
 def numbers_of(setup: Setup) -> Array:
     """Return accelerations at random states, or observables of a short run, row by row."""
     if setup.method is None:
-        return told(setup)[0].T
+        return accelerations_of(setup)[0].T
     run = setup.simulate(setup.default_step, np.arange(1, DISTINCT + 1))
     return run.matrix(setup.scene.public_states)
 

@@ -19,7 +19,7 @@ ENTRY = 1e-8
 """Part of a matrix by which an entry is off that is no rounding."""
 
 
-def told(
+def accelerations_of(
     setup: Setup, equations: ModelEquations | None = None, factor: float = 1.0
 ) -> tuple[Array, Array]:
     """Return accelerations at random states (k, n), an engine's and those of equations.
@@ -37,7 +37,7 @@ def told(
 
 def error_of(setup: Setup, equations: ModelEquations | None = None) -> float:
     """Return the relative error of accelerations at random states."""
-    answer, right = told(setup, equations)
+    answer, right = accelerations_of(setup, equations)
     return algebra.distance(answer, right, right)
 
 
@@ -76,7 +76,9 @@ def of_softness(setup: Setup, closed: float) -> str:
 
 def of_motion(setup: Setup) -> str:
     """Return that accelerations are right at rest and wrong in motion, where that is so."""
-    moving, resting, back = (np.subtract(*told(setup, factor=by)) for by in (1.0, 0.0, -1.0))
+    moving, resting, back = (
+        np.subtract(*accelerations_of(setup, factor=by)) for by in (1.0, 0.0, -1.0)
+    )
     most = EXPLAINED * float(np.max(np.abs(moving)))
     if not np.max(np.abs(resting)) < most:
         return ""

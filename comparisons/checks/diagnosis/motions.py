@@ -39,7 +39,7 @@ STRETCH, MOST_STRETCH = 1e-7, 1e-3
 SHARES = (32, 8, 2, 1)
 """Of the samples of a run, one in so many is looked at before more are predicted."""
 
-HELD: tuple[tuple[str, dict[str, Any]], ...] = (
+SAMPLED: tuple[tuple[str, dict[str, Any]], ...] = (
     ("the force is held: that at the start of each step", {"frozen": 0.0}),
     ("the force is held: that in the middle of each step", {"frozen": 0.5}),
     ("the force is held: that at the end of each step", {"frozen": 1.0}),
@@ -244,7 +244,7 @@ def mistakes(seen: Seen) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
         for until in sorted({end, np.inf}):
             for words, how in SHIFTED:
                 yield words, partial(changed, end=until, **how)
-        for words, how in HELD:
+        for words, how in SAMPLED:
             if setup.scheme or "hold" not in how:  # else it is hardly told from late alone
                 yield words, partial(changed, **how)
         yield (

@@ -138,14 +138,14 @@ def explain(
     error, whole = float(np.linalg.norm(rows)), fitted(parts, rows, room)
     if error <= whole.granted:
         return whole._replace(unique=True)
-    found, values = None, {name: np.zeros_like(x) for name, x in whole.values.items()}
+    best, values = None, {name: np.zeros_like(x) for name, x in whole.values.items()}
     if RUNNER_UP * whole.granted < error < np.inf:
-        found = simplest([*both(parts), *both(additions)], whole, rows, room)
-    if found is None:
+        best = simplest([*both(parts), *both(additions)], whole, rows, room)
+    if best is None:
         return whole._replace(values=values, left=error, unique=False)
-    values |= found.values
+    values |= best.values
     left = float(np.linalg.norm(rows - sum(one.columns @ values[one.name] for one in parts)))
-    return found._replace(values=values, tolerances=whole.tolerances | found.tolerances, left=left)
+    return best._replace(values=values, tolerances=whole.tolerances | best.tolerances, left=left)
 
 
 def both(effects: Sequence[Effect]) -> Iterator[Effect]:

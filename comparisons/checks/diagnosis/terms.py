@@ -60,7 +60,7 @@ class Inertia(NamedTuple):
         return np.array(each) - mass_matrix(whole, q)
 
 
-def told(said: str, file: float, least: float, x: Array, moved: Array) -> str:
+def in_words(said: str, file: float, least: float, x: Array, moved: Array) -> str:
     """Return words for what makes a number of the file larger, and more than the least."""
     return said.format(file + x[0]) if file + x[0] > least else ""
 
@@ -88,7 +88,7 @@ def on_joints(whole: Mechanism, what: str, known: set[str]) -> Iterator[tuple[st
         spans.append(("every joint", np.ones(len(places)), "(SI units)"))
     for name, on, unit in spans:
         said = f"{what} of {{:.6g}} {unit} on {name}, which the file does not have"
-        yield f"{what} on {name}", on, partial(told, said, 0.0, 0.0)
+        yield f"{what} on {name}", on, partial(in_words, said, 0.0, 0.0)
 
 
 # Inertias
@@ -128,7 +128,7 @@ def added_inertias(whole: Mechanism, visible: tuple[str, ...]) -> Iterator[Inert
             size = float(np.max(file.get(f"inertia.{name}", 0.0)))
             said = f"inertia of {name} is {{:.6g}} kg m^2, where the file has {size:.6g}"
             change = partial(with_tensor, i, np.eye(3)[None])
-            yield Inertia(f"tensor.{name}", change, partial(told, said, size, 0.0))
+            yield Inertia(f"tensor.{name}", change, partial(in_words, said, size, 0.0))
     armed = {one.name for one in whole.joints if one.armature}
     for name, on, words in on_joints(whole, "an armature", armed):
         yield Inertia(name, partial(with_armature, on), words)
@@ -177,7 +177,7 @@ def added_forces(
         if rested and not one.constant:
             longer = replace(one, constant=-one.per_length, per_length=0.0)
             said = f"rest length of {of} is {{:.6g}}, where the file has 0"
-            words = partial(told, said, 0.0, -np.inf)
+            words = partial(in_words, said, 0.0, -np.inf)
             yield f"rest length.{one.name}", partial(term_force, longer, system), words
         present = [name for name in NUMBERS if getattr(one, name)]
         for name in present if len(present) > 1 else ():
