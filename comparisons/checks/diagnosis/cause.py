@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
-from ....reference.errors import CannotJudgeError, EngineError
 from ....reference.scene import Array
-from ...engines.run import EPS, call_engine
+from ...engines.run import EPS
 from ...engines.setup import Setup
 from ..kinds import algebra, stability
 from ..tolerances import matrix_rounding, sample_numbers
 from ..truth import simulated_horizon
-from .equations import of_accelerations, of_matrices
+from .equations import accelerations_of, of_accelerations, of_matrices
 from .joints import of_joints
 from .motions import LONG, SEEN, Part, explanation, looked_at, reset
 from .placement import of_placement
@@ -40,7 +38,9 @@ def cause(setup: Setup, kind: str, verdicts: Mapping[str, str]) -> str:
     """
     looks: dict[str, Callable[[Setup], str]] = {
         "algebra": of_accelerations,
-        "parts": partial(of_unexplained, verdicts=verdicts),
+        "parts": lambda setup: (
+            of_accelerations(setup) if verdicts.get("unexplained") == "deviation" else ""
+        ),
         "frequency": of_matrices,
         "step": of_steps,
     }
@@ -49,7 +49,8 @@ def cause(setup: Setup, kind: str, verdicts: Mapping[str, str]) -> str:
         if kind in motions and setup.method is not None and setup.case.watch != "elements":
             looks |= dict.fromkeys(motions, of_runs)
             looks["stability"] = of_orbits
-        said = of_repetition(setup) or of_placement(setup, kind)
+        said = "" if kind == "frequency" else of_repetition(setup)
+        said = said or of_placement(setup, kind)
         said = said or (looks[kind](setup) if kind in looks else "")
         said = said or of_numbers(setup)
         if kind in ("parts", "algebra"):
@@ -59,11 +60,6 @@ def cause(setup: Setup, kind: str, verdicts: Mapping[str, str]) -> str:
     except (Exception, SystemExit):  # the engine runs again, which may do anything
         said = ""
     return said or limit_of(kind, verdicts)
-
-
-def of_unexplained(setup: Setup, verdicts: Mapping[str, str]) -> str:
-    """Return the mistake in accelerations that no share of a part explains."""
-    return of_accelerations(setup) if verdicts.get("unexplained") == "deviation" else ""
 
 
 def limit_of(kind: str, verdicts: Mapping[str, str]) -> str:
@@ -78,20 +74,14 @@ def limit_of(kind: str, verdicts: Mapping[str, str]) -> str:
 def numbers_of(setup: Setup) -> Array:
     """Return accelerations at random states, or observables of a short run, row by row."""
     if setup.method is None:
-        times, states = algebra.random_states(setup.solved_equations, setup.case, setup.coordinates)
-        return call_engine(
-            lambda: setup.engine.accelerations(setup.case, setup.model, times, states)
-        ).T
-    steps = np.arange(1, DISTINCT + 1)
-    return setup.simulate(setup.default_step, steps).matrix(setup.scene.public_states)
+        return accelerations_of(setup)[0].T
+    run = setup.simulate(setup.default_step, np.arange(1, DISTINCT + 1))
+    return run.matrix(setup.scene.public_states)
 
 
 def of_repetition(setup: Setup) -> str:
     """Return that an engine does not repeat itself."""
-    try:
-        first, second = numbers_of(setup), numbers_of(setup)
-    except (CannotJudgeError, EngineError):
-        return ""
+    first, second = numbers_of(setup), numbers_of(setup)
     size = np.max(np.abs(first), axis=1, keepdims=True)
     apart = float(np.max(np.abs(second - first) / np.where(size > 0, size, 1.0)))
     if apart > matrix_rounding(setup.epsilon, algebra.ROUNDING):
@@ -106,13 +96,13 @@ def of_numbers(setup: Setup) -> str:
     with np.errstate(over="ignore"):  # what no 32 bits hold
         rows = numbers_of(setup)
         single = rows.astype(np.float32).astype(float)
-    for row, rounded in zip(rows, single, strict=True):
-        varied = len(np.unique(row)) >= DISTINCT / 2
-        if varied and np.array_equal(rounded, row):
-            return (
-                'its numbers have 32 bits: an engine that means to declares precision = "float32"'
-            )
-    return ""
+    fit = (
+        np.array_equal(row, rounded)
+        for row, rounded in zip(rows, single, strict=True)
+        if len(np.unique(row)) >= DISTINCT / 2
+    )
+    said = 'its numbers have 32 bits: an engine that means to declares precision = "float32"'
+    return said if any(fit) else ""
 
 
 def of_orbits(setup: Setup) -> str:
@@ -134,7 +124,7 @@ def of_runs(setup: Setup) -> str:
         numbers = sample_numbers(length, step)
         answer = setup.simulate(step, numbers).matrix(setup.scene.observables)
         seen = looked_at(setup, [Part(setup.case, numbers)], answer)
-        if seen.away(seen.values, seen.right) > SEEN:
+        if seen.error > SEEN:
             said = explanation(seen) or reset(seen)
             if said or not beam:
                 return said

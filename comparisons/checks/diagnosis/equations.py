@@ -19,69 +19,75 @@ ENTRY = 1e-8
 """Part of a matrix by which an entry is off that is no rounding."""
 
 
+def accelerations_of(
+    setup: Setup, equations: ModelEquations | None = None, factor: float = 1.0
+) -> tuple[Array, Array]:
+    """Return accelerations at random states (k, n), an engine's and those of equations.
+
+    The model's own by default; all rates are so many times those of the states.
+    """
+    case, names = setup.case, setup.coordinates
+    times, states = algebra.random_states(setup.solved_equations, case, names)
+    states = states * np.repeat([1.0, factor], len(names))
+    answer = call_engine(lambda: setup.engine.accelerations(case, setup.model, times, states))
+    equations = equations or setup.solved_equations
+    right = algebra.expected(case, equations, times, states, names, ())["accelerations"]
+    return np.asarray(answer), right
+
+
+def error_of(setup: Setup, equations: ModelEquations | None = None) -> float:
+    """Return the relative error of accelerations at random states."""
+    answer, right = accelerations_of(setup, equations)
+    return algebra.distance(answer, right, right)
+
+
 def of_accelerations(setup: Setup) -> str:
     """Return the mistake in the equations of motion that accelerations show."""
-    case, equations, names = setup.case, setup.solved_equations, setup.coordinates
-    times, states = algebra.random_states(equations, case, names)
-    answer = call_engine(lambda: setup.engine.accelerations(case, setup.model, times, states))
-
-    def off(one: ModelEquations) -> float:
-        right = algebra.expected(case, one, times, states, names, ())["accelerations"]
-        return algebra.distance(answer, right, right)
-
-    error = off(equations)
+    equations, error = setup.solved_equations, error_of(setup)
     words = [
         said
         for said, scene in equations.scene.mistakes.items()
         if scene.coordinates == equations.scene.coordinates
-        if off(ModelEquations(scene, equations.parameters)) < EXPLAINED * error
+        if error_of(setup, ModelEquations(scene, equations.parameters)) < EXPLAINED * error
     ]
     if words:
         return words[0] if len(words) == 1 else ""
-    return of_softness(setup, times, states, error) or of_motion(setup, times, states)
+    return of_softness(setup, error) or of_motion(setup)
 
 
-def of_softness(setup: Setup, times: Array, states: Array, closed: float) -> str:
+def of_softness(setup: Setup, closed: float) -> str:
     """Return what of a loop that gives way is wrong; closed it has this error."""
+    times, states = algebra.random_states(setup.solved_equations, setup.case, setup.coordinates)
     both = call_engine(lambda: algebra.opened(setup, times, states))
     if both is None:
         return ""
-    (answer, right), half = both, len(states) // 2
-    parts = slice(None, half), slice(half, None)
-    errors = [algebra.distance(answer[part], right[part], right) for part in parts]
+    halves = (np.array_split(one, 2) for one in both)
+    errors = [algebra.distance(a, b, both[1]) for a, b in zip(*halves, strict=True)]
     if not closed < EXPLAINED * max(errors):
         return ""
+    words = zip(("stiffness", "damping"), errors, strict=True)
     granted = matrix_rounding(setup.epsilon, algebra.ROUNDING)
-    both_words = zip(("stiffness", "damping"), errors, strict=True)
-    wrong = [word for word, error in both_words if error > granted]
+    wrong = " and ".join(word for word, error in words if error > granted)
     return (
-        f"the loop has another {' and '.join(wrong)} than the file says (solref, solimp): "
+        f"the loop has another {wrong} than the file says (solref, solimp): "
         "accelerations are right where it is closed, and wrong where it is open"
     )
 
 
-def of_motion(setup: Setup, times: Array, states: Array) -> str:
+def of_motion(setup: Setup) -> str:
     """Return that accelerations are right at rest and wrong in motion, where that is so."""
-    case, n = setup.case, states.shape[1] // 2
-
-    def error_at(factor: float) -> Array:
-        """Return errors (k, n) where all rates are so many times those of the states."""
-        there = states * np.repeat([1.0, factor], n)
-        answer = call_engine(lambda: setup.engine.accelerations(case, setup.model, times, there))
-        names = setup.coordinates
-        right = algebra.expected(case, setup.solved_equations, times, there, names, ())
-        return np.asarray(answer) - right["accelerations"]
-
-    moving, resting, back = (error_at(factor) for factor in (1.0, 0.0, -1.0))
+    moving, resting, back = (
+        np.subtract(*accelerations_of(setup, factor=by)) for by in (1.0, 0.0, -1.0)
+    )
     most = EXPLAINED * float(np.max(np.abs(moving)))
     if not np.max(np.abs(resting)) < most:
         return ""
-    said = "accelerations are right at rest, and wrong in motion"
-    if np.max(np.abs(moving - back)) < most:
-        return f"{said} by the same in either direction: Coriolis forces are missing or wrong"
-    if np.max(np.abs(moving + back)) < most:
-        return f"{said} by the opposite in the other direction: dampers are missing or wrong"
-    return said
+    ends = {
+        "by the same in either direction: Coriolis forces are missing or wrong": moving - back,
+        "by the opposite in the other direction: dampers are missing or wrong": moving + back,
+    }
+    words = [said for said, rest in ends.items() if np.max(np.abs(rest)) < most]
+    return " ".join(["accelerations are right at rest, and wrong in motion", *words])
 
 
 def of_matrices(setup: Setup) -> str:

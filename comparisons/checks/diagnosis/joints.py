@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import combinations, permutations
-
-import numpy as np
+from itertools import permutations
 
 from ....reference.errors import Unsupported
-from ...engines.run import call_engine
 from ...engines.setup import Setup
-from ..kinds import algebra, one_step
 from ..units import EXPLAINED
+from .equations import error_of
+from .steps import after_steps
 
 FEW = 4
 """Joints of which every order is tried."""
@@ -29,7 +27,7 @@ def of_joints(setup: Setup) -> str:
     scene = setup.scene
     if scene.discretisation_coordinates or not setup.engine.reads_mjcf:
         return ""
-    away = of_accelerations if setup.method is None else of_steps
+    away = error_of if setup.method is None else (lambda one: after_steps(one, 1).error)
     error = away(setup)
     joints = setup.engine.joint_system(setup.case, setup.model).joints
     if error < EXPLAINED or len(joints) > MOST:
@@ -52,14 +50,10 @@ def of_joints(setup: Setup) -> str:
 
 def orders(count: int) -> Iterator[tuple[int, ...]]:
     """Yield the orders of joints that are tried."""
-    same = tuple(range(count))
-    if count <= FEW:
-        yield from (order for order in permutations(same) if order != same)
-        return
-    for i, j in combinations(same, 2):
-        order = list(same)
-        order[i], order[j] = j, i
-        yield tuple(order)
+    for order in permutations(range(count)):
+        moved = sum(i != j for i, j in enumerate(order))
+        if moved == 2 or (moved and count <= FEW):
+            yield order
 
 
 def in_words(joints: list[str], others: list[str]) -> str:
@@ -68,22 +62,3 @@ def in_words(joints: list[str], others: list[str]) -> str:
         return f"joints {joints[0]} and {joints[1]} are exchanged"
     moved = (f"{one} is {other}" for one, other in zip(joints, others, strict=True))
     return f"joints are in another order: {', '.join(moved)}"
-
-
-def of_accelerations(setup: Setup) -> float:
-    """Return the relative error of accelerations at random states."""
-    case, names, engine = setup.case, setup.coordinates, setup.engine
-    times, states = algebra.random_states(setup.solved_equations, case, names)
-    answer = call_engine(lambda: engine.accelerations(case, setup.model, times, states))
-    right = algebra.expected(case, setup.solved_equations, times, states, names, ())
-    return algebra.distance(answer, right["accelerations"], right["accelerations"])
-
-
-def of_steps(setup: Setup) -> float:
-    """Return the relative error of single steps."""
-    step, equations = setup.default_step, setup.solved_equations
-    names = setup.scene.observables
-    cases = one_step.starts(setup, step, setup.scheme)
-    right = one_step.truths(equations, cases, step, names)
-    answer = one_step.after(setup, cases, step, 1)[: len(names)]
-    return float(np.max(np.abs(answer - right.values) / right.size[:, None]))

@@ -36,17 +36,48 @@ FOLLOWED = 256
 STRETCH, MOST_STRETCH = 1e-7, 1e-3
 """Shares by which steps are tried to be longer, and up to which motions change in proportion."""
 
-ROUND = 2
-"""Digits of a number that somebody has chosen."""
-
 SHARES = (32, 8, 2, 1)
 """Of the samples of a run, one in so many is looked at before more are predicted."""
 
-INSIDE_STEP = {0.0: "at the start", 0.5: "in the middle", 1.0: "at the end"}
-"""Where a step evaluates a force that it holds."""
+SAMPLED: tuple[tuple[str, dict[str, Any]], ...] = (
+    ("the force is held: that at the start of each step", {"frozen": 0.0}),
+    ("the force is held: that in the middle of each step", {"frozen": 0.5}),
+    ("the force is held: that at the end of each step", {"frozen": 1.0}),
+    *(
+        (
+            "the force is held, one step late: that at the start of the step before",
+            {"frozen": 0.0, "late": 1.0, "waits": waits},
+        )
+        for waits in (False, True)  # in the middle of it is hardly told from late alone
+    ),
+    *(
+        (
+            "the force is held over several steps: that at the start of the first",
+            {"frozen": 0.0, "hold": count},
+        )
+        for count in (2, 3, 4, 5, 8, 10, 16, 20)
+    ),
+)
+"""How engines and controllers of a lower rate hold a force."""
 
-SEVERAL = (2, 3, 4, 5, 8, 10, 16, 20)
-"""Steps over which a controller of a lower rate holds its force."""
+SHIFTED: tuple[tuple[str, dict[str, Any]], ...] = (
+    ("the force is one step late", {"late": 1.0}),
+    ("the force is one step late", {"late": 1.0, "waits": True}),
+    ("the force is one step early", {"late": -1.0}),
+)
+"""By how many steps they shift it."""
+
+STARTS: dict[str, Callable[[str], bool]] = {
+    "": bool,
+    "the rates of the start are ignored: it moves as from rest": lambda name: (
+        not name.endswith("_dot")
+    ),
+    "the coordinates of the start are ignored: it moves as from the origin": lambda name: (
+        name.endswith("_dot")
+    ),
+    "the start is ignored: it moves as from the origin, at rest": lambda name: False,
+}
+"""Which values of a start are kept; all of them first, by no mistake."""
 
 Steps = Any
 """Numbers of steps, int array (n,)."""
@@ -66,22 +97,22 @@ class Seen:
     Attributes
     ----------
     setup : Setup
-    step : float
-        Step [s].
     parts : list of Part
-    names : tuple of str
     values, right : array (k, n)
         All parts side by side.
     size : array (k, 1)
     """
 
     setup: Setup
-    step: float
     parts: list[Part]
-    names: tuple[str, ...]
     values: Array
     right: Array
     size: Array
+
+    @property
+    def error(self) -> float:
+        """The largest error, relative to the size of each row."""
+        return self.away(self.values, self.right)
 
     def away(self, values: Array, other: Array) -> float:
         """Return the largest difference, relative to the size of each row."""
@@ -106,7 +137,7 @@ class Seen:
 
     def rows_of(self, motion: Hypothesis) -> Array:
         """Return observables (k, n) of a motion."""
-        return motion.rows(self.setup, self.step, self.names)
+        return motion.rows(self.setup, self.setup.default_step, self.setup.scene.observables)
 
 
 class ChangedDrive(schemes.ScalarEquations):
@@ -190,16 +221,15 @@ class Hypothesis:
 def mistakes(seen: Seen) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
     """Yield the mistakes that are tried, each with the motion that it makes of a part."""
     setup = seen.setup
-    starts: list[list[dict[str, float]]] = [[dict(part.case.state) for part in seen.parts]]
-    for words, keeps in (
-        ("the rates of the start are ignored: it moves as from rest", positions),
-        ("the coordinates of the start are ignored: it moves as from the origin", rates),
-        ("the start is ignored: it moves as from the origin, at rest", nothing),
-    ):
-        states = [keeps(part.case) for part in seen.parts]
-        if not any(same_motion(states, known) for known in starts):
-            starts.append(states)
+    starts = []
+    for words, keeps in STARTS.items():
+        states = [
+            {name: value for name, value in part.case.state.items() if value and keeps(name)}
+            for part in seen.parts
+        ]
+        if words and states not in starts:
             yield words, partial(changed, keeps=keeps)
+        starts.append(states)
     for words, scene in setup.equations.scene.mistakes.items():
         yield words, partial(changed, scene=scene)
     if setup.scheme is None and setup.integrator.order < 2:
@@ -212,22 +242,14 @@ def mistakes(seen: Seen) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
     if setup.equations.scene.drive is not None:
         end = float(setup.scene.drive_end_time(setup.case.parameters)) or np.inf
         for until in sorted({end, np.inf}):
-            for waits in (False, True):
-                late = partial(changed, late=1.0, waits=waits, end=until)
-                yield "the force is one step late", late
-            yield "the force is one step early", partial(changed, late=-1.0, end=until)
-        for place, where in INSIDE_STEP.items():
-            said = f"the force is held: that {where} of each step"
-            yield said, partial(changed, frozen=place)
-        said = "the force is held, one step late: that at the start of the step before"
-        for waits in (False, True):  # in the middle of it is hardly told from late alone
-            yield said, partial(changed, frozen=0.0, late=1.0, waits=waits)
-        for count in SEVERAL if setup.scheme else ():  # else it is hardly told from late alone
-            said = "the force is held over several steps: that at the start of the first"
-            yield said, partial(changed, frozen=0.0, hold=count)
+            for words, how in SHIFTED:
+                yield words, partial(changed, end=until, **how)
+        for words, how in SAMPLED:
+            if setup.scheme or "hold" not in how:  # else it is hardly told from late alone
+                yield words, partial(changed, **how)
         yield (
             "the time of the start is ignored: the force begins as at t = 0",
-            lambda part: changed(part, late=part.case.start_time / seen.step),
+            lambda part: changed(part, late=part.case.start_time / seen.setup.default_step),
         )
     for scheme in schemes.SCHEMES:
         if setup.scheme not in (None, scheme):
@@ -244,35 +266,11 @@ def longer_steps(seen: Seen) -> float:
 
 
 def changed(
-    part: Part, keeps: Callable[[Case], dict[str, float]] | None = None, ahead: int = 0, **how: Any
+    part: Part, keeps: Callable[[str], bool] = bool, ahead: int = 0, **how: Any
 ) -> Hypothesis:
     """Return the motion of a part from what is left of its start, seen some steps ahead."""
-    case = part.case if keeps is None else replace(part.case, state=keeps(part.case))
-    return Hypothesis(case, part.numbers + ahead, **how)
-
-
-def nothing(case: Case) -> dict[str, float]:
-    """Return no value of a start."""
-    return {}
-
-
-def same_motion(states: list[dict[str, float]], others: list[dict[str, float]]) -> bool:
-    """Return whether starts are the same, but for what is 0."""
-    return all(
-        {name: value for name, value in one.items() if value}
-        == {name: value for name, value in other.items() if value}
-        for one, other in zip(states, others, strict=True)
-    )
-
-
-def positions(case: Case) -> dict[str, float]:
-    """Return the coordinates of a start."""
-    return {name: value for name, value in case.state.items() if not name.endswith("_dot")}
-
-
-def rates(case: Case) -> dict[str, float]:
-    """Return the rates of a start."""
-    return {name: value for name, value in case.state.items() if name.endswith("_dot")}
+    state = {name: value for name, value in part.case.state.items() if keeps(name)}
+    return Hypothesis(replace(part.case, state=state), part.numbers + ahead, **how)
 
 
 def looked_at(setup: Setup, parts: list[Part], values: Array) -> Seen:
@@ -284,23 +282,18 @@ def looked_at(setup: Setup, parts: list[Part], values: Array) -> Seen:
     else:
         right = np.hstack([Hypothesis(*part).rows(setup, step, names) for part in parts])
     size = np.max(np.abs(right), axis=1, keepdims=True)
-    return Seen(setup, step, parts, names, values, right, np.where(size > 0, size, 1.0))
+    return Seen(setup, parts, values, right, np.where(size > 0, size, 1.0))
 
 
 def takes_long(setup: Setup, parts: list[Part]) -> bool:
     """Return whether it takes long to predict parts of a run: many steps of a continuum."""
-    long = max(map(len_of, parts)) > LONG
-    return bool(setup.scene.discretisation_coordinates) and long
-
-
-def len_of(part: Part) -> int:
-    """Return the number of steps of a part."""
-    return int(np.max(part.numbers))
+    longest = max(np.max(part.numbers) for part in parts)
+    return bool(setup.scene.discretisation_coordinates) and longest > LONG
 
 
 def explanation(seen: Seen) -> str:
     """Return the only mistake that explains what is seen, if there is one."""
-    error = seen.away(seen.values, seen.right)
+    error = seen.error
     if not SEEN < error < np.inf:
         return ""
     words = [*conventions(seen, error)] or [*exchanged(seen, error), *measured(seen)]
@@ -317,22 +310,25 @@ def explanation(seen: Seen) -> str:
 
 
 def limited(seen: Seen) -> Iterator[str]:
-    """Yield which rates stop at a round number that right ones exceed."""
-    for name, one, right in zip(seen.names, np.abs(seen.values), np.abs(seen.right), strict=True):
+    """Yield which rates stop at a round number, of two digits, that right ones exceed."""
+    for name, one, right in zip(
+        seen.setup.scene.observables, np.abs(seen.values), np.abs(seen.right), strict=True
+    ):
         most = float(np.max(one))
         limit = one > most * (1 - SEEN)
-        whole = abs(most - float(f"{most:.{ROUND}g}")) <= SEEN * most
-        beyond = most > 0 and np.max(right) > most and np.ptp(right[limit]) > SEEN * most
-        if name.endswith("_dot") and whole and beyond:
-            size = f"{most:.3g} {seen.setup.scene.units[name]}"
-            yield f"{name} never exceeds {size}: it is clamped there"
+        whole = abs(most - float(f"{most:.2g}")) <= SEEN * most < SEEN * np.max(right)
+        if name.endswith("_dot") and whole and np.ptp(right[limit]) > SEEN * most > 0:
+            yield (
+                f"{name} never exceeds {most:.3g} {seen.setup.scene.units[name]}: "
+                "it is clamped there"
+            )
 
 
 def after_drive(seen: Seen) -> Iterator[str]:
     """Yield that only what follows the end of the drive is wrong."""
     case = seen.setup.case
     end = float(seen.setup.scene.drive_end_time(case.parameters))
-    times = [part.case.start_time + part.numbers * seen.step for part in seen.parts]
+    times = [part.case.start_time + part.numbers * seen.setup.default_step for part in seen.parts]
     early = np.concatenate(times) <= end * (1 + SEEN)
     off = np.max(np.abs(seen.values - seen.right) / seen.size, axis=0)
     if np.any(early) and not np.all(early) and np.max(off[early]) < EXPLAINED * np.max(off):
@@ -343,7 +339,7 @@ def conventions(seen: Seen, error: float) -> Iterator[str]:
     """Yield by which other convention a quaternion is told."""
     if not seen.setup.scene.quaternions:
         return
-    places = [seen.names.index(name) for name in ROTATION]
+    places = [seen.setup.scene.observables.index(name) for name in ROTATION]
     x, y, z, w = Rotation.from_matrix(seen.right[places].T.reshape(-1, 3, 3)).as_quat().T
     name = seen.setup.scene.quaternions[0].name
     for words, other in (
@@ -366,14 +362,19 @@ def exchanged(seen: Seen, error: float) -> Iterator[str]:
     values = np.empty_like(seen.values)
     values[order] = seen.values
     if moved and seen.away(values, seen.right) < EXPLAINED * error:
-        pairs = [f"{seen.names[i]} is {seen.names[order[i]]}" for i in moved]
+        pairs = [
+            f"{seen.setup.scene.observables[i]} is {seen.setup.scene.observables[order[i]]}"
+            for i in moved
+        ]
         yield f"observables are exchanged: {', '.join(pairs)}"
 
 
 def measured(seen: Seen) -> Iterator[str]:
     """Yield in what other unit, or with which sign, all that deviates is given."""
     said = []
-    for name, one, right, size in zip(seen.names, seen.values, seen.right, seen.size, strict=True):
+    for name, one, right, size in zip(
+        seen.setup.scene.observables, seen.values, seen.right, seen.size, strict=True
+    ):
         if np.max(np.abs(one - right)) > EXPLAINED * size[0]:
             unit = seen.setup.scene.units[name]
             said.append(other_measure(name, unit, one, right, float(size[0])))
@@ -390,32 +391,29 @@ def reset(seen: Seen) -> str:
     first = int(np.argmax(off > EXPLAINED * np.max(off)))
     if first < 2 or np.max(off[:first]) > EXPLAINED * np.min(off[first:]):
         return ""
-    error, words = float(np.max(off)), []
-    before, after = (case.start_time + int(numbers[i]) * seen.step for i in (first - 1, first))
-    when = f"between t = {before:.4g} s and {after:.4g} s"
+    least, words = EXPLAINED * float(np.max(off)), []
+    before, after = (
+        case.start_time + int(numbers[i]) * seen.setup.default_step for i in (first - 1, first)
+    )
     values, later = seen.values[:, first:], numbers[first:]
-    for where, state in (("its start", dict(case.state)), ("the origin", {})):
-        if state == dict(case.state) and where != "its start":
-            continue
+    states = {"its start": dict(case.state)} | ({"the origin": {}} if case.state else {})
+    for where, state in states.items():
         begin = replace(case, state=state)
-        still = seen.rows_of(Hypothesis(begin, np.array([0])))
-        if seen.away(values, still) < EXPLAINED * error:
+
+        def left(number: int, count: int | None, begin: Case = begin) -> float:
+            """Return what a restart leaves of so many samples, or all."""
+            there = replace(begin, start_time=case.start_time + number * seen.setup.default_step)
+            return seen.away(
+                values[:, :count], seen.rows_of(Hypothesis(there, later[:count] - number))
+            )
+
+        if seen.away(values, seen.rows_of(Hypothesis(begin, np.array([0])))) < least:
+            when = f"between t = {before:.4g} s and {after:.4g} s"
             words.append(f"it is put back to {where} {when}, and stays there")
             continue
-        best = (np.inf, 0)
         earliest = max(int(numbers[first - 1]), int(later[0]) - FOLLOWED)
-        for number in range(earliest, int(later[0]) + 1):
-            there = restarted(begin, number, seen.step)
-            one = seen.rows_of(Hypothesis(there, later[:1] - number))
-            best = min(best, (seen.away(values[:, :1], one), number))
-        there = restarted(begin, best[1], seen.step)
-        if best[0] < EXPLAINED * error:
-            whole = seen.rows_of(Hypothesis(there, later - best[1]))
-            if seen.away(values, whole) < EXPLAINED * error:
-                words.append(f"it is put back to {where} at t = {there.start_time:.4g} s")
+        best = min(range(earliest, int(later[0]) + 1), key=lambda number: left(number, 1))
+        if left(best, None) < least:
+            at = case.start_time + best * seen.setup.default_step
+            words.append(f"it is put back to {where} at t = {at:.4g} s")
     return words[0] if len(words) == 1 else ""
-
-
-def restarted(case: Case, number: int, step: float) -> Case:
-    """Return a case that starts so many steps [s] later."""
-    return replace(case, start_time=case.start_time + number * step)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
-from ....models.kinematics import Placed, inertias, movers, place
+from ....models.kinematics import Placed, inertias, mass_matrix, movers, place
 from ....models.mechanism import Mechanism, mechanism
 from ....models.placement import world_axes
 from ....reference.errors import Unsupported
@@ -58,20 +58,15 @@ def of_frames(setup: Setup) -> str:
         right = np.array([matrix(row) for row in q])
         return algebra.distance(answer, right, right)
 
-    error = off(lambda row: total(inertias(whole, row)))
+    error = off(partial(mass_matrix, whole))
     mistakes: dict[str, Callable[[Array], Array]] = {
-        "axes of joints are taken in the frame of the world, not of their bodies": (
-            lambda row: total(inertias(with_axes_of_world(whole), row))
+        "axes of joints are taken in the frame of the world, not of their bodies": partial(
+            mass_matrix, with_axes_of_world(whole)
         ),
         "inertia tensors are not turned with their bodies": partial(with_tensors_behind, whole),
     }
     words = [said for said, matrix in mistakes.items() if off(matrix) < EXPLAINED * error]
     return words[0] if len(words) == 1 else ""
-
-
-def total(matrices: dict[str, Array]) -> Array:
-    """Return the sum of parts of a mass matrix (n, n)."""
-    return np.asarray(np.sum(list(matrices.values()), axis=0))
 
 
 def as_placed(whole: Mechanism) -> Placed:
@@ -97,15 +92,7 @@ def with_tensors_behind(whole: Mechanism, q: Array) -> Array:
         if name in matrices and any(movers(whole)[i]):
             rates = start[i] @ moved.rotations[i].T @ moved.turning(i)
             matrices[name] = rates.T @ body.inertia @ rates
-    return total(matrices)
-
-
-def pairs(names: tuple[str, ...]) -> Iterator[tuple[str, str]]:
-    """Yield the names of two components of one force."""
-    for name in names:
-        other = f"{name.removesuffix('_x')}_y"
-        if name.endswith("_x") and other in names:
-            yield name, other
+    return np.asarray(np.sum(list(matrices.values()), axis=0))
 
 
 def of_reactions(setup: Setup) -> str:
@@ -118,7 +105,8 @@ def of_reactions(setup: Setup) -> str:
     answer = call_engine(lambda: setup.engine.reactions(case, setup.model, times, states))
     right = algebra.expected(case, equations, times, states, names, reactions)
     axes = world_axes(case.placement)[:2, :2]
-    for pair in pairs(reactions):
+    firsts = [name for name in reactions if name.endswith("_x")]
+    for pair in [(name, f"{name[:-1]}y") for name in firsts if f"{name[:-1]}y" in reactions]:
         values = np.array([answer[name] for name in pair])
         force = np.array([right[name][:, 0] for name in pair])
         error = np.max(np.abs(values - force))

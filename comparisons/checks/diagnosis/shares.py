@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from functools import partial
-from itertools import combinations
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -24,10 +24,24 @@ RUNNER_UP = 10.0
 """How many times rounding every other explanation leaves at least, where one is named."""
 
 ROWS = 2
-"""Least number of rows for each share where all are fit_effects together."""
+"""Least number of rows for each share where all are fitted together."""
 
 MOST_OTHERS = 2
 """Most other explanations that are named beside one; where there are more, none is."""
+
+SPATIAL = {"products": "products of inertia", "gyroscopic": "gyroscopic term"}
+"""Words for parts that only bodies in space have."""
+
+SHARES = {
+    0.0: "dropped",
+    -1.0: "its sign is reversed",
+    np.pi / 180: "degrees were taken for radians",
+    180 / np.pi: "radians were taken for degrees",
+}
+"""What shares of a part mean."""
+
+Words = Callable[[Array, Array], str]
+"""Meaning of numbers (k,) by how much rounding moves them, empty where no reader does that."""
 
 
 class Effect(NamedTuple):
@@ -39,7 +53,6 @@ class Effect(NamedTuple):
     columns : array (m, k)
         What it adds to the rows by each of k numbers, all 0 where an engine follows the file.
     words : callable
-        Meaning of these numbers (k,); empty where no reader does that.
     added : bool
         Whether it is none of the file's parts.
     members : tuple of str
@@ -48,41 +61,9 @@ class Effect(NamedTuple):
 
     name: str
     columns: Array
-    words: Callable[[Array], str]
+    words: Words
     added: bool = False
     members: tuple[str, ...] = ()
-
-    @property
-    def acting(self) -> int:
-        """How many of its numbers change the rows."""
-        return int(np.count_nonzero(np.any(self.columns, axis=0)))
-
-
-class Fit(NamedTuple):
-    """Numbers of some candidates, by how much rounding moves them, and what they leave.
-
-    They are distinct where no other numbers leave the same.
-    """
-
-    effects: tuple[Effect, ...]
-    values: tuple[Array, ...]
-    moved: tuple[Array, ...]
-    left: float
-    distinct: bool = True
-
-    @property
-    def said(self) -> dict[str, str]:
-        """Meaning of the numbers of each candidate."""
-        return {one.name: one.words(x) for one, x in zip(self.effects, self.values, strict=True)}
-
-    @property
-    def is_meant(self) -> bool:
-        """Whether the numbers are distinct, and each of them means something."""
-        return self.distinct and all(self.said.values())
-
-
-Others = Mapping[str, tuple[str, ...]]
-"""In words, what would explain the same in place of a candidate."""
 
 
 class Explanation(NamedTuple):
@@ -90,26 +71,52 @@ class Explanation(NamedTuple):
 
     Attributes
     ----------
+    effects : tuple of Effect
+        Whose numbers are fitted.
     values : mapping of str to array (k,)
         Of each part and of what is added, beside what the file says.
     tolerances : mapping of str to array (k,)
         By how much rounding could move them.
-    others : mapping of str to tuple of str
-    added : tuple of str
-        What an engine adds or loses that is no part, in words.
+    said : mapping of str to str
+        What the numbers of each effect mean.
     left, granted : float
         What the shares of parts leave of the rows, and what rounding may.
     unique : bool
         Whether this explains all, and nothing else does.
+    others : mapping of str to tuple of str
+        In words, what would explain the same in place of an effect.
     """
 
-    values: Mapping[str, Array]
-    tolerances: Mapping[str, Array]
-    others: Others
-    added: tuple[str, ...]
+    effects: Sequence[Effect]
+    values: dict[str, Array]
+    tolerances: dict[str, Array]
+    said: dict[str, str]
     left: float
     granted: float
     unique: bool
+    others: Mapping[str, tuple[str, ...]] = MappingProxyType({})
+
+    @property
+    def added(self) -> tuple[str, ...]:
+        """What an engine adds or loses that is no part, in words."""
+        names = [one.name for one in self.effects if one.added]
+        return tuple(", or ".join([self.said[n], *self.others.get(n, ())]) for n in names)
+
+
+def part_of(name: str) -> str:
+    """Return the words for a part."""
+    kind, _, of = name.partition(".")
+    return f"{SPATIAL.get(kind, kind.replace('_', ' '))} of {of}" if of else kind
+
+
+def of_share(name: str, x: Array, moved: Array) -> str:
+    """Return what a share (1,) of a part beside 1 means."""
+    value, part = 1 + float(x[0]), part_of(name)
+    for right, said in SHARES.items():
+        if abs(value - right) <= max(float(moved[0]), APART * abs(right)):
+            return f"{part}: {said}"
+    digits = max(6, math.ceil(1 - math.log10(abs(x[0])))) if 0 < abs(x[0]) < 1 else 6
+    return f"{part}: counted {value:.{min(digits, 16)}g} times"
 
 
 def explain(
@@ -118,7 +125,7 @@ def explain(
     """Explain rows (m,) by shares of parts, and by what readers of files add or lose.
 
     By the fewest numbers that leave no more than rounding, if all others as few leave `RUNNER_UP`
-    times that: those of one candidate, of two, or of all parts and up to two additions.
+    times that: those of one candidate, of two, or of all parts.
 
     Parameters
     ----------
@@ -128,167 +135,121 @@ def explain(
     room : float
         What rounding may leave of a row.
     """
-    granted, error = room * float(np.sqrt(len(rows))), float(np.linalg.norm(rows))
-    whole = fit_effects(parts, rows, room)
-    names = [one.name for one in parts]
-    tolerances = dict(zip(names, whole.moved, strict=True))
-    if error <= granted:
-        values = dict(zip(names, whole.values, strict=True))
-        return Explanation(values, tolerances, {}, (), whole.left, granted, True)
-    values = {name: 0 * x for name, x in zip(names, whole.values, strict=True)}
-    best = None
-    if RUNNER_UP * granted < error < np.inf:
-        shares = [one for one in (*parts, *kinds(parts)) if is_visible(one, room)]
-        every = [*shares, *additions, *kinds(additions)]
-        best = alone(every, rows, room) or in_pairs(every, rows, room)
-        best = best or together(parts, additions, rows, room)
+    error, whole = float(np.linalg.norm(rows)), fitted(parts, rows, room)
+    if error <= whole.granted:
+        return whole._replace(unique=True)
+    best, values = None, {name: np.zeros_like(x) for name, x in whole.values.items()}
+    if RUNNER_UP * whole.granted < error < np.inf:
+        best = simplest([*both(parts), *both(additions)], whole, rows, room)
     if best is None:
-        return Explanation(values, tolerances, {}, (), error, granted, False)
-    fit, others = best
-    for one, x, moved in zip(fit.effects, fit.values, fit.moved, strict=True):
-        values |= dict.fromkeys(one.members or (one.name,), x)
-        tolerances |= dict.fromkeys(one.members or (one.name,), moved)
-    explained = np.sum([one.columns @ values[one.name] for one in parts], axis=0)
-    added = tuple(
-        ", or ".join([fit.said[one.name], *others.get(one.name, ())])
-        for one in fit.effects
-        if one.added
-    )
-    left = float(np.linalg.norm(rows - explained))
-    return Explanation(values, tolerances, others, added, left, granted, True)
+        return whole._replace(values=values, left=error, unique=False)
+    values |= best.values
+    left = float(np.linalg.norm(rows - sum(one.columns @ values[one.name] for one in parts)))
+    return best._replace(values=values, tolerances=whole.tolerances | best.tolerances, left=left)
 
 
-def is_visible(part: Effect, room: float) -> bool:
-    """Return whether rounding moves the share of a part by little."""
-    size, along = np.sum(np.abs(part.columns), axis=0), np.sum(part.columns**2, axis=0)
-    return bool(part.acting and np.all(room * size[along > 0] < VISIBLE * along[along > 0]))
-
-
-def kinds(parts: Sequence[Effect]) -> Iterator[Effect]:
-    """Yield all candidates of each kind that has several, by one number."""
-    for kind in dict.fromkeys(one.name.partition(".")[0] for one in parts):
-        same = [one for one in parts if one.name.startswith(f"{kind}.") and one.acting]
+def both(effects: Sequence[Effect]) -> Iterator[Effect]:
+    """Yield those that act, and all of each kind that has several, by one number."""
+    acting = [one for one in effects if np.any(one.columns)]
+    yield from acting
+    for kind in dict.fromkeys(one.name.partition(".")[0] for one in acting):
+        same = [one for one in acting if one.name.startswith(f"{kind}.")]
         if len(same) > 1 and same[0].columns.shape[1] == 1:
-            columns = np.sum([one.columns for one in same], axis=0)
-            yield Effect(
-                kind,
-                columns,
-                partial(words_of_all, same),
-                same[0].added,
-                tuple(one.name for one in same),
-            )
+            yield together(kind, same)
 
 
-def words_of_all(several: Sequence[Effect], x: Array) -> str:
-    """Return what it means that several effects have the same number (1,)."""
-    return "; ".join(one.words(x) for one in several)
+def together(kind: str, same: Sequence[Effect]) -> Effect:
+    """Return several effects by one number."""
+    return Effect(
+        kind,
+        np.sum([one.columns for one in same], axis=0),
+        lambda x, moved: "; ".join(one.words(x, moved) for one in same),
+        same[0].added,
+        tuple(one.name for one in same),
+    )
 
 
-def fit_effects(effects: Sequence[Effect], rows: Array, room: float) -> Fit:
-    """Fit some candidates by least squares."""
+def fitted(effects: Sequence[Effect], rows: Array, room: float) -> Explanation:
+    """Fit some candidates by least squares; unique where no other numbers of them do the same."""
     columns = np.hstack([np.zeros((len(rows), 0)), *(one.columns for one in effects)])
     size = np.max(np.abs(columns), axis=0, initial=0.0)
     acting = np.where(size > 0, size, 1.0)
     inverse = np.linalg.pinv(columns / acting, rcond=DISTINCT) / acting[:, None]
-    distinct = bool(np.linalg.matrix_rank(columns / acting, DISTINCT) == np.count_nonzero(size))
-    x = inverse @ rows
-    moved = np.where(size > 0, room * np.sum(np.abs(inverse), axis=1), np.inf)
-    ends = np.cumsum([one.columns.shape[1] for one in effects])[:-1]
+    distinct = np.linalg.matrix_rank(columns / acting, APART) == np.count_nonzero(size)
+    x, moved = inverse @ rows, room * np.sum(np.abs(inverse), axis=1)
     left = float(np.linalg.norm(rows - columns @ x))
-    values, tolerances = (tuple(np.split(numbers, ends)) for numbers in (x, moved))
-    return Fit(tuple(effects), values, tolerances, left, distinct)
+    ends = np.cumsum([one.columns.shape[1] for one in effects])[:-1]
+    both = np.split(x, ends), np.split(np.where(size > 0, moved, np.inf), ends)
+    said = {one.name: one.words(*numbers) for one, *numbers in zip(effects, *both, strict=True)}
+    values, tolerances = (
+        {
+            name: number
+            for one, number in zip(effects, numbers, strict=True)
+            for name in one.members or (one.name,)
+        }
+        for numbers in both
+    )
+    granted, meant = room * float(np.sqrt(len(rows))), bool(distinct and all(said.values()))
+    return Explanation(effects, values, tolerances, said, left, granted, meant)
 
 
-def the_only(fits: Iterable[Fit], granted: float) -> tuple[Fit, Others] | None:
+def simplest(
+    every: Sequence[Effect], whole: Explanation, rows: Array, room: float
+) -> Explanation | None:
+    """Return the fewest candidates that explain all: one, of few numbers, two, or all parts.
+
+    None where rows are too few to prove anything. A part that rounding could move by much is no
+    explanation.
+    """
+    every = [
+        one
+        for one in every
+        if one.added or min(map(np.min, fitted([one], rows, room).tolerances.values())) < VISIBLE
+    ]
+    counts = [np.count_nonzero(np.any(one.columns, axis=0)) for one in every]
+    levels: list[list[tuple[Effect, ...]]] = [
+        [(one,) for one, own in zip(every, counts, strict=True) if own == count]
+        for count in sorted({*counts})
+    ]
+    for sets in (*levels, near_pairs(every, rows)):
+        fits = [fitted(one, rows, room) for one in sets]
+        if any(fit.unique and fit.left <= fit.granted for fit in fits):
+            return the_only(fits)
+    proven = whole.unique and len(rows) >= ROWS * sum(map(len, whole.values.values()))
+    return whole if proven and whole.left <= whole.granted else None
+
+
+def near_pairs(every: Sequence[Effect], rows: Array) -> list[tuple[Effect, ...]]:
+    """Return the pairs of candidates of one number each that explain nearly all."""
+    single = [one for one in every if one.columns.shape[1] == 1]
+    units = [one.columns / np.linalg.norm(one.columns) for one in single]
+    columns = np.hstack([np.zeros((len(rows), 0)), *units])
+    along, same = columns.T @ rows, columns.T @ columns
+    apart = np.maximum(1 - same**2, DISTINCT)
+    explained = (along[:, None] ** 2 + along**2 - 2 * same * np.outer(along, along)) / apart
+    near = (explained > (1 - APART) * float(rows @ rows)) & (apart > DISTINCT)
+    return [(single[i], single[j]) for i, j in np.argwhere(np.triu(near, 1))]
+
+
+def the_only(fits: Iterable[Explanation]) -> Explanation | None:
     """Return the fit that explains all, the smallest change of parts first.
 
-    None where there is none, or where others explain as much that differ by more than one
-    candidate.
+    None where others explain as much that differ by more than one candidate.
     """
-    near = [one for one in fits if one.left < RUNNER_UP * granted and one.is_meant]
-    near.sort(
+    first, *rivals = sorted(
+        (fit for fit in fits if fit.unique and fit.left < RUNNER_UP * fit.granted),
         key=lambda fit: (
-            fit.left > granted,
+            fit.left > fit.granted,
             sum(one.added for one in fit.effects),
-            0.0 if fit.effects[0].added else float(np.max(np.abs(fit.values[0]))),
-        )
+            not fit.effects[0].added and float(np.max(np.abs(next(iter(fit.values.values()))))),
+        ),
     )
-    if not near or near[0].left > granted:
-        return None
-    first, *rivals = near
     others: dict[str, tuple[str, ...]] = {}
     for rival in rivals:
-        mine = first.said.keys() - rival.said.keys()
+        mine = [name for name in first.said if name not in rival.said]
         theirs = [text for name, text in rival.said.items() if name not in first.said]
-        if any(one.members and mine < {*one.members} for one in rival.effects):
-            continue  # the same part, with others of its kind that hardly act
         if len(mine) != 1 or len(theirs) != 1:
             return None
-        (name,) = mine
-        others[name] = (*others.get(name, ()), *theirs)
-    return None if any(len(rest) > MOST_OTHERS for rest in others.values()) else (first, others)
-
-
-def alone(every: Sequence[Effect], rows: Array, room: float) -> tuple[Fit, Others] | None:
-    """Return the candidate of fewest numbers that explains all."""
-    granted = room * float(np.sqrt(len(rows)))
-    for count in sorted({one.acting for one in every} - {0}):
-        fits = [fit_effects([one], rows, room) for one in every if one.acting == count]
-        if any(one.left <= granted and one.is_meant for one in fits):
-            return the_only(fits, granted)
-    return None
-
-
-def in_pairs(every: Sequence[Effect], rows: Array, room: float) -> tuple[Fit, Others] | None:
-    """Return the two candidates, of one number each, that explain all."""
-    single = [one for one in every if one.acting == one.columns.shape[1] == 1]
-    if len(single) < 2:
-        return None
-    columns = np.hstack([one.columns / np.linalg.norm(one.columns) for one in single])
-    along, both = columns.T @ rows, columns.T @ columns
-    apart = np.maximum(1 - both**2, DISTINCT)
-    explained = (along[:, None] ** 2 + along**2 - 2 * both * np.outer(along, along)) / apart
-    near = (explained > (1 - APART) * float(rows @ rows)) & (apart > DISTINCT)
-    pairs = [(single[i], single[j]) for i, j in combinations(range(len(single)), 2) if near[i, j]]
-    fits = (fit_effects(pair, rows, room) for pair in pairs)
-    return the_only(fits, room * float(np.sqrt(len(rows))))
-
-
-def together(
-    parts: Sequence[Effect], additions: Sequence[Effect], rows: Array, room: float
-) -> tuple[Fit, Others] | None:
-    """Return all parts, each by its share, with up to two additions, if they explain all.
-
-    None where several parts could stand for another, or rows are too few to prove anything.
-    """
-    columns = np.hstack([one.columns for one in parts])
-    columns = columns[:, np.any(columns, axis=0)]
-    columns = columns / np.linalg.norm(columns, axis=0)
-    basis, sizes, axes = np.linalg.svd(columns, full_matrices=False)
-    count = len(sizes)
-    if len(rows) < ROWS * count or sizes[-1] < APART * sizes[0]:
-        return None
-
-    def across(values: Array) -> Array:
-        rest = values - basis @ (basis.T @ values)
-        return np.asarray(rest - basis @ (basis.T @ rest))
-
-    left, granted = across(rows), room * float(np.sqrt(len(rows)))
-    wrong = np.abs(axes.T @ (basis.T @ rows / sizes)) > DISTINCT * np.linalg.norm(rows)
-    seen = []
-    for one in (*additions, *kinds(additions)):
-        rest = one._replace(columns=across(one.columns))
-        if np.linalg.norm(rest.columns) > APART * np.linalg.norm(one.columns):
-            seen.append(rest)
-            continue
-        weights = np.abs(axes.T @ (basis.T @ one.columns / sizes[:, None]))
-        those = np.any(weights > APART * np.max(weights), axis=1)
-        if np.count_nonzero(those) > 1 and not np.any(those & ~wrong):
-            return None
-    best: tuple[Fit, Others] | None = (Fit((), (), (), 0.0), {})
-    if np.linalg.norm(left) > granted:
-        best = alone(seen, left, room) or in_pairs(seen, left, room)
-    if best is None:
-        return None
-    effects = [one for one in (*additions, *kinds(additions)) if one.name in best[0].said]
-    return fit_effects([*parts, *effects], rows, room), best[1]
+        others[mine[0]] = (*others.get(mine[0], ()), *theirs)
+    named = max(map(len, others.values()), default=0)
+    return first._replace(others=others) if named <= MOST_OTHERS else None

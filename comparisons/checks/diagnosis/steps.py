@@ -5,7 +5,6 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....reference.errors import CannotJudgeError, EngineError
 from ....reference.scene import Array, Case
@@ -15,7 +14,7 @@ from ..kinds import algebra, one_step
 from ..tolerances import rows
 from ..units import EXPLAINED
 from ..verdict import Finding, judge
-from .motions import Part, explanation, looked_at
+from .motions import Part, Seen, explanation, looked_at
 
 FEW = 3
 """Steps after which a force that is held shows whether it is late as well: in the first of a run
@@ -38,11 +37,6 @@ ANOTHER_MODEL = (
 )
 """Of steps whose changes shrink as declared where they are halved, and whose limit is off."""
 
-ANOTHER_MOTION = (
-    "it converges with its order, but to another motion, though its accelerations are right"
-)
-"""The same where accelerations at random states have been compared."""
-
 UNMOVED = 1e-3
 """Share of an error of rates by which they would move positions in some steps, were they used."""
 
@@ -51,16 +45,17 @@ def of_steps(setup: Setup) -> str:
     """Return the mistake in few steps or one; those of elements of others take long to predict."""
     if setup.discrete:
         return ""
+    in_time = one_step.driven_in_time(setup, setup.equations)
+    every = (explanation(after_steps(setup, count)) for count in ((FEW, 1) if in_time else (1,)))
+    return next(filter(None, every), "")
+
+
+def after_steps(setup: Setup, count: int) -> Seen:
+    """Return what an engine computes in so many steps from each start."""
     step = setup.default_step
     cases = one_step.starts(setup, step, setup.scheme)
-    in_time = one_step.driven_in_time(setup, setup.equations)
-    places = range(len(setup.scene.observables))
-    for count in (FEW, 1) if in_time else (1,):
-        answer = one_step.after(setup, cases, count * step, count)
-        parts = [Part(one, np.array([count])) for one in cases]
-        if said := explanation(looked_at(setup, parts, answer[places])):
-            return said
-    return ""
+    answer = one_step.after(setup, cases, count * step, count)[: len(setup.scene.observables)]
+    return looked_at(setup, [Part(one, np.array([count])) for one in cases], answer)
 
 
 def of_order(setup: Setup) -> str:
@@ -78,21 +73,31 @@ def of_order(setup: Setup) -> str:
     equations, names = setup.solved_equations, setup.scene.observables
     cases = one_step.starts(setup, length, scheme)
     right = one_step.truths(equations, cases, length, names)
+
+    def relative(change: Array) -> float:
+        """Return the largest change, relative to the size of each observable."""
+        return float(np.max(np.abs(change) / right.size[:, None]))
+
     away, answers = [], []
     for parts in counts:
         answers.append(one_step.after(setup, cases, length, parts)[: len(names)])
         should = by_scheme(setup, cases, length, parts) if scheme else right.values
         errors = np.max(np.abs(answers[-1] - should), axis=1) / right.size
         away.append(float(np.max(errors)))
-    rates = rates_of(setup)
-    if said := half_a_step(setup, cases, length, counts[-1], answers[-1]):
-        return said
+    turning = {rate for one in setup.scene.quaternions for rate in one.rates}
+    rates = np.array([name.endswith("_dot") or name in turning for name in names])
+    half = one_step.truths(equations, cases, length * (1 - 0.5 / counts[-1]), names)
+    behind = np.max((np.abs(answers[-1] - half.values) / right.size[:, None])[rates], initial=0.0)
+    if behind < EXPLAINED * np.max(errors[rates], initial=0.0):
+        return "rates are half a step behind positions, as those of a leapfrog are"
     if np.max(errors) > LEAST and np.all(errors[~rates] < UNMOVED * np.max(errors)):
         return "positions are right, and the rates that are told with them are not"
-    off = float(np.max(np.max(np.abs(answers[-1] - right.values), axis=1) / right.size))
+    off = relative(answers[-1] - right.values)
+    *_, before, last = (relative(coarse - fine) for coarse, fine in pairwise(answers))
+    shrinks = last < LEAST or before > 2 ** (order - CLEAR) * last
     wrong = wrong_forces(setup)
-    if converges(answers, right.size, order, off):
-        return ANOTHER_MOTION if wrong is False else ANOTHER_MODEL
+    if shrinks and last < EXPLAINED * off and off > LEAST:
+        return "" if wrong is False else ANOTHER_MODEL
     measured = order_of(away)
     if not measured or (not scheme and measured >= order) or wrong:
         return ""
@@ -105,43 +110,6 @@ def of_order(setup: Setup) -> str:
     if measured >= order:
         return f"{said}, though it is of order {order}"
     return f"{said}, and it is of order {measured}, where {order} is declared"
-
-
-def converges(answers: list[Array], size: Array, order: int, off: float) -> bool:
-    """Return whether observables (k, n) of halved steps converge, to what is `off` by much more.
-
-    With each halving their changes shrink as the order says, or are rounding.
-    """
-    changes = [
-        float(np.max(np.max(np.abs(coarse - fine), axis=1) / size))
-        for coarse, fine in pairwise(answers)
-    ]
-    *_, before, last = changes
-    shrinks = last < LEAST or before > 2 ** (order - CLEAR) * last
-    return bool(shrinks and last < EXPLAINED * off and off > LEAST)
-
-
-def rates_of(setup: Setup) -> NDArray[np.bool_]:
-    """Return which observables (k,) are rates, with which a run goes on if it is one of them.
-
-    Rates that a run goes on with would have changed its positions.
-    """
-    scene = setup.scene
-    turning = {rate for one in scene.quaternions for rate in one.rates}
-    return np.array([name.endswith("_dot") or name in turning for name in scene.observables])
-
-
-def half_a_step(setup: Setup, cases: list[Case], length: float, parts: int, answer: Array) -> str:
-    """Return that rates after so many parts of a time [s] are those of another instant."""
-    equations, names, rates = setup.solved_equations, setup.scene.observables, rates_of(setup)
-    for share, word in ((0.0, ""), (-0.5, "behind"), (0.5, "ahead of")):
-        right = one_step.truths(equations, cases, length * (1 + share / parts), names)
-        error = float(np.max(np.abs(answer - right.values)[rates] / right.size[rates, None]))
-        if not share:
-            least = EXPLAINED * error
-        elif LEAST < error < least:
-            return f"rates are half a step {word} positions, as those of a leapfrog are"
-    return ""
 
 
 def by_scheme(setup: Setup, cases: list[Case], length: float, parts: int) -> Array:

@@ -24,7 +24,7 @@ ROUNDING = 1e-10
 """Relative error granted to closed-form algebra; a thousand times what either engine needs."""
 
 OPEN = 1e-3
-"""Share of the size of a coordinate by which a loop that gives way is opened."""
+"""By how much (m, rad, and these per second) a loop that gives way is opened."""
 
 CANCELLED = 1e-4
 """`ROUNDING` of so small an entry is 45 units of rounding of the terms that it is the sum of."""
@@ -97,25 +97,31 @@ def opened(setup: Setup, times: Array, states: Array) -> tuple[Array, Array] | N
     told.
     """
     case, equations, engine = setup.case, setup.equations, setup.engine
-    names = equations.scene.coordinates
     if not (setup.has_soft_closure and engine.reads_mjcf) or case.placement:
         return None
-    system, q, v = engine.joint_states(case, setup.model, times, states)
-    if not {*names} <= {*system.joints}:
+    names, keys = equations.scene.coordinates, setup.coordinates
+    keys = (*keys, *(f"{name}_dot" for name in keys))
+    off = [{f"{name}{rate}": OPEN for name in names if name not in keys} for rate in ("", "_dot")]
+    cases = [
+        replace(
+            case,
+            state=dict(zip(keys, map(float, state), strict=True)),
+            start_time=float(time),
+            inconsistency=off[2 * i >= len(times)],
+        )
+        for i, (time, state) in enumerate(zip(times, states, strict=True))
+    ]
+    systems = [engine.joint_system(one, setup.model) for one in cases]
+    if not {*names} <= {*systems[0].joints}:
         return None
-    places, n, half = [system.joints.index(name) for name in names], len(names), len(q) // 2
-    keys = (*setup.coordinates, *(f"{name}_dot" for name in setup.coordinates))
-    starts = (replace(case, state=dict(zip(keys, map(float, x), strict=True))) for x in states)
-    x = np.array([equations.start(replace(one, inconsistency={})) for one in starts])
-    free = [name not in setup.coordinates for name in names]
-    off = OPEN * np.max(np.abs(x), axis=0) * np.tile(free, 2)
-    off = np.vstack([np.tile(off * (np.arange(2 * n) < n), (half, 1)),
-                     np.tile(off * (np.arange(2 * n) >= n), (len(x) - half, 1))])  # fmt: skip
-    q, v = q.copy(), v.copy()
-    q[:, places], v[:, places] = q[:, places] + off[:, :n], v[:, places] + off[:, n:]
+    places = [systems[0].joints.index(name) for name in names]
+    q, v = (
+        np.array(one)
+        for one in zip(*((one.positions, one.velocities) for one in systems), strict=True)
+    )
+    answer = engine.joint_accelerations(engine.joint_system(case, setup.model), times, q, v)
     derivative = equations.scene.right_hand_side(equations.parameters)
-    right = [derivative(time, one)[n:] for time, one in zip(times, x + off, strict=True)]
-    answer = engine.joint_accelerations(system, times, q, v)
+    right = [derivative(one.start_time, equations.start(one))[len(names) :] for one in cases]
     return np.asarray(answer)[:, places], np.array(right)
 
 

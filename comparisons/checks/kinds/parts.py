@@ -9,11 +9,8 @@ shares follow by least squares from the generalised forces and inertias of the p
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
-from functools import lru_cache
-from typing import NamedTuple
+from collections.abc import Iterable, Iterator, Sequence
+from functools import lru_cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,16 +34,21 @@ from ....reference.errors import CannotJudgeError, Unsupported
 from ....reference.scene import Array
 from ...engines.run import contained
 from ...engines.setup import Setup
-from ..diagnosis.shares import DISTINCT, VISIBLE, Effect, Explanation, explain
-from ..diagnosis.terms import added_forces, added_inertias
+from ..diagnosis.shares import (
+    DISTINCT,
+    VISIBLE,
+    Effect,
+    Explanation,
+    explain,
+    of_share,
+    part_of,
+)
+from ..diagnosis.terms import added_forces, added_inertias, joints_of
 from ..tolerances import OPERATIONS, largest_inertias, matrix_rounding
 from ..verdict import Finding, Inconclusive
 from .algebra import ROUNDING, random_states
 
-STATES = 6
-
-MORE = 16
-"""States that are compared where fewer show that something is wrong, to tell what it is."""
+STATES = 16
 
 UNITS = 8
 """Units of rounding of each inertial force in a row, all of which `ROUNDING` of its size holds."""
@@ -54,46 +56,17 @@ UNITS = 8
 GRAVITY = 9.81
 """In m/s^2: the unit of the share of a gravity that the file does not have."""
 
-SPATIAL = {"products": "products of inertia", "gyroscopic": "gyroscopic term"}
-"""Words for parts that only bodies in space have."""
-
-APART_AXES = 1e-3
-"""Share of a direction across those that are axes already, above which it gives one more."""
-
 WHOLE = {
     "mass_matrix": "largest error of an entry, relative to the diagonal",
     "unexplained": "of the forces, relative: what no share of a part explains",
 }
 """Reasons of what is measured of all parts, where no part is named."""
 
-MOST_JOINTS = 8
-"""Most joints of which the forces on each are left out in turn."""
-
-
-class Room(NamedTuple):
-    """Relative error that rounding may leave of a row, and a unit of rounding."""
-
-    error: float
-    unit: float
-
-    @classmethod
-    def of(cls, epsilon: float) -> Room:
-        """Return that of an engine's numbers, whose `Setup.epsilon` this is."""
-        return cls(matrix_rounding(epsilon, ROUNDING), epsilon)
-
-
-class JointStates(NamedTuple):
-    """Times (k,), positions, velocities and an engine's accelerations (k, n) of joints."""
-
-    times: Array
-    positions: Array
-    velocities: Array
-    accelerations: Array
-
 
 def readable(setup: Setup) -> System | None:
     """Return the model in joint coordinates, None of an engine that reads no MJCF of ours."""
-    if not setup.engine.reads_mjcf or soft(setup):
+    soft = setup.has_constraints and not setup.is_exact  # whose forces are none of the parts
+    if soft or not setup.engine.reads_mjcf:
         return None
     try:
         system = setup.engine.joint_system(setup.case, setup.model)
@@ -101,11 +74,6 @@ def readable(setup: Setup) -> System | None:
         return system
     except CannotJudgeError:
         return None
-
-
-def soft(setup: Setup) -> bool:
-    """Return whether constraints give way: their forces are none of the parts."""
-    return setup.has_constraints and not setup.is_exact
 
 
 @lru_cache(maxsize=64)
@@ -119,12 +87,10 @@ def inertial_names(whole: Mechanism) -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=64)
-def gyroscopic_names(whole: Mechanism) -> tuple[str, ...]:
-    """Return the gyroscopic terms of bodies in space; in the plane there are none."""
-    if not whole.layout.is_spatial:
-        return ()
+def names_of_forces(whole: Mechanism) -> tuple[str, ...]:
+    """Return the names of `inertial_forces`."""
     count, rates = whole.layout.size
-    return tuple(gyroscopic_forces(whole, np.linspace(0.3, 1.3, count), np.ones(rates)))
+    return tuple(inertial_forces(whole, np.linspace(0.3, 1.3, count), np.ones(rates)))
 
 
 def inertial_forces(whole: Mechanism, q: Array, v: Array) -> dict[str, Array]:
@@ -151,8 +117,7 @@ def quantities(setup: Setup) -> tuple[str, ...]:
         "mass_matrix",
         *inertial_names(mechanism(system.mjcf)),
         *(f"{term.kind}.{term.name}" for term in system.terms),
-        "coriolis",
-        *gyroscopic_names(mechanism(system.mjcf)),
+        *names_of_forces(mechanism(system.mjcf)),
         "gravity",
         *(f"closure.{one.name}" for one in system.closures),
         "unexplained",
@@ -160,22 +125,10 @@ def quantities(setup: Setup) -> tuple[str, ...]:
 
 
 def measure(setup: Setup) -> list[Finding | Inconclusive]:
-    """Judge the share of each part, at more states where one is wrong."""
-    few = measure_at(setup, STATES)
-    more = measure_at(setup, MORE) if any(map(deviates, few)) else few
-    return more if any(map(deviates, more)) else few
-
-
-def deviates(one: Finding | Inconclusive) -> bool:
-    """Return whether a finding is beyond its tolerance."""
-    return isinstance(one, Finding) and not one.error <= one.tolerance
-
-
-def measure_at(setup: Setup, count: int) -> list[Finding | Inconclusive]:
-    """Judge the share of each part at so many states."""
+    """Judge the share of each part."""
     equations = setup.equations
     times, states = random_states(equations, setup.case, setup.coordinates)
-    times, states = times[:count], states[:count]
+    times, states = times[:STATES], states[:STATES]
     matrices, silence = None, ""
     with contained():
         system, q, v = setup.engine.joint_states(setup.case, setup.model, times, states)
@@ -184,42 +137,21 @@ def measure_at(setup: Setup, count: int) -> list[Finding | Inconclusive]:
             matrices = setup.engine.joint_mass_matrices(system, q)
         except Unsupported as error:
             silence = str(error)
-    whole, room = mechanism(system.mjcf), Room.of(setup.epsilon)
+    whole, unit = mechanism(system.mjcf), setup.epsilon
     counted = whole
     findings: list[Finding | Inconclusive] = []
     if matrices is None:
         findings.append(Inconclusive("mass_matrix", silence))
     else:
-        of_matrix, counted = of_mass_matrix(whole, q, matrices, room)
+        of_matrix, counted = of_mass_matrix(whole, q, matrices, unit)
         findings += of_matrix
-    state = JointStates(times, q, v, a)
-    findings += of_forces(system, counted, state, matrices, room)
-    return findings + list(closures(whole, state, room))
-
-
-def part_of(name: str) -> str:
-    """Return the words for a part."""
-    kind, _, of = name.partition(".")
-    return f"{SPATIAL.get(kind, kind.replace('_', ' '))} of {of}" if of else kind
-
-
-def words(name: str, value: float, tolerance: float) -> str:
-    """Say what a share means."""
-    part = part_of(name)
-    for right, said in (
-        (0.0, "dropped"),
-        (-1.0, "its sign is reversed"),
-        (np.pi / 180, "degrees were taken for radians"),
-        (180 / np.pi, "radians were taken for degrees"),
-    ):
-        if abs(value - right) <= max(tolerance, 1e-6 * abs(right)):
-            return f"{part}: {said}"
-    digits = 6 if value in (0.0, 1.0) else max(6, math.ceil(1 - math.log10(abs(value - 1))))
-    return f"{part}: counted {value:.{min(digits, 16)}g} times"
+    state = times, q, v, a
+    findings += of_forces(system, counted, state, matrices, unit)
+    return findings + list(closures(whole, state, matrix_rounding(unit, ROUNDING)))
 
 
 def of_mass_matrix(
-    whole: Mechanism, q: Array, matrices: Array, room: Room
+    whole: Mechanism, q: Array, matrices: Array, unit: float
 ) -> tuple[list[Finding | Inconclusive], Mechanism]:
     """Return the error of mass matrices (k, n, n) and the shares of masses and inertias.
 
@@ -230,12 +162,12 @@ def of_mass_matrix(
         With the masses and inertias that the matrices show: what these make of Coriolis forces and
         of weights is no fault of its own.
     """
-    names = inertial_names(whole)
+    room, names = matrix_rounding(unit, ROUNDING), inertial_names(whole)
     every = [inertias(whole, position) for position in q]
     right = np.array([np.sum(list(parts.values()), axis=0) for parts in every])
     turns = np.isin(range(len(right[0])), [i for turning, _ in movers(whole) for i in turning])
     largest = np.sqrt(largest_inertias(right, turns[:, None] == turns))
-    summed = OPERATIONS * room.unit / room.error * np.outer(largest, largest)
+    summed = OPERATIONS * unit / room * np.outer(largest, largest)
     size = np.array([np.maximum(scale_of(one), summed) for one in right])
 
     def columns(matrices: Sequence[Array]) -> Array:
@@ -244,31 +176,32 @@ def of_mass_matrix(
 
     rows = ((matrices - right) / size).ravel()
     worst = float(np.max(np.abs(rows)))
-    parts = [Effect(name, columns([one[name] for one in every]), share_of(name)) for name in names]
-    additions = [*added_inertias(whole, names)] if worst > room.error else []
+    parts = [
+        Effect(name, columns([one[name] for one in every]), partial(of_share, name))
+        for name in names
+    ]
+    additions = [*added_inertias(whole, names)] if worst > room else []
     candidates = [
-        Effect(one.name, columns([one.at(at) for at in q]), one.words, added=True)
+        Effect(one.name, columns([one.at(whole, at) for at in q]), one.words, added=True)
         for one in additions
     ]
-    explained = explain(parts, candidates, rows, room.error)
-    counted = with_shares(
-        whole,
-        {
-            one.name: 1 + float(explained.values[one.name][0])
-            for one in parts
-            if np.any(np.abs(explained.values[one.name]) > explained.tolerances[one.name])
-        },
-    )
+    explained = explain(parts, candidates, rows, room)
+    shares = {
+        one.name: 1 + float(explained.values[one.name][0])
+        for one in parts
+        if np.any(np.abs(explained.values[one.name]) > explained.tolerances[one.name])
+    }
+    counted = with_shares(whole, shares)
     for one in additions:
         if one.name in explained.values:
-            counted = one.applied(counted, explained.values[one.name])
+            counted = one.changed(counted, explained.values[one.name])
     reason = "; ".join(explained.added) or WHOLE["mass_matrix"]
-    first = Finding("mass_matrix", "1", worst, 0.0, worst, room.error, reason)
+    first = Finding("mass_matrix", "1", worst, 0.0, worst, room, reason)
     return [first, *findings_of(parts, explained, "mass matrix is")], counted
 
 
 def of_forces(
-    system: System, whole: Mechanism, state: JointStates, matrices: Array | None, room: Room
+    system: System, whole: Mechanism, state: tuple[Array, ...], matrices: Array | None, unit: float
 ) -> list[Finding | Inconclusive]:
     """Return the shares of forces, and of inertias where no mass matrix is given.
 
@@ -280,20 +213,22 @@ def of_forces(
     system : System
     whole : Mechanism
         With the masses and inertias that the engine's mass matrix shows.
-    state : JointStates
+    state : tuple of array
+        Times (k,), positions, velocities and an engine's accelerations (k, n) of joints.
     matrices : array (k, n, n), or None
         The engine's mass matrices.
-    room : Room
+    unit : float
+        Of rounding of the engine's numbers.
     """
     times, q, v, a = state
-    file = mechanism(system.mjcf)
+    room, file = matrix_rounding(unit, ROUNDING), mechanism(system.mjcf)
     masses = () if matrices is not None else inertial_names(whole)
     terms = {f"{one.kind}.{one.name}": one for one in system.terms}
-    names = (*terms, "coriolis", *gyroscopic_names(file), *masses)
+    names = (*terms, *names_of_forces(file), *masses)
     permitted = [free_motions(whole, position) for position in q]
     axes = gravity_axes(whole, q, permitted)
     forces: dict[str, list[Array]] = {name: [] for name in names}
-    pulls, rows, scales, joints = [], [], [], []
+    pulls, rows, scales, velocities = [], [], [], []
     for i, (time, position, rate) in enumerate(zip(times, q, v, strict=True)):
         right = mass_matrix(whole, position)
         here = dict.fromkeys(names, np.zeros_like(rate))  # of what has no inertia left
@@ -302,49 +237,44 @@ def of_forces(
         acting = np.sum(list(here.values()), axis=0) + weight(whole, position, whole.gravity)
         here |= {name: needed(whole, name, position, rate, a[i]) for name in masses}
         for name, force in here.items():
-            forces[name].append(force[None])
+            forces[name].append(force)
         pulls.append(np.array([weight(whole, position, GRAVITY * axis) for axis in axes]))
         free = permitted[i]
         size = np.sum([np.abs(free.T @ one) for one in here.values()], axis=0)
         size = size + np.abs(free.T @ right @ a[i])
         inertia = np.abs(free.T) @ np.abs(right) @ np.abs(a[i])
-        alive = size > room.error * inertia  # below, inertial forces cancel but for rounding
-        size = np.maximum(size, UNITS * len(rate) * room.unit / room.error * inertia)
+        alive = size > room * inertia  # below, inertial forces cancel but for rounding
+        size = np.maximum(size, UNITS * len(rate) * unit / room * inertia)
         scales.append(free[:, alive] / size[alive])
-        joints.append(np.flatnonzero(alive))
+        velocities.append(np.flatnonzero(alive))
         mass = right if matrices is None else matrices[i]
         rows.append((mass @ a[i] - acting) @ scales[i])
 
-    def columns(force: Sequence[Array]) -> Array:
-        return np.hstack([one @ scale for one, scale in zip(force, scales, strict=True)]).T
+    def columns(force: Iterable[Array]) -> Array:
+        each = zip(force, scales, strict=True)
+        return np.hstack([np.atleast_2d(one) @ scale for one, scale in each]).T
 
     relative = np.concatenate(rows)
-    parts = [Effect(name, columns(force), share_of(name)) for name, force in forces.items()]
-    parts.append(
-        Effect("gravity", columns(pulls), lambda x: pull(x, 0 * x, axes @ whole.gravity).reason)
-    )
+    parts = [
+        Effect(name, columns(force), partial(of_share, name)) for name, force in forces.items()
+    ]
+    parts.append(Effect("gravity", columns(pulls), partial(of_gravity, axes @ whole.gravity)))
     candidates = []
-    if np.max(np.abs(relative)) > room.error:
-        for one in added_forces(file, system, share_of):
-            at = [one.at(*three) for three in zip(times, q, v, strict=True)]
-            candidates.append(Effect(one.name, columns(at), one.words, added=True))
+    if np.max(np.abs(relative)) > room:
+        for name, at, said in added_forces(file, system):
+            force = [at(*here) for here in zip(times, q, v, strict=True)]
+            candidates.append(Effect(name, columns(force), said, added=True))
         for one in added_inertias(file, inertial_names(file)) if matrices is None else ():
-            at = [-one.at(position) @ rate for position, rate in zip(q, a, strict=True)]
-            candidates.append(Effect(one.name, columns(at), one.words, added=True))
-    explained = explain(parts, candidates, relative, room.error)
-    said = "; ".join(explained.added)
+            force = [-one.at(file, here) @ rate for here, rate in zip(q, a, strict=True)]
+            candidates.append(Effect(one.name, columns(force), one.words, added=True))
+    explained = explain(parts, candidates, relative, room)
     if not explained.unique and not whole.closures:
-        explained, said = but_for_one_joint(file, parts, candidates, relative, joints, room)
-    last = Finding(
-        "unexplained",
-        "1",
-        explained.left,
-        0.0,
-        explained.left,
-        explained.granted,
-        said or WHOLE["unexplained"],
-    )
-    return [*findings_of(parts, explained, "forces are", axes @ whole.gravity), last]
+        of_rows = joints_of(file)[np.concatenate(velocities)]
+        explained = but_for_one_joint(parts, candidates, relative, of_rows, explained, room)
+    reason = "; ".join(explained.added) or WHOLE["unexplained"]
+    left, granted = explained.left, explained.granted
+    last = Finding("unexplained", "1", left, 0.0, left, granted, reason)
+    return [*findings_of(parts, explained, "forces are"), last]
 
 
 def needed(whole: Mechanism, name: str, q: Array, v: Array, a: Array) -> Array:
@@ -357,34 +287,34 @@ def needed(whole: Mechanism, name: str, q: Array, v: Array, a: Array) -> Array:
 
 
 def but_for_one_joint(
-    whole: Mechanism,
     parts: list[Effect],
     additions: list[Effect],
     rows: Array,
-    velocities: Sequence[NDArray[np.int_]],
-    room: Room,
-) -> tuple[Explanation, str]:
+    joints: NDArray[np.str_],
+    explained: Explanation,
+    room: float,
+) -> Explanation:
     """Return what explains all forces but those on one joint, where there is one such joint."""
-    along = zip(whole.joints, whole.layout.velocities, strict=True)
-    names = np.concatenate([[one.name] * (own.stop - own.start) for one, own in along])
-    of_rows = names[np.concatenate(velocities)]
-    wrong = dict.fromkeys(of_rows[np.abs(rows) > room.error].tolist())
-    granted, left = room.error * float(np.sqrt(len(rows))), float(np.linalg.norm(rows))
-    none = explain(parts, (), rows, room.error)
     tried = []
-    for joint in wrong if len(wrong) <= MOST_JOINTS else ():
-        others = of_rows != joint
+    for joint in {*joints[np.abs(rows) > room]}:
+        others = joints != joint
         some, more = (
-            [one._replace(columns=one.columns[others]) for one in both]
-            for both in (parts, additions)
+            [one._replace(columns=one.columns[others]) for one in several]
+            for several in (parts, additions)
         )
-        rest = explain(some, more, rows[others], room.error)
+        rest = explain(some, more, rows[others], room)
         if rest.unique:
-            said = "; ".join(
-                [f"the force on {joint} is not the sum of its parts in any shares", *rest.added]
+            free = Effect(joint, np.zeros((len(rows), 0)), lambda x, moved: "", added=True)
+            said = f"the force on {joint} is not the sum of its parts in any shares"
+            tried.append(
+                rest._replace(
+                    effects=[free, *rest.effects],
+                    said={joint: said} | rest.said,
+                    left=explained.left,
+                    granted=explained.granted,
+                )
             )
-            tried.append((rest._replace(left=left, granted=granted), said))
-    return tried[0] if len(tried) == 1 else (none, WHOLE["unexplained"])
+    return tried[0] if len(tried) == 1 else explained
 
 
 def free_motions(whole: Mechanism, position: Array) -> Array:
@@ -398,47 +328,30 @@ def gravity_axes(whole: Mechanism, q: Array, free: list[Array]) -> Array:
     """Return axes (3, 3) of gravities that act at positions (k, n_q), less of them followed by 0.
 
     The first is that of the file's gravity, so that one part stands for what is left of it, also
-    where a plane in which all moves lies askew in the world. Those of the world if it has none.
+    where a plane in which all moves lies askew in the world.
     """
-    units = np.eye(3)
-    if not np.any(whole.gravity):
-        return units
     pulls = [
-        np.array([weight(whole, position, axis) @ motions for axis in units]).T
+        np.array([weight(whole, position, axis) @ motions for axis in np.eye(3)]).T
         for position, motions in zip(q, free, strict=True)
     ]
     _, sizes, ways = np.linalg.svd(np.vstack(pulls))
     acting = ways[: np.count_nonzero(sizes > DISTINCT * sizes[0])]
-    axes = np.zeros((3, 3))
-    number = 0
-    for way in (whole.gravity, *units):
-        rest = acting.T @ (acting @ way)
-        rest = rest - axes.T @ (axes @ rest)
-        left = float(np.linalg.norm(rest))
-        if number < len(acting) and left > APART_AXES * float(np.linalg.norm(way)):
-            axes[number] = rest / left
-            number += 1
-    return axes
+    first = np.column_stack([acting @ whole.gravity, np.eye(len(acting))])
+    axes = np.linalg.qr(first)[0].T @ acting
+    return np.vstack([axes, np.zeros((3 - len(acting), 3))])
 
 
-def pull(values: Array, tolerances: Array, gravity: Array) -> Finding:
-    """Judge what is beside a gravity (3,), by shares of three."""
-    seen = tolerances <= VISIBLE
-    tolerance = float(np.linalg.norm(tolerances[seen])) if np.any(seen) else np.inf
-    extra = float(np.linalg.norm(values[seen]))
-    said = of_gravity(GRAVITY * values * seen, gravity * seen, GRAVITY * tolerance)
-    return Finding("gravity", "1", extra, 0.0, extra, tolerance, said)
-
-
-def of_gravity(extra: Array, gravity: Array, tolerance: float) -> str:
-    """Return what a gravity (3,) beside that of the file means [m/s^2]."""
+def of_gravity(gravity: Array, x: Array, moved: Array) -> str:
+    """Return what shares (3,) beside the gravity (3,) of the file mean [m/s^2]."""
+    seen = moved <= VISIBLE
+    extra, gravity = GRAVITY * x * seen, gravity * seen
     size, sum_of_both = float(np.linalg.norm(gravity)), float(np.linalg.norm(gravity + extra))
     if not size:
         return f"gravity of {float(np.linalg.norm(extra)):.4g} m/s^2, where the file has none"
-    share = 1 + float(extra @ gravity) / size**2
-    room = max(tolerance, 1e-6 * size)
-    if np.linalg.norm(extra - (share - 1) * gravity) <= room:
-        return words("gravity", share, room / size)
+    share = float(extra @ gravity) / size**2
+    room = max(GRAVITY * float(np.linalg.norm(moved[seen])), 1e-6 * size)
+    if np.linalg.norm(extra - share * gravity) <= room:
+        return of_share("gravity", np.array([share]), np.array([room / size]))
     if abs(sum_of_both - size) <= room:
         angle = np.degrees(np.arccos(np.clip((gravity + extra) @ gravity / size**2, -1, 1)))
         return f"gravity: its direction is off by {angle:.3g} degrees"
@@ -446,39 +359,25 @@ def of_gravity(extra: Array, gravity: Array, tolerance: float) -> str:
 
 
 def findings_of(
-    parts: list[Effect], explained: Explanation, of: str, gravity: Array | None = None
+    parts: list[Effect], explained: Explanation, of: str
 ) -> Iterator[Finding | Inconclusive]:
     """Yield what the share of each part means, or why it cannot be told."""
     for one in parts:
-        name, value, tolerance = (
-            one.name,
-            explained.values[one.name],
-            explained.tolerances[one.name],
-        )
-        if gravity is not None and name == "gravity":
-            finding = pull(value, tolerance, gravity)
+        x, moved = explained.values[one.name], explained.tolerances[one.name]
+        seen, right = moved <= VISIBLE, float(one.name != "gravity")
+        if not explained.unique:
+            yield Inconclusive(one.name, f"the {of} not those of its parts in any shares")
+        elif not np.any(seen):
+            said = f"{part_of(one.name)} does not act enough to be told from rounding"
+            yield Inconclusive(one.name, said)
         else:
-            said = words(name, 1 + float(value[0]), float(tolerance[0]))
-            error = abs(float(value[0]))
-            finding = Finding(name, "1", 1 + float(value[0]), 1.0, error, float(tolerance[0]), said)
-        hidden = explained.left > explained.granted and not np.all(np.isfinite(tolerance))
-        if not explained.unique or (hidden and name != "gravity"):
-            yield Inconclusive(name, f"the {of} not those of its parts in any shares")
-        elif finding.tolerance > VISIBLE:
-            yield Inconclusive(
-                name, f"{part_of(name)} does not act enough to be told from rounding"
-            )
-        else:
-            others = explained.others.get(name, ())
-            yield replace(finding, reason=", or ".join([finding.reason, *others]))
+            error, room = (float(np.linalg.norm(numbers[seen])) for numbers in (x, moved))
+            value = right + (float(x[0]) if right else error)
+            said = ", or ".join([one.words(x, moved), *explained.others.get(one.name, ())])
+            yield Finding(one.name, "1", value, right, error, room, said)
 
 
-def share_of(name: str) -> Callable[[Array], str]:
-    """Return the words for a share (1,) of a part beside 1."""
-    return lambda x: words(name, 1 + float(x[0]), DISTINCT)
-
-
-def closures(whole: Mechanism, state: JointStates, room: Room) -> Iterator[Finding]:
+def closures(whole: Mechanism, state: tuple[Array, ...], room: float) -> Iterator[Finding]:
     """Yield by how much accelerations open each loop."""
     for i, one in enumerate(whole.closures):
         worst = 0.0
@@ -489,4 +388,4 @@ def closures(whole: Mechanism, state: JointStates, room: Room) -> Iterator[Findi
             size = float(np.max(np.abs(opening)) + np.max(np.abs(drift)))
             worst = max(worst, float(np.max(np.abs(opening + drift))) / (size or 1.0))
         reason = f"closure of {one.name}: by how much of its ends' acceleration it opens"
-        yield Finding(f"closure.{one.name}", "1", worst, 0.0, worst, room.error, reason)
+        yield Finding(f"closure.{one.name}", "1", worst, 0.0, worst, room, reason)

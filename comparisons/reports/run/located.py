@@ -75,12 +75,11 @@ def head(level: str, here: Sequence[Result]) -> str:
     if any(item.verdict == "deviation" for item in here):
         same = all(item.cause == ANOTHER_MODEL for item in here)
         return ANOTHER_MODEL if same else f"{LEVELS[level]} is wrong"
-    kinds = {item.reason.partition(":")[0] for item in here}
-    said = " and ".join(dict.fromkeys(FAILED[kind] for kind in sorted(kinds & FAILED.keys())))
-    if said and kinds <= FAILED.keys():
-        return said
-    raised = all(item.traceback for item in here)
-    return "it raised an exception" if raised else f"{LEVELS[level]} could not be judged"
+    other = {True: "it raised an exception", False: f"{LEVELS[level]} could not be judged"}
+    kinds = ((item.reason.partition(":")[0], item.traceback) for item in here)
+    return " and ".join(
+        dict.fromkeys(FAILED.get(one) or other[bool(raised)] for one, raised in kinds)
+    )
 
 
 def sound(level: str, ran: set[str]) -> str:

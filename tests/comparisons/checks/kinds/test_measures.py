@@ -143,7 +143,7 @@ def test_an_order_that_is_not_met_yet_leaves_larger_errors() -> None:
     assert one_step.slower(runs, 2) == pytest.approx(ratio / (ratio - 1) * 3 / 4)
 
 
-def in_words(name: str, x: Array) -> str:
+def in_words(name: str, x: Array, moved: Array) -> str:
     """Return a name and its number (1,)."""
     return f"{name} {x[0]:.3g}"
 
