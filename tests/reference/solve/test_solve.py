@@ -346,7 +346,7 @@ def test_every_scene_is_solved_where_heyoka_is_installed(name: str) -> None:
 def test_upright_body_under_slanting_gravity_takes_few_steps() -> None:
     """One of its quaternion's coordinates is 0 but for rounding, which an unstable rest raises."""
     scene = get_scene("rigid_body")
-    p = scene.parameters(gravity_x=3.0, gravity_y=-2.0, gravity_z=6.0)
+    p = scene.parameters().replace(gravity_x=3.0, gravity_y=-2.0, gravity_z=6.0)
     start = scene.state(scene.equilibria["upright"](p))
     assert solve(scene, p, start, [0.5]).steps < 50
 
