@@ -3,10 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 from ..body.mistakes import with_mistakes
 from ..body.parameters import inexact_numbers
-from ..body.rotation import COORDINATES, QUATERNION, RATES, ROTATION, UNITS, rest_attitude
+from ..body.rotation import (
+    COORDINATES,
+    QUATERNION,
+    RATES,
+    ROTATION,
+    UNITS,
+    inexact_accelerations,
+    rest_attitude,
+)
 from ..scene import Paper, Scene, with_placements, with_rates
 from .cases import CASES
 from .equations import (
@@ -41,6 +50,7 @@ SCENE = Scene(
     units=with_rates(**dict.fromkeys(COORDINATES, "1")) | UNITS,
     coefficients=coefficients,
     inexact_numbers=inexact_numbers,
+    inexact_accelerations=partial(inexact_accelerations, body_accelerations, 0),
     mass_matrix=mass_matrix,
     forces=forces,
     accelerations=accelerations,
