@@ -242,7 +242,7 @@ class Dynamics:
     inexact_numbers : callable ``(c, change) -> iterator of c``
         Each with one number off by this share of its terms, as rounding of these leaves it.
     inexact_accelerations : callable ``change -> iterator of accelerations``
-        Each with one product off by this share that changes of numbers leave in balance.
+        Each with one product off by this share: where products balance, no number moves one alone.
     """
 
     name: str

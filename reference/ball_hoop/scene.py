@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -98,7 +97,7 @@ SCENE = Scene(
     units=with_rates(y="m", **dict.fromkeys(COORDINATES, "1")) | UNITS,
     coefficients=coefficients,
     inexact_numbers=inexact_numbers,
-    inexact_accelerations=partial(inexact_accelerations, body_accelerations, FIRST),
+    inexact_accelerations=lambda change: inexact_accelerations(body_accelerations, FIRST, change),
     drive=HULA_HOOP.drive,
     drive_form="force on y: F cos(2 pi f t), largest at t = 0, whenever a run starts",
     mass_matrix=mass_matrix,

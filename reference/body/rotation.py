@@ -136,8 +136,7 @@ def inexact_accelerations(
 
         def moment(q: Any, omega: Any, momentum: Any, c: Any, at: Any = (i, j, k)) -> list[Any]:
             parts, (i, j, k) = euler(q, omega, momentum, c), at
-            weight = c[j] * into_body(q, c[15:18])[k]
-            parts[i] = parts[i] + change * (weight + omega[j] * momentum[k])
+            parts[i] += change * (c[j] * into_body(q, c[15:18])[k] + omega[j] * momentum[k])
             return parts
 
         yield accelerations_by(accelerate, first, moment)

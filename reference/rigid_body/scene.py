@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 
 from ..body.mistakes import with_mistakes
 from ..body.parameters import inexact_numbers
@@ -50,7 +49,7 @@ SCENE = Scene(
     units=with_rates(**dict.fromkeys(COORDINATES, "1")) | UNITS,
     coefficients=coefficients,
     inexact_numbers=inexact_numbers,
-    inexact_accelerations=partial(inexact_accelerations, body_accelerations, 0),
+    inexact_accelerations=lambda change: inexact_accelerations(body_accelerations, 0, change),
     mass_matrix=mass_matrix,
     forces=forces,
     accelerations=accelerations,
