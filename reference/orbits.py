@@ -444,17 +444,18 @@ def follow_orbit(scene: EquationsOfMotion, parameters: Any, near: Orbit) -> Orbi
 def _accurate(scene: EquationsOfMotion, parameters: Any, start: Array, guess: Any) -> Orbit | None:
     """The orbit that Newton's method finds from a state, at full accuracy.
 
-    Rounding of the flow (1e-15 of each state, times the growth over a period) is divided
-    by the smallest singular value of the matrix that closes the orbit. Where that leaves
-    more than `ISOLATED` of error, the orbit is one of a family and no state of it is meant.
+    Its error is the rounding of the flow (1e-15 of each state, times the growth over a period) over
+    the smallest singular value of the matrix that closes the orbit. Above `ISOLATED` the orbit is
+    one of a family. Newton's slopes precede its last correction, so it begins again at the orbit.
     """
     span = scene.period(parameters) if guess is None else guess
     steps = converged_steps(scene, parameters, start, float(span))
     fine = shoot(scene, parameters, start[:, None], steps, guess)
+    if fine.closed[0]:
+        fine = shoot(scene, parameters, fine.states, steps, fine.periods)
     if not fine.closed[0]:
         return None
-    smallest = np.linalg.svd(fine.closing[0], compute_uv=False)[-1]
-    if smallest == 0:
+    if not (smallest := np.linalg.svd(fine.closing[0], compute_uv=False)[-1]):
         return None
     growth = np.linalg.norm(np.linalg.solve(fine.closing[0], fine.monodromy[0]), 2)
     rounding = 1e-14 * (1 + 1 / smallest + float(growth))

@@ -241,6 +241,8 @@ class Dynamics:
         Whether accelerations come of eliminating a mass matrix of rounded sums.
     inexact_numbers : callable ``(c, change) -> iterator of c``
         Each with one number off by this share of its terms, as rounding of these leaves it.
+    inexact_accelerations : callable ``change -> iterator of accelerations``
+        Each with one product off by this share: where products balance, no number moves one alone.
     """
 
     name: str
@@ -262,6 +264,7 @@ class Dynamics:
     quaternions: tuple[Quaternion, ...] = ()
     eliminates: bool = False
     inexact_numbers: Callable[[Any, float], Iterator[Any]] = lambda c, change: iter(())
+    inexact_accelerations: Callable[[float], Iterator[Any]] = lambda change: iter(())
 
     @property
     def discretisation_coordinates(self) -> tuple[str, ...]:

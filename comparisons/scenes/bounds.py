@@ -47,7 +47,7 @@ def refined_steps(steps: Any) -> NDArray[np.int_]:
     return -(-3 * np.asarray(steps) // 2)
 
 
-def difference(first: Array, second: Array) -> Array:
+def difference(first: Array, second: Array | float) -> Array:
     """Return a bound on the error of what a second run gives again, NaN where it does not."""
     return SAFETY * np.abs(first - second) + EPS * np.abs(first)
 

@@ -29,9 +29,9 @@ def budget_option(seconds: float) -> Callable[[Any], Any]:
 
 @contextmanager
 def budgeted(seconds: float, what: str) -> Iterator[None]:
-    """Do something within a budget [s], with progress on a terminal."""
+    """Do something within a budget [s], and tell how far it is, on a terminal or line by line."""
     with (
-        progress_bar(True, what) as advance,
+        progress_bar(True, f"parts of {what}", lines=True) as advance,
         within(seconds, lambda share, _: advance(round(100 * share), 100)),
     ):
         yield

@@ -10,7 +10,15 @@ import numpy as np
 
 from ..body.mistakes import with_mistakes
 from ..body.parameters import inexact_numbers
-from ..body.rotation import COORDINATES, QUATERNION, RATES, ROTATION, UNITS, accelerations_by
+from ..body.rotation import (
+    COORDINATES,
+    QUATERNION,
+    RATES,
+    ROTATION,
+    UNITS,
+    accelerations_by,
+    inexact_accelerations,
+)
 from ..hula_hoop import SCENE as HULA_HOOP
 from ..scene import Case, Scene, with_placements, with_rates
 from .equations import (
@@ -89,6 +97,7 @@ SCENE = Scene(
     units=with_rates(y="m", **dict.fromkeys(COORDINATES, "1")) | UNITS,
     coefficients=coefficients,
     inexact_numbers=inexact_numbers,
+    inexact_accelerations=lambda change: inexact_accelerations(body_accelerations, FIRST, change),
     drive=HULA_HOOP.drive,
     drive_form="force on y: F cos(2 pi f t), largest at t = 0, whenever a run starts",
     mass_matrix=mass_matrix,

@@ -15,7 +15,8 @@ the frame of the body, gravity g, mu.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from itertools import permutations
 from typing import Any
 
 import numpy as np
@@ -121,6 +122,24 @@ def accelerations_by(
         return [*others, *(product(change, turn) if outside else product(turn, change))]
 
     return accelerations
+
+
+def inexact_accelerations(
+    accelerate: BodyAccelerations, first: int, change: float
+) -> Iterator[Callable[..., Any]]:
+    """Yield the accelerations of a scene, one product of a moment each off by a relative change.
+
+    At rest the arm is along gravity: changes of either leave no moment about it, where the moment
+    of inertia may be least, but rounding of their products does.
+    """
+    for i, j, k in permutations(range(3)):
+
+        def moment(q: Any, omega: Any, momentum: Any, c: Any, at: Any = (i, j, k)) -> list[Any]:
+            parts, (i, j, k) = euler(q, omega, momentum, c), at
+            parts[i] += change * (c[j] * into_body(q, c[15:18])[k] + omega[j] * momentum[k])
+            return parts
+
+        yield accelerations_by(accelerate, first, moment)
 
 
 def rotation_columns(q: Any) -> list[list[Any]]:

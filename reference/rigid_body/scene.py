@@ -6,7 +6,15 @@ from dataclasses import replace
 
 from ..body.mistakes import with_mistakes
 from ..body.parameters import inexact_numbers
-from ..body.rotation import COORDINATES, QUATERNION, RATES, ROTATION, UNITS, rest_attitude
+from ..body.rotation import (
+    COORDINATES,
+    QUATERNION,
+    RATES,
+    ROTATION,
+    UNITS,
+    inexact_accelerations,
+    rest_attitude,
+)
 from ..scene import Paper, Scene, with_placements, with_rates
 from .cases import CASES
 from .equations import (
@@ -41,6 +49,7 @@ SCENE = Scene(
     units=with_rates(**dict.fromkeys(COORDINATES, "1")) | UNITS,
     coefficients=coefficients,
     inexact_numbers=inexact_numbers,
+    inexact_accelerations=lambda change: inexact_accelerations(body_accelerations, 0, change),
     mass_matrix=mass_matrix,
     forces=forces,
     accelerations=accelerations,

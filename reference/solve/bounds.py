@@ -12,6 +12,7 @@ R. Soc. A 357, 983-1019).
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -62,6 +63,10 @@ rounded anew in each state, and of what is the same in all of them, as its table
 
 STILL = 8 * EPS
 """Change over a run below which an entry is rounded in the same way in all of it."""
+
+STEADY = float(np.sqrt(EPS))
+"""Change of the rates by each state within an interval, relative to what they are sums of, below
+which their rounding is one and the same in all of it: at rest it pushes in one direction."""
 
 GAUSS_TERMS = 2.0
 """The same as `TERMS` of Gauss's methods, whose weights are positive: nothing cancels."""
@@ -135,6 +140,10 @@ def bounds_of(dynamics: Dynamics, parameters: Any, run: Samples, method: Array |
             part / sizes[..., None]
             for part in (effects.changes, effects.tables, effects.directions)
         )
+        moves = np.einsum("kij,jk->ik", np.abs(effects.slopes), np.abs(np.diff(run.states)))
+        still = np.all((moves <= STEADY * effects.noise)[n // 2 :], axis=0)
+        if np.any(still):
+            tables = np.concatenate([tables, noise * still], axis=1)
         share = GAUSS_TERMS if dynamics.stiff else TERMS
         terms = np.abs(ends[:, 1:]) + share * np.abs(effects.rates / sizes) * lengths / each
         if method is None:
@@ -303,6 +312,10 @@ def sensitivities(
     c += dynamics.inexact_numbers(c[0], CHANGE)
     rates, off = changes_of_rates(dynamics, c, times, states)
     moved, numbers = off[:, : last - 1], off[:, last - 1 :] / CHANGE
+    products = [
+        changes_of_rates(replace(dynamics, accelerations=one), c[:1], times, states)[0] - rates
+        for one in dynamics.inexact_accelerations(CHANGE)
+    ]
     size = np.max(np.abs(moved), axis=(0, -1))
     if np.any(size >= np.max(np.abs(rates))):  # what changes coordinates does not halve
         c = list(changed(dynamics, parameters, CHANGE / 2))
@@ -311,7 +324,9 @@ def sensitivities(
     changes = moved / CHANGE
     later = derivative(times * (1 + CHANGE), states) - rates
     inputs = np.concatenate(
-        [changes, np.moveaxis(slopes, 0, -1) * states, later[:, None] / CHANGE, numbers], axis=1
+        [changes, np.moveaxis(slopes, 0, -1) * states, later[:, None] / CHANGE, numbers]
+        + [one[:, None] / CHANGE for one in products],
+        axis=1,
     )
     inputs[: len(inputs) // 2] = 0.0  # the rate of a coordinate is a state, and copied
     patterns, tables = inputs[:, :0], TABLES * numbers

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from functools import partial
 from time import perf_counter, process_time, sleep
@@ -11,6 +12,9 @@ import pytest
 
 import mbcheck
 from mbcheck.comparisons.engines.isolation import isolated
+from mbcheck.comparisons.terminal import program
+from mbcheck.comparisons.terminal.budget import budgeted
+from mbcheck.reference import cost
 from mbcheck.reference.cost import (
     BUDGET,
     LOOKED,
@@ -180,6 +184,19 @@ def test_a_budget_holds_in_processes_too() -> None:
         ((_, error),) = isolated([partial(sleep, 60.0)], 1, seconds=0.2)
         assert isinstance(error, EngineError)
         assert error.kind == "timeout"
+
+
+def test_a_long_run_is_foretold_where_no_terminal_is(
+    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`--state theta_dot=1e5` took 202 s of silence; here each look at the clock is told."""
+    monkeypatch.setattr(cost, "LOOKED", 0.0)
+    monkeypatch.setattr(program, "PAUSE", 0.0)
+    with budgeted(1e9, "simulate"):
+        mbcheck.simulate("hula_hoop", times=[1.0])
+    told = capfd.readouterr().err.splitlines()
+    assert len(told) > 10
+    assert all(re.match(r"\d+ of 100 parts of simulate, \d+ s", line) for line in told)
 
 
 def test_within_its_budget_a_run_is_the_same() -> None:

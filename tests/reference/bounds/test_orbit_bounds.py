@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import mpmath
@@ -19,6 +20,7 @@ from mbcheck.reference.orbits import (
     orbit_samples,
     period_advance,
     section_row,
+    shoot,
 )
 from mbcheck.reference.periodic import harmonics
 from mbcheck.reference.scene import Scene
@@ -133,6 +135,42 @@ def sampled(
                 yield kind, float(apart / limit), float(limit / size)
             else:
                 assert apart == 0
+
+
+MOST = 0.5
+"""Largest share of a multiplier's bound that its error may be: two numbers of steps differ by the
+error of the smaller one, and their difference counts twice."""
+
+
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [
+        ("hula_hoop", {}),
+        ("hula_hoop", {"force_amplitude": 66.0, "force_frequency": 3.83, "rod_length": 0.0667}),
+        ("speed_regulator", {}),
+        ("speed_regulator", {"stiffness": 0.0}),
+    ],
+)
+def test_multipliers_keep_half_their_bounds(name: str, changes: dict[str, float]) -> None:
+    """By the steps of the reference, and by so few that truncation is all of the error."""
+    scene = get_scene(name)
+    p = scene.parameters().replace(**changes)
+    found = find_orbit(scene, p)
+
+    def at(steps: int) -> Orbit:
+        """Return the orbit by so many steps, its slopes those at the orbit."""
+        near = shoot(scene, p, found.state[:, None], steps, np.array([found.period]))
+        near = shoot(scene, p, near.states, steps, near.periods)
+        return replace(
+            found, state=near.states[:, 0], period=float(near.periods[0]),
+            multipliers=near.multipliers[:, 0], steps=steps,
+        )  # fmt: skip
+
+    truth = at(3 * found.steps).multipliers
+    for orbit in (found, at(16), at(8)):
+        bounds = orbit_bounds(scene, p, orbit).multipliers
+        errors = [np.min(np.abs(truth - value)) for value in orbit.multipliers]
+        assert np.all(errors <= MOST * bounds), (orbit.steps, errors / bounds)
 
 
 STEPS = {"hula_hoop": 144, "rotor_pendulum": 288, "speed_regulator": 288}

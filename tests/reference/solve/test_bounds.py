@@ -182,6 +182,26 @@ def test_accelerations_of_a_body_are_rounded_as_its_bound_says(
     assert np.max(shares) < DEVIATIONS
 
 
+@pytest.mark.parametrize("number", [0, 1, 9])
+def test_accelerations_of_a_body_at_rest_are_rounded_as_its_bound_says(number: int) -> None:
+    """What turns it about its arm is the rounding of products that balance, and nothing else."""
+    scene, run = get_scene("rigid_body"), run_of("rigid_body", number)
+    x = scene.state(scene.equilibria["hanging"](run.parameters))[:, None]
+    off = rounding_of(system_of(run, 200), scene.right_hand_side(run.parameters), np.zeros(1), x)
+    effects = sensitivities(scene, run.parameters, np.zeros(1), x)
+    deviation = HALF_UNIT * np.linalg.norm(effects.inputs[len(off) :, :, 0], axis=1)
+    assert np.all(np.abs(off) < DEVIATIONS * deviation)
+
+
+def test_rounding_at_rest_pushes_in_one_direction() -> None:
+    """What it makes of a rotation about the vertical grows with the square of time."""
+    scene, run = get_scene("rigid_body"), run_of("rigid_body", 0)
+    start = scene.state(scene.equilibria["hanging"](run.parameters))
+    solution = solve(scene, run.parameters, start, [15.0, 60.0])
+    assert solution.bounds is not None
+    assert solution.bounds[3, 1] > 10 * solution.bounds[3, 0]
+
+
 def test_slopes_of_a_continuum_take_little_memory() -> None:
     scene = get_scene("rotating_beam")
     states = 1e-3 * np.ones((len(scene.state_names), 500))

@@ -184,13 +184,15 @@ def test_linear_response_on_the_invariant_line() -> None:
         ).real
         for k in (0, 1)
     )
-    for solution in (
-        solve(SCENE, HulaHoop(), state, times, start),
-        solve_many(SCENE, HulaHoop(), state, times, start, method=BatchMethod(backend="numpy")),
+    numpy = BatchMethod(backend="numpy")
+    for solution, width in (
+        (solve(SCENE, HulaHoop(), state, times, start), 1e-9),
+        # of many, each state is as far off as what rounding of parameters makes of the line
+        (solve_many(SCENE, HulaHoop(), state, times, start, method=numpy), 1e-8),
     ):
         error = np.max(np.abs(solution.states[[0, 2]] - [y, v]), axis=1)
         assert np.all(error <= solution.error_bound[[0, 2]] + 1e-14)  # of the formula
-        assert np.all(solution.error_bound[[0, 2]] < 1e-9)
+        assert np.all(solution.error_bound[[0, 2]] < width)
         np.testing.assert_allclose(solution.states[1], np.pi / 2, rtol=0, atol=1e-12)
 
 
@@ -346,7 +348,7 @@ def test_every_scene_is_solved_where_heyoka_is_installed(name: str) -> None:
 def test_upright_body_under_slanting_gravity_takes_few_steps() -> None:
     """One of its quaternion's coordinates is 0 but for rounding, which an unstable rest raises."""
     scene = get_scene("rigid_body")
-    p = scene.parameters(gravity_x=3.0, gravity_y=-2.0, gravity_z=6.0)
+    p = scene.parameters().replace(gravity_x=3.0, gravity_y=-2.0, gravity_z=6.0)
     start = scene.state(scene.equilibria["upright"](p))
     assert solve(scene, p, start, [0.5]).steps < 50
 

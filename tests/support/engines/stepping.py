@@ -30,12 +30,15 @@ class Stepping(MujocoPlugin):
         all forces of inertia is, in implicit steps.
     """
 
+    methods: Any
+
     def __init__(
         self, scheme: str | None = None, way: str = "semi", fault: str = "", factor: float = 0.0
     ) -> None:
         self.methods = (mbcheck.Method("step", 1, scheme),)
         self.way, self.fault, self.factor = way, fault, factor
         self.last: Any = None
+        self.first = True
 
     def accelerations(self, system: Any, time: float, q: Array, v: Array) -> Array:
         """Tell none."""
@@ -110,8 +113,9 @@ class Stepping(MujocoPlugin):
 
     def simulate(self, system: Any, method: Any, step: float, times: Any) -> Any:
         """Run."""
-        q, v, count, rows, self.first = system.positions, system.velocities, 0, [], True
-        parts, late = 3 if self.way == "substeps" else 1, 0.0
+        q, v, count, rows = system.positions, system.velocities, 0, []
+        parts, self.first = 3 if self.way == "substeps" else 1, True
+        late: Any = 0.0
         for time in times:
             while (now := system.start_time + count * step) + step / 2 < time:
                 for part in range(parts):
@@ -122,7 +126,9 @@ class Stepping(MujocoPlugin):
             rows.append((q, v - late))
         positions, velocities = map(np.array, zip(*rows, strict=True))
         if self.precision == "float32":
-            positions, velocities = (np.float64(np.float32(one)) for one in (positions, velocities))
+            positions, velocities = (
+                one.astype(np.float32).astype(float) for one in (positions, velocities)
+            )
         return mbcheck.Motion(positions, velocities, times, count)
 
 
