@@ -8,6 +8,7 @@ from difflib import get_close_matches
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...reference.errors import CannotJudgeError, EngineError, MbcheckError, UsageError
 from ...reference.scene import Array
@@ -87,7 +88,7 @@ def refuse_undriven(setup: Setup) -> None:
     )
 
 
-def is_driven(setup: Setup, undriven: Setup, motion: Array, steps: Array) -> bool:
+def is_driven(setup: Setup, undriven: Setup, motion: Array, steps: NDArray[np.int_]) -> bool:
     """Return whether a motion (k, n_t) after so many default steps is no undriven one.
 
     It lies closer to the reference with the drive than to that without. An engine without a method

@@ -83,12 +83,11 @@ class Sandbox:
         MbcheckError
             That the work raised.
         """
-        budget = self.pace.remaining().budget
-        if budget == inf or not alone:
-            most = min(PATIENCE, self.pace.end - monotonic() + self.grace, budget / 2 + self.grace)
-        else:
-            most = budget + self.grace
-        if most <= 0:
+        budget, grace = self.pace.remaining().budget, self.grace
+        if not alone:
+            budget, grace = budget / 2, min(grace, budget / 8)
+        most = PATIENCE if budget == inf else budget + grace
+        if not alone and self.pace.end <= monotonic():
             raise EngineError("timeout", "not inspected: the time was up")
         self.report, self.part, self.alone = None, "", alone
         if self.worker is None or not self.worker.process.is_alive():
@@ -97,7 +96,10 @@ class Sandbox:
         with within_limits(most, MEMORY):
             outcome = await_call(self.worker, partial(in_folder, os.getcwd(), work, budget), most)
         if isinstance(outcome, EngineError):
-            raise EngineError(outcome.kind, f"{outcome.message}; it was at: {self.part}")
+            message = outcome.message
+            if outcome.kind == "timeout" and budget < inf:
+                message = f"stopped: the time of --budget was up, {budget:.3g} s for this file"
+            raise EngineError(outcome.kind, f"{message}; it was at: {self.part}")
         if isinstance(outcome, MbcheckError):
             raise outcome
         return outcome

@@ -124,12 +124,12 @@ def unstable_mode(s: InspectedModel) -> Iterator[Hit]:
             said.add(joint)
             fed_by = feeders(s, one, mode)
             actuators = ", ".join(s.loaded.name("actuator", i) for i in fed_by)
-            source = f"actuators {actuators}" if actuators else "negative damping"
+            source = f"actuators {actuators} feed" if actuators else "negative damping feeds"
             swing = f" and oscillates at {mode.rate.imag:.4g} rad/s" if mode.rate.imag else ""
             message = (
                 f"in the state {one.state.name!r} a motion of {joint} grows by e in "
                 f"{1 / mode.rate.real:.3g} s ({mode.rate.real:.3g} 1/s){swing}, whatever the step: "
-                f"{source} feed it"
+                f"{source} it"
             )
             number = int(s.model.dof_jntid[mode.place(linear.mass)])
             fix = sign_remedy(s, one, fed_by) or damping_remedy(s, one, number)
