@@ -27,6 +27,9 @@ T = TypeVar("T")
 PATIENCE = 600.0
 """Time [s] after which a file is given up."""
 
+BRIEF = 2.0
+"""Time [s] that each of several files has before it is stopped, however little there is."""
+
 GRACE = 5.0
 """Time [s] after `--budget` at which what still goes on is stopped."""
 
@@ -83,11 +86,13 @@ class Sandbox:
         MbcheckError
             That the work raised.
         """
-        budget, grace = self.pace.remaining().budget, self.grace
+        budget = self.pace.remaining().budget
+        most = budget + self.grace
         if not alone:
-            budget, grace = budget / 2, min(grace, budget / 8)
-        most = PATIENCE if budget == inf else budget + grace
-        if not alone and self.pace.end <= monotonic():
+            budget /= 2
+            most = min(max(1.25 * budget, BRIEF), self.pace.end - monotonic() + self.grace)
+        most = PATIENCE if budget == inf else most
+        if most <= 0:
             raise EngineError("timeout", "not inspected: the time was up")
         self.report, self.part, self.alone = None, "", alone
         if self.worker is None or not self.worker.process.is_alive():
