@@ -75,12 +75,15 @@ def of_softness(setup: Setup, closed: float) -> str:
 
 
 def of_motion(setup: Setup) -> str:
-    """Return that accelerations are right at rest and wrong in motion, where that is so."""
-    moving, resting, back = (
-        np.subtract(*accelerations_of(setup, factor=by)) for by in (1.0, 0.0, -1.0)
-    )
+    """Return that accelerations are right at rest and wrong in motion, where that is so.
+
+    Where nothing acts at rest there is nothing to be right.
+    """
+    moving, (answer, right), back = (accelerations_of(setup, factor=by) for by in (1.0, 0.0, -1.0))
+    acts = np.max(np.abs(right)) > algebra.ROUNDING * np.max(np.abs(moving[1]))
+    moving, back = np.subtract(*moving), np.subtract(*back)
     most = EXPLAINED * float(np.max(np.abs(moving)))
-    if not np.max(np.abs(resting)) < most:
+    if not acts or not np.max(np.abs(answer - right)) < most:
         return ""
     ends = {
         "by the same in either direction: Coriolis forces are missing or wrong": moving - back,

@@ -213,10 +213,27 @@ def simplest(
     ]
     for sets in (*levels, near_pairs(every, rows)):
         fits = [fitted(one, rows, room) for one in sets]
+        fits = [fit for fit in fits if not is_trivial(fit, whole.effects)]
         if any(fit.unique and fit.left <= fit.granted for fit in fits):
             return the_only(fits)
     proven = whole.unique and len(rows) >= ROWS * sum(map(len, whole.values.values()))
-    return whole if proven and whole.left <= whole.granted else None
+    explains = whole.left <= whole.granted and not is_trivial(whole, whole.effects)
+    return whole if proven and explains else None
+
+
+def is_trivial(fit: Explanation, parts: Sequence[Effect]) -> bool:
+    """Return whether inertias and forces are all dropped, which explains any accelerations.
+
+    Inertias take their weights and their forces of inertia along.
+    """
+    acting = [
+        one.name
+        for one in parts
+        if np.any(one.columns) and not one.name.startswith(("gravity", "coriolis", "gyroscopic"))
+    ]
+    has_inertias = any(name.startswith(("mass.", "inertia.")) for name in acting)
+    dropped = {name for name, x in fit.values.items() if abs(x[0] + 1) < VISIBLE}
+    return has_inertias and dropped.issuperset(acting)
 
 
 def near_pairs(every: Sequence[Effect], rows: Array) -> list[tuple[Effect, ...]]:

@@ -43,7 +43,7 @@ from ..diagnosis.shares import (
     of_share,
     part_of,
 )
-from ..diagnosis.terms import added_forces, added_inertias, joints_of
+from ..diagnosis.terms import Inertia, added_forces, added_inertias, joints_of
 from ..tolerances import OPERATIONS, largest_inertias, matrix_rounding
 from ..verdict import Finding, Inconclusive
 from .algebra import ROUNDING, random_states
@@ -265,7 +265,7 @@ def of_forces(
             force = [at(*here) for here in zip(times, q, v, strict=True)]
             candidates.append(Effect(name, columns(force), said, added=True))
         for one in added_inertias(file, inertial_names(file)) if matrices is None else ():
-            force = [-one.at(file, here) @ rate for here, rate in zip(q, a, strict=True)]
+            force = [added_need(file, one, *here) for here in zip(q, v, a, strict=True)]
             candidates.append(Effect(one.name, columns(force), one.words, added=True))
     explained = explain(parts, candidates, relative, room)
     if not explained.unique and not whole.closures:
@@ -275,6 +275,18 @@ def of_forces(
     left, granted = explained.left, explained.granted
     last = Finding("unexplained", "1", left, 0.0, left, granted, reason)
     return [*findings_of(parts, explained, "forces are"), last]
+
+
+def need(whole: Mechanism, q: Array, v: Array, a: Array) -> Array:
+    """Return what is left of weights and forces of inertia (n,) for accelerations."""
+    inertial = inertial_force(whole, q, v) + mass_matrix(whole, q) @ a
+    return np.asarray(weight(whole, q, whole.gravity) - inertial)
+
+
+def added_need(whole: Mechanism, one: Inertia, q: Array, v: Array, a: Array) -> Array:
+    """Return what a unit of each number of an added inertia changes of that (k, n)."""
+    changed = [one.changed(whole, unit) for unit in np.eye(one.size)]
+    return np.array([need(other, q, v, a) for other in changed]) - need(whole, q, v, a)
 
 
 def needed(whole: Mechanism, name: str, q: Array, v: Array, a: Array) -> Array:

@@ -62,7 +62,8 @@ class Reader(mbcheck.Engine):
 
     def accelerations(self, system: Any, time: float, q: Array, v: Array) -> Array:
         """Return accelerations (n,), by Lagrange's multipliers where there are loops."""
-        whole, mass = self.read(system.mjcf), self.mass_matrix(system, q)
+        whole = self.read(system.mjcf)
+        mass = self.inertia(mass_matrix(whole, q), q)
         force = self.system(system).force(time, q, v) - inertial_force(whole, q, v)
         force = force + weight(whole, q, whole.gravity) + self.push(time, q, v)
         if not whole.closures:
@@ -71,3 +72,9 @@ class Reader(mbcheck.Engine):
         held = np.block([[mass, jacobian.T], [jacobian, np.zeros([len(jacobian)] * 2)]])
         right = np.concatenate([force, -gap_drift(whole, q, v)])
         return np.asarray(np.linalg.lstsq(held, right, rcond=None)[0][:n])
+
+
+class Unweighed(Reader):
+    """A reader that gives accelerations alone."""
+
+    mass_matrix = mbcheck.Engine.mass_matrix

@@ -11,7 +11,7 @@ import pytest
 
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.models.mechanism import Body, Joint, Term
-from mbcheck.tests.support.engines.reading import Reader
+from mbcheck.tests.support.engines.reading import Reader, Unweighed
 from mbcheck.tests.support.example import results
 
 HOOP = "point_mass_3hz_60n"
@@ -162,6 +162,11 @@ READERS: dict[str, tuple[Reader, str, list[str]]] = {
     ),
     "tensor not rotated": (
         Reader(bodies(unrotated)),
+        "rigid_body",
+        ["inertia tensor of body: the orientation of its principal axes is ignored"],
+    ),
+    "tensor not rotated, and no mass matrix": (
+        Unweighed(bodies(unrotated)),
         "rigid_body",
         ["inertia tensor of body: the orientation of its principal axes is ignored"],
     ),
