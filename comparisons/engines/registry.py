@@ -358,7 +358,10 @@ def _imported(module: str, attribute: str) -> Any:
     try:
         loaded = call_engine(lambda: importlib.import_module(module), container=captured)
     except MbcheckError as error:  # whatever a foreign module raises
-        missing = isinstance(error.__cause__, ModuleNotFoundError)
+        cause = error.__cause__
+        missing = isinstance(cause, ModuleNotFoundError) and f"{module}.".startswith(
+            f"{cause.name}."
+        )
         kind = EngineUnavailableError if missing else BrokenEngineError
         raise kind(f"{module} cannot be imported ({error})", error.traceback) from error
     try:
