@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from functools import partial
+from itertools import count
 from time import perf_counter, process_time, sleep
 
 import numpy as np
@@ -14,11 +15,11 @@ import mbcheck
 from mbcheck.comparisons.engines.isolation import isolated
 from mbcheck.comparisons.terminal import program
 from mbcheck.comparisons.terminal.budget import budgeted
-from mbcheck.reference import cost
 from mbcheck.reference.cost import (
     BUDGET,
     LOOKED,
     Budget,
+    expected_end,
     keep_budget,
     keep_steps,
     time_left,
@@ -189,14 +190,16 @@ def test_a_budget_holds_in_processes_too() -> None:
 def test_a_long_run_is_foretold_where_no_terminal_is(
     capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """`--state theta_dot=1e5` took 202 s of silence; here each look at the clock is told."""
-    monkeypatch.setattr(cost, "LOOKED", 0.0)
-    monkeypatch.setattr(program, "PAUSE", 0.0)
-    with budgeted(1e9, "simulate"):
-        mbcheck.simulate("hula_hoop", times=[1.0])
-    told = capfd.readouterr().err.splitlines()
-    assert len(told) > 10
-    assert all(re.match(r"\d+ of 100 parts of simulate, \d+ s", line) for line in told)
+    """`simulate hula_hoop --times 1 --state theta_dot=1e5` took 202 s of silence."""
+    clock = count(0, 60)
+    monkeypatch.setattr(program, "monotonic", lambda: next(clock))
+    with budgeted(1e9, "simulate"), expected_end(1.0):
+        budget = BUDGET.get()
+        assert budget is not None
+        budget.since -= LOOKED + 1
+        budget.look(0.25)
+    line = capfd.readouterr().err
+    assert re.fullmatch(r"25 of 100 parts of simulate, \d+ s, about \d+ .* left\n", line)
 
 
 def test_within_its_budget_a_run_is_the_same() -> None:

@@ -164,7 +164,11 @@ def test_accelerations_of_a_body_are_rounded_as_its_bound_says(
 ) -> None:
     """Where its arm is long beside radii of gyration, rounding of its tensor is all there is."""
     known, shares = get_scene(scene), []
-    without = dataclasses.replace(known, inexact_numbers=lambda c, change: iter(()))
+    without = dataclasses.replace(
+        known,
+        inexact_numbers=lambda c, change: iter(()),
+        inexact_accelerations=lambda change: iter(()),
+    )
     for number in (*range(20), *corners):
         run = run_of(scene, number)
         x = known.state(run.state)[:, None]
