@@ -98,7 +98,7 @@ def is_driven(setup: Setup, undriven: Setup, motion: Array, steps: NDArray[np.in
         findings = (item for item in algebra.measure(undriven) if isinstance(item, Finding))
         return any(item.error > item.tolerance for item in findings)
     names = setup.scene.observables
-    times = setup.case.start_time + setup.default_step * steps
+    times = np.asarray(setup.case.start_time + setup.default_step * steps, dtype=float)
     driven, still = (
         roundoff_reference(one.solved_equations, one.case, times, names).values
         for one in (setup, undriven)

@@ -81,13 +81,13 @@ def of_motion(setup: Setup) -> str:
     """
     moving, (answer, right), back = (accelerations_of(setup, factor=by) for by in (1.0, 0.0, -1.0))
     acts = np.max(np.abs(right)) > algebra.ROUNDING * np.max(np.abs(moving[1]))
-    moving, back = np.subtract(*moving), np.subtract(*back)
-    most = EXPLAINED * float(np.max(np.abs(moving)))
+    there, away = np.subtract(*moving), np.subtract(*back)
+    most = EXPLAINED * float(np.max(np.abs(there)))
     if not acts or not np.max(np.abs(answer - right)) < most:
         return ""
     ends = {
-        "by the same in either direction: Coriolis forces are missing or wrong": moving - back,
-        "by the opposite in the other direction: dampers are missing or wrong": moving + back,
+        "by the same in either direction: Coriolis forces are missing or wrong": there - away,
+        "by the opposite in the other direction: dampers are missing or wrong": there + away,
     }
     words = [said for said, rest in ends.items() if np.max(np.abs(rest)) < most]
     return " ".join(["accelerations are right at rest, and wrong in motion", *words])

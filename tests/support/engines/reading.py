@@ -77,4 +77,4 @@ class Reader(mbcheck.Engine):
 class Unweighed(Reader):
     """A reader that gives accelerations alone."""
 
-    mass_matrix = mbcheck.Engine.mass_matrix
+    mass_matrix = mbcheck.Engine.mass_matrix  # type: ignore[assignment]
