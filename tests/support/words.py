@@ -24,8 +24,8 @@ def agree_by_chance(text: str, other: str, points: int) -> bool:
     """Return whether two texts have the same words, and counts that differ as chance allows.
 
     For counts of points of which a part is chaotic: these hang on the last bit of a processor's
-    sine. Counts n may differ by 2 sqrt(n), and shares p of so many points by
-    2 sqrt(p (1 - p) / points), two standard deviations; other numbers as for `agree`.
+    sine. Counts n may differ by two standard deviations, 2 sqrt(n), shares p of so many points by
+    2 sqrt(p (1 - p) / points), rank correlations r by 2 (1 - r^2) / sqrt(points).
     """
     if NUMBER.sub("#", text) != NUMBER.sub("#", other):
         return False
@@ -38,12 +38,14 @@ def agree_by_chance(text: str, other: str, points: int) -> bool:
 
 
 def _chance(text: str, percent: str, points: int) -> float:
-    """Return two standard deviations of a written count, or of a share in per cent."""
+    """Return two standard deviations of a written count, share in per cent, or correlation."""
     value = float(text)
     if percent:
         share = min(max(value / 100, 1 / points), 1 - 1 / points)
         return 200 * math.sqrt(share * (1 - share) / points)
-    return 2 * math.sqrt(max(value, 1.0)) if text.isdigit() else 0.0
+    if text.isdigit():
+        return 2 * math.sqrt(max(value, 1.0))
+    return 2 * max(1 - value**2, 0.0) / math.sqrt(points)
 
 
 def _alike(one: str, other: str) -> bool:
