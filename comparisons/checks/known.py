@@ -172,7 +172,7 @@ class Listing:
 
 
 def is_about(entry: Entry, result: Result) -> bool:
-    """Return whether an entry covers a result, settled or not, but for how large its error is."""
+    """Return True if an entry covers a result, whatever the size of its error."""
     return original_verdict(result) == entry.verdict and fnmatchcase(result.id, entry.id)
 
 

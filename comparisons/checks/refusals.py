@@ -89,7 +89,7 @@ def refuse_undriven(setup: Setup) -> None:
 
 
 def is_driven(setup: Setup, undriven: Setup, motion: Array, steps: NDArray[np.int_]) -> bool:
-    """Return whether a motion (k, n_t) after so many default steps is no undriven one.
+    """Return True if a motion (k, n_t) after so many default steps is no undriven one.
 
     It lies closer to the reference with the drive than to that without. An engine without a method
     is asked for its accelerations once more, at other times.

@@ -80,7 +80,7 @@ def as_plain(value: Any) -> Any:
 
 
 def from_plain(value: Any) -> Any:
-    """Return what a part of a message stands for; text is cut, and escaped for a terminal.
+    """Return the value of a part of a message; text is cut, and escaped for a terminal.
 
     Raises
     ------

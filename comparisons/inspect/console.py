@@ -265,7 +265,7 @@ def print_steps(console: Console, inspection: Inspection) -> None:
 
 
 def conditions_of(inspection: Inspection) -> Iterator[str]:
-    """Yield what the largest stable steps do not know: contacts, and what dry friction takes."""
+    """Yield the limits of validity of the largest stable steps: contacts and dry friction."""
     model, disabled = inspection.loaded.model, inspection.loaded.disabled
     apart = [one.state.name for one in inspection.views if one.linear and not one.linear.contacts]
     if apart and any(inspection.can_touch):

@@ -96,7 +96,7 @@ Hits = list[tuple[str, Hit]]
 
 
 def hits_of(s: InspectedModel, selection: Selection, quick: Hits | None = None) -> Hits:
-    """Return what rules find, those for which there is time: of `QUICK`, or all after these."""
+    """Return the findings of rules for which there is time: of `QUICK`, or all after these."""
     first = quick is None
     hits = list(quick or ())
     names = [name for name in RULES if name in selection.rules and (name in QUICK) == first]
@@ -143,7 +143,7 @@ def findings(
 def findings_of(
     s: InspectedModel, selection: Selection, hits: Hits, untried: Collection[str] = ()
 ) -> tuple[ModelFinding, ...]:
-    """Return what rules found as findings, errors first.
+    """Return the hits of rules as findings, errors first.
 
     Those that are waived say so, and come last. A waiver of what was not looked for, or of a rule
     that was not tried on all, may be of use another time.

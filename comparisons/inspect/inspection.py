@@ -182,7 +182,7 @@ def inspection_of(
     results: tuple[ModelFinding, ...],
     untried: str | None = None,
 ) -> Inspection:
-    """Return what is found about a file."""
+    """Return the inspection of a file."""
     loaded = subject.loaded
     return Inspection(
         **{item.name: getattr(subject, item.name) for item in fields(subject)},

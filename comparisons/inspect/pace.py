@@ -21,7 +21,7 @@ UP = "the time was up"
 
 
 def has_unasked_rules(left_out: Sequence[str]) -> bool:
-    """Return whether there was no time for a rule: what it would find is not known."""
+    """Return True if there was no time for a rule."""
     return any(part.startswith("rule ") for part in left_out)
 
 

@@ -43,7 +43,7 @@ Screen = Mapping[str, Any]
 
 
 def text_on(screen: Screen, printer: Callable[[Console], None]) -> str:
-    """Return what a function prints."""
+    """Return the text that a function prints."""
     written = io.StringIO()
     printer(Console(file=written, highlight=False, **screen))
     return written.getvalue()
@@ -74,7 +74,7 @@ class Sandbox:
             self.worker.end()
 
     def run(self, work: Callable[[float], T], alone: bool = False) -> T:
-        """Return what work on a file returns, from the time that it may take [s].
+        """Return the result of work on a file, which is given the time that it may take [s].
 
         Work on one file ``alone`` may take all the time that there is, else half of it, so that
         none takes all from the others.
@@ -120,7 +120,7 @@ class Sandbox:
 
 
 def in_folder(folder: str, work: Callable[[float], T], budget: float) -> T | MbcheckError:
-    """Return what work in a folder returns, or the error of mbcheck's own that it raises."""
+    """Return the result of work in a folder, or the error of mbcheck's own that it raises."""
     os.chdir(folder)
     try:
         return work(budget)

@@ -31,7 +31,7 @@ def integrator(dynamics: Dynamics, kind: type[Any], tolerance: float) -> tuple[A
 
 
 def solves(dynamics: Dynamics, kind: type[Any]) -> bool:
-    """Return whether heyoka can solve a scene.
+    """Return True if heyoka can solve a scene.
 
     A drive that ends compares times, and an eliminated mass matrix takes minutes to compile.
     """

@@ -180,7 +180,7 @@ def rotation(p: SpeedRegulator, tolerance: float = 1e-12) -> Rotation:
 
 
 def cycle_start(p: SpeedRegulator) -> tuple[Array, float] | None:
-    """Return where a period of the limit cycle begins (phi, phi'), and its period [s].
+    """Return the start (phi, phi') of a period of the limit cycle, and its period [s].
 
     None in gravity, which the kinetic energy over the crank angle leaves out.
 

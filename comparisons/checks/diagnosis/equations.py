@@ -56,7 +56,7 @@ def of_accelerations(setup: Setup) -> str:
 
 
 def of_softness(setup: Setup, closed: float) -> str:
-    """Return what of a loop that gives way is wrong; closed it has this error."""
+    """Name the wrong stiffness or damping of a soft loop; closed it has this error."""
     times, states = algebra.random_states(setup.solved_equations, setup.case, setup.coordinates)
     both = call_engine(lambda: algebra.opened(setup, times, states))
     if both is None:

@@ -310,7 +310,7 @@ def explanation(seen: Seen) -> str:
 
 
 def limited(seen: Seen) -> Iterator[str]:
-    """Yield which rates stop at a round number, of two digits, that right ones exceed."""
+    """Yield the rates that stop at a round number, of two digits, which right ones exceed."""
     for name, one, right in zip(
         seen.setup.scene.observables, np.abs(seen.values), np.abs(seen.right), strict=True
     ):
@@ -401,7 +401,7 @@ def reset(seen: Seen) -> str:
         begin = replace(case, state=state)
 
         def left(number: int, count: int | None, begin: Case = begin) -> float:
-            """Return what a restart leaves of so many samples, or all."""
+            """Return the samples after a restart, or all."""
             there = replace(begin, start_time=case.start_time + number * seen.setup.default_step)
             return seen.away(
                 values[:, :count], seen.rows_of(Hypothesis(there, later[:count] - number))

@@ -110,7 +110,7 @@ def part_of(name: str) -> str:
 
 
 def of_share(name: str, x: Array, moved: Array) -> str:
-    """Return what a share (1,) of a part beside 1 means."""
+    """Return the meaning of a share (1,) of a part beside 1, in words."""
     value, part = 1 + float(x[0]), part_of(name)
     for right, said in SHARES.items():
         if abs(value - right) <= max(float(moved[0]), APART * abs(right)):
@@ -222,7 +222,7 @@ def simplest(
 
 
 def is_trivial(fit: Explanation, parts: Sequence[Effect]) -> bool:
-    """Return whether inertias and forces are all dropped, which explains any accelerations.
+    """Return True if inertias and forces are all dropped, which explains any accelerations.
 
     Inertias take their weights and their forces of inertia along.
     """

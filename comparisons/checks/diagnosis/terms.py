@@ -55,7 +55,7 @@ class Inertia(NamedTuple):
     size: int = 1
 
     def at(self, whole: Mechanism, q: Array) -> Array:
-        """Return what a unit of each number adds to the mass matrix (k, n, n) at a position."""
+        """Return the change of the mass matrix (k, n, n) at a position by a unit of each number."""
         each = [mass_matrix(self.changed(whole, unit), q) for unit in np.eye(self.size)]
         return np.array(each) - mass_matrix(whole, q)
 
@@ -111,7 +111,7 @@ def with_tensor(number: int, units: Array, one: Mechanism, x: Array) -> Mechanis
 
 
 def added_inertias(whole: Mechanism, visible: tuple[str, ...]) -> Iterator[Inertia]:
-    """Yield what may be added to mass matrices, beside the parts that they show."""
+    """Yield the inertias that a reader may add to mass matrices, beside the parts seen there."""
     pairs = combinations_with_replacement(np.eye(3), 2)
     entries = np.array([np.outer(a, b) + np.outer(b, a) for a, b in pairs])
     file = inertias(whole, np.linspace(0.3, 1.3, whole.layout.size[0]))
@@ -140,7 +140,7 @@ def added_inertias(whole: Mechanism, visible: tuple[str, ...]) -> Iterator[Inert
 
 
 def of_entries(body: Body, entries: Array, x: Array, moved: Array) -> str:
-    """Return what a change of the inertia tensor of a body means, by its entries (6,)."""
+    """Return the meaning of a change of a body's inertia tensor, by its entries (6,), in words."""
     file, tensor, upper = (
         body.inertia,
         body.inertia + np.tensordot(x, entries, 1),
@@ -163,7 +163,7 @@ def of_entries(body: Body, entries: Array, x: Array, moved: Array) -> str:
 def added_forces(
     whole: Mechanism, system: System
 ) -> Iterator[tuple[str, Callable[..., Array], Words]]:
-    """Yield what may be added to forces, beside the file's parts.
+    """Yield the forces that a reader may add, beside the file's parts.
 
     A name, forces (n,) by time, positions and velocities, and the meaning of their number.
     """

@@ -84,7 +84,7 @@ def scheme_of_velocities(setup: Setup) -> str | None:
 
 
 def in_coordinates(setup: Setup) -> bool:
-    """Return whether a model has the coordinates of its scene, and no others."""
+    """Return True if a model has the coordinates of its scene, and no others."""
     scene = setup.solved_equations.scene
     others = setup.has_constraints or scene.discretisation_coordinates
     return scene is setup.scene and not others

@@ -278,13 +278,13 @@ def of_forces(
 
 
 def need(whole: Mechanism, q: Array, v: Array, a: Array) -> Array:
-    """Return what is left of weights and forces of inertia (n,) for accelerations."""
+    """Return the sum of weights and forces of inertia (n,) at accelerations."""
     inertial = inertial_force(whole, q, v) + mass_matrix(whole, q) @ a
     return np.asarray(weight(whole, q, whole.gravity) - inertial)
 
 
 def added_need(whole: Mechanism, one: Inertia, q: Array, v: Array, a: Array) -> Array:
-    """Return what a unit of each number of an added inertia changes of that (k, n)."""
+    """Return the change of that sum (k, n) by a unit of each number of an added inertia."""
     changed = [one.changed(whole, unit) for unit in np.eye(one.size)]
     return np.array([need(other, q, v, a) for other in changed]) - need(whole, q, v, a)
 
@@ -306,7 +306,7 @@ def but_for_one_joint(
     explained: Explanation,
     room: float,
 ) -> Explanation:
-    """Return what explains all forces but those on one joint, where there is one such joint."""
+    """Return the explanation of all forces but those on one joint, if there is one such joint."""
     tried = []
     for joint in {*joints[np.abs(rows) > room]}:
         others = joints != joint
@@ -354,7 +354,7 @@ def gravity_axes(whole: Mechanism, q: Array, free: list[Array]) -> Array:
 
 
 def of_gravity(gravity: Array, x: Array, moved: Array) -> str:
-    """Return what shares (3,) beside the gravity (3,) of the file mean [m/s^2]."""
+    """Return the meaning of shares (3,) beside the gravity (3,) of the file [m/s^2], in words."""
     seen = moved <= VISIBLE
     extra, gravity = GRAVITY * x * seen, gravity * seen
     size, sum_of_both = float(np.linalg.norm(gravity)), float(np.linalg.norm(gravity + extra))
@@ -373,7 +373,7 @@ def of_gravity(gravity: Array, x: Array, moved: Array) -> str:
 def findings_of(
     parts: list[Effect], explained: Explanation, of: str
 ) -> Iterator[Finding | Inconclusive]:
-    """Yield what the share of each part means, or why it cannot be told."""
+    """Yield the finding on each part's share, or the reason why it cannot be told."""
     for one in parts:
         x, moved = explained.values[one.name], explained.tolerances[one.name]
         seen, right = moved <= VISIBLE, float(one.name != "gravity")

@@ -186,7 +186,7 @@ class Outcome:
         return min(steady, key=self.preference, default=None)
 
     def preference(self, one: Trial) -> tuple[float, ...]:
-        """Return what settings are ordered by, the best first."""
+        """Return the key that orders settings, the best first."""
         own = self.trials[0].setting
         changes = sum(option is not None for option in one.setting[2:])
         cost = CHEAPEST.index(one.integrator)

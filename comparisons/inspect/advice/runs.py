@@ -231,7 +231,7 @@ class Bench:
         return state._replace(keys=(name,), position=position)
 
     def strain(self, state: State) -> float:
-        """Return how far loops are open and how deep bodies lie in each other [m, rad]."""
+        """Return the opening of loops and the depth of contacts [m, rad]."""
         data = self.loaded.data(state)
         self.loaded.mujoco.mj_fwdPosition(self.loaded.model, data)
         depths = [-float(contact.dist) for contact in data.contact]

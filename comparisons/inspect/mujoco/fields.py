@@ -113,7 +113,7 @@ def physical_fields(loaded: Loaded) -> dict[str, dict[str, Any]]:
 
 
 def pieces(loaded: Loaded, labels: Labels, name: str, values: Any) -> list[tuple[str, Any]]:
-    """Return what each element has of a field, one of the model as a whole apart."""
+    """Return the values of a field by element; a field of the whole model is one element."""
     kind, address = ROWS.get(name) or ROWS.get(name.partition("_")[0]) or ("model", "")
     starts = getattr(loaded.model, address) if address else np.arange(len(labels[kind]))
     return list(zip(labels[kind], np.split(values, starts[1:]), strict=False))

@@ -129,7 +129,7 @@ def step_remedy(s: InspectedModel, states: Sequence[State]) -> Iterator[str]:
 
 
 def step_holds(s: InspectedModel, step: float) -> bool:
-    """Return whether short runs from the file's states stay finite with another timestep [s]."""
+    """Return True if short runs from the file's states stay finite with another timestep [s]."""
     return all_stay_finite(edited(s.loaded, partial(set_option, "timestep", step)), s.loaded.states)
 
 

@@ -71,7 +71,7 @@ def lacks_accelerations(engine: str, results: Sequence[Result]) -> bool:
 
 
 def head(level: str, here: Sequence[Result]) -> str:
-    """Return what is wrong on a level, of the results that fail there."""
+    """Return the heading of a level, by the results that fail there."""
     if any(item.verdict == "deviation" for item in here):
         same = all(item.cause == ANOTHER_MODEL for item in here)
         return ANOTHER_MODEL if same else f"{LEVELS[level]} is wrong"

@@ -84,7 +84,7 @@ def matrix(results: Sequence[Result]) -> str:
 
 
 def verdict_cell(results: Sequence[Result]) -> str:
-    """Return how many results passed, or of how many deviate, fail or are known."""
+    """Return the number of results that passed, or that deviate, fail or are known."""
     if not results:
         return "-"
     failed = worst(results) in FAILURES

@@ -89,7 +89,7 @@ class Summed(Reader):
     name, precision = "summed", "float32"
 
     def mass_matrix(self, system: Any, q: Any) -> Any:
-        """Return what the momenta of all beyond a joint are at each joint before it."""
+        """Return the momenta of all bodies beyond a joint at each joint before it."""
         whole, one = self.read(system.mjcf), np.float32
         here, unit = place(whole, q), np.eye(3, dtype=one)
         axes = here.axes.astype(one)
