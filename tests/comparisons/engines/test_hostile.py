@@ -41,6 +41,7 @@ def verdicts(
         f"--junit junit.xml --time-limit {limit} --engine right:Right {engines}",
         TMPDIR=str(scratch),
     )
+    assert done.stdout, done.stderr
     assert "Traceback" not in done.stderr
     assert not any(line.startswith("printed") for line in done.stderr.splitlines())
     reasons: dict[str, dict[str, str]] = {}
