@@ -19,9 +19,8 @@ from ..documents import document
 from ..documents.reading import read_bytes, read_document
 from ..reports.remarks import Remark
 from ..reports.words import plural
-from .findings import Selection
+from .inspection import Selection
 from .mujoco.source import ROOT, OtherRootError, Waiver, read
-from .pace import has_unasked_rules
 from .rules.table import RULES
 from .subject import SEVERITIES, Severity
 
@@ -294,9 +293,9 @@ class Inspections:
         ]
 
     def exit_code(self, fail_on: str) -> int:
-        """Return 2 if a file could not be read, 1 if a finding is to fail or a rule had no time."""
+        """Return 2 if a file could not be read, 1 if a finding fails or parts were left out."""
         fails = any(self.summary[name] for name in FAIL_ON[fail_on])
-        fails |= any(has_unasked_rules(one["left_out"]) for one in self.models)
+        fails |= any(one["left_out"] for one in self.models)
         return 2 if self.unreadable else int(fails)
 
     def verdict(self, fail_on: str) -> str:
@@ -328,6 +327,14 @@ class Inspections:
                 worst[key] = max(both, default=None)
             content[key_of(one["file"])] = [[*key, value] for key, value in sorted(worst.items())]
         return json.dumps({"findings": content}, indent=1) + "\n"
+
+
+def omissions(left_out: Sequence[str]) -> str:
+    """Return in words what was left out; empty if nothing was."""
+    rules = [part.removeprefix("rule ") for part in left_out if part.startswith("rule ")]
+    others = [part for part in left_out if not part.startswith("rule ")]
+    others += [f"the rules {', '.join(rules)}"] if rules else []
+    return f"it was stopped, and left out are {'; '.join(others)}" if others else ""
 
 
 def unwaived(model: Mapping[str, Any]) -> list[Mapping[str, Any]]:

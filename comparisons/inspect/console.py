@@ -11,12 +11,11 @@ from rich.text import Text
 from ..reports.remarks import remark_lines
 from ..reports.text import STYLES, encodable, print_line, print_table, print_wrapped
 from ..reports.words import number, plural
-from .batch import Inspections
+from .batch import Inspections, omissions
 from .difference import ModelDifference
 from .inspection import Inspection
 from .mujoco.facts import BodyFacts, Facts, JointFacts
 from .mujoco.model import ENGINE
-from .pace import omissions
 from .rules.stability import why_untold
 from .rules.table import RULES
 from .subject import SEVERITIES, Severity, View
@@ -65,7 +64,7 @@ def print_inspection(
         print_line(console, f"... {len(inspection.views) - len(views)} states more, with --full")
     print_steps(console, inspection)
     print_closures(console, inspection, MOST_CLOSURES if full else FEW_CLOSURES)
-    if words := omissions(inspection.pace.left_out):
+    if words := omissions(inspection.left_out):
         print_wrapped(console, words)
     print_verdict(console, Inspections((inspection.as_json(),)), fail_on)
 

@@ -7,8 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from ..reports.words import number
-from .findings import ModelFinding
-from .inspection import Inspection
+from .inspection import Inspection, ModelFinding
 from .mujoco.fields import physical_fields
 
 EQUAL = 1e-9

@@ -16,7 +16,6 @@ from .mujoco.linear import linearise
 from .mujoco.model import OPENED, Flags, Loaded, NotFiniteError, State
 from .mujoco.rows import SHORT
 from .mujoco.steady import steady_rotation
-from .pace import UP, Pace
 from .spectrum import SCHEMES, WHOLE_UP_TO, Shape, Step, StepDependence, longest_step, shapes
 from .subject import StepLimit, View
 
@@ -29,15 +28,11 @@ MOST_STATES = 8
 RK4_REAL = 2.785293563405282
 """Up to this times its time constant RK4 keeps a decay bounded."""
 
-OSCILLATING = 1.0
-"""Modes whose damping ratio is below this have a period to speak of."""
-
 
 def state_views(
     loaded: Loaded,
     about_rotation: Mapping[str, float | str] | None,
     modes: bool | None,
-    pace: Pace | None = None,
 ) -> tuple[View, ...]:
     """Return the states of a model with their modes; see `inspect`.
 
@@ -48,10 +43,10 @@ def state_views(
     """
     reasons = [why_no_modes(loaded, state, modes) for state in loaded.states[:MOST_STATES]]
     reasons += [f"modes are found of the first {MOST_STATES} states"] * len(loaded.states)
-    pace, views = pace or Pace(), list[View]()
-    for state, why in zip(loaded.states, reasons, strict=False):
-        reason = why if why or pace.begins(f"modes of the state {state.name}") else UP
-        views.append(view(loaded, state) if reason is None else View(state, reason=reason))
+    views = [
+        view(loaded, state) if reason is None else View(state, reason=reason)
+        for state, reason in zip(loaded.states, reasons, strict=False)
+    ]
     if about_rotation and len(about_rotation) > 1:
         raise UsageError("one hinge can turn steadily, not several")
     views += [
@@ -106,17 +101,13 @@ def modes_within(
     return tuple(mode._replace(vector=directions @ mode.vector) for mode in shapes(*inner))
 
 
-def step_limits(
-    loaded: Loaded, views: Sequence[View], pace: Pace | None = None
-) -> tuple[StepLimit, ...]:
+def step_limits(loaded: Loaded, views: Sequence[View]) -> tuple[StepLimit, ...]:
     """Return the largest stable step of each integrator, and where it is least."""
-    pace = pace or Pace()
     states = [one for one in views if one.linear is not None]
     known: dict[tuple[object, ...], Step] = {}
     return tuple(
         step_limit_of(loaded, name, states, known)
         for name in (integrators(loaded) if states else ())
-        if pace.begins(f"stable steps of {name}")
     )
 
 
@@ -196,14 +187,3 @@ def activation_limit(loaded: Loaded, name: str, own: bool) -> StepLimit:
     times = RK4_REAL if SCHEMES[name] == "RK44" else 2.0
     state, place = OPENED, f"activation of {loaded.name('actuator', number)}"
     return StepLimit(name, times * constant, state, 1 / constant, place, own)
-
-
-def shortest_period_of(views: Sequence[View]) -> float | None:
-    """Return the shortest period of all modes as simulated [s]; None if nothing oscillates."""
-    rates = [
-        mode.rate.imag
-        for one in views
-        for mode in one.simulated
-        if mode.rate.imag > 0 and (mode.damping_ratio or 0.0) < OSCILLATING
-    ]
-    return 2 * math.pi / max(rates) if rates else None

@@ -9,9 +9,9 @@ import numpy as np
 
 from ...checks.rules.conditions import NEAR_FLOOR
 from ...engines.mujoco.engine import MuJoCo
+from ..mujoco.facts import DRAWS
 from ..mujoco.model import Numbers
 from ..subject import Hit, InspectedModel
-from .contact import DRAWS
 
 LARGE = 2.0
 """Radius of gyration, in the reach of a body's geoms, beyond which no body of that size has it."""
@@ -88,7 +88,6 @@ def explicit(s: InspectedModel) -> list[tuple[int, Extent]]:
 
 
 def odd_inertia(s: InspectedModel) -> Iterator[Hit]:
-    """An inertia that no body of this mass and size has."""
     m = s.model
     for body, extent in explicit(s):
         gyration = float(np.sqrt(np.max(m.body_inertia[body]) / m.body_mass[body]))
@@ -106,7 +105,6 @@ def odd_inertia(s: InspectedModel) -> Iterator[Hit]:
 
 
 def far_centre(s: InspectedModel) -> Iterator[Hit]:
-    """A centre of mass far off the geoms."""
     for body, extent in explicit(s):
         off = float(np.linalg.norm(s.model.body_ipos[body] - extent.middle))
         if off > OFF * extent.reach:
@@ -118,7 +116,6 @@ def far_centre(s: InspectedModel) -> Iterator[Hit]:
 
 
 def odd_density(s: InspectedModel) -> Iterator[Hit]:
-    """A body heavier than any material, or lighter than air."""
     m = s.model
     for body, extent in single(s).items():
         density = float(m.body_mass[body]) / extent.volume if extent.volume > 0 else 1.0
@@ -133,7 +130,6 @@ def odd_density(s: InspectedModel) -> Iterator[Hit]:
 
 
 def uneven_masses(s: InspectedModel) -> Iterator[Hit]:
-    """A light body that carries a very heavy one."""
     m = s.model
     rigid = np.zeros(m.nbody)
     np.add.at(rigid, m.body_weldid, m.body_mass)
@@ -153,7 +149,6 @@ def uneven_masses(s: InspectedModel) -> Iterator[Hit]:
 
 
 def always_touching(s: InspectedModel) -> Iterator[Hit]:
-    """Geoms of one mechanism that lie in each other wherever its joints are."""
     for one, other in sorted(s.never_apart):
         names = f"{s.loaded.name('geom', one)} and {s.loaded.name('geom', other)}"
         message = (
@@ -164,7 +159,6 @@ def always_touching(s: InspectedModel) -> Iterator[Hit]:
 
 
 def self_collision(s: InspectedModel) -> Iterator[Hit]:
-    """Geoms of one mechanism that meet within the ranges of its joints."""
     for (one, other), count in sorted(s.meetings.items()):
         if count < DRAWS:
             names = f"{s.loaded.name('geom', one)} and {s.loaded.name('geom', other)}"

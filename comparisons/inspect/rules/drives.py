@@ -66,7 +66,6 @@ def in_degrees(s: InspectedModel, one: Asked) -> bool:
 
 
 def control_in_degrees(s: InspectedModel) -> Iterator[Hit]:
-    """A range of control that is in degrees."""
     for one in asked_servos(s):
         if in_degrees(s, one):
             low, high = one.positions
@@ -79,7 +78,6 @@ def control_in_degrees(s: InspectedModel) -> Iterator[Hit]:
 
 
 def control_beyond_range(s: InspectedModel) -> Iterator[Hit]:
-    """A servo that may be asked for what its hinge cannot reach; grippers press on purpose."""
     hinges = s.loaded.of_kind("jnt_type", "hinge")
     for one in asked_servos(s):
         if one.bounds is None or not hinges[one.servo.joint] or in_degrees(s, one):
@@ -94,7 +92,6 @@ def control_beyond_range(s: InspectedModel) -> Iterator[Hit]:
 
 
 def unlimited_joint(s: InspectedModel) -> Iterator[Hit]:
-    """A joint without a limit that a servo moves within a range."""
     for one in asked_servos(s):
         if one.bounds is None and not in_degrees(s, one):
             name = s.loaded.name("actuator", one.servo.actuator)
@@ -111,7 +108,6 @@ def joint_of(s: InspectedModel, servo: Servo) -> str:
 
 
 def positive_feedback(s: InspectedModel) -> Iterator[Hit]:
-    """A servo that pushes away from where it shall be, or along with its speed."""
     for one in servos(s):
         parts = [("position", one.stiffness), ("speed", one.damping)]
         for what, resists in parts:
@@ -126,7 +122,6 @@ def positive_feedback(s: InspectedModel) -> Iterator[Hit]:
 
 
 def undamped_servo(s: InspectedModel) -> Iterator[Hit]:
-    """A servo that nothing damps."""
     m, every = s.model, servos(s)
     for one in position_servos(s):
         critical = 2 * np.sqrt(one.stiffness * float(m.dof_M0[one.dof]))
@@ -145,7 +140,6 @@ def undamped_servo(s: InspectedModel) -> Iterator[Hit]:
 
 
 def two_servos(s: InspectedModel) -> Iterator[Hit]:
-    """Two servos on one joint, each of which pulls it to its own place, or two motors alike."""
     m, seen = s.model, dict[tuple[str, int], int]()
     every = [("hold", one.actuator, one.joint) for one in position_servos(s)]
     both_ways = motors(s) & ~((m.actuator_ctrllimited != 0) & np.any(m.actuator_ctrlrange == 0, 1))
@@ -163,7 +157,6 @@ def two_servos(s: InspectedModel) -> Iterator[Hit]:
 
 
 def light_joint(s: InspectedModel) -> Iterator[Hit]:
-    """A joint too light for the force that acts on it, at the step of the file."""
     m = s.model
     for one in strengths(s):
         force = max(-one.low, one.high)
@@ -186,7 +179,6 @@ def light_joint(s: InspectedModel) -> Iterator[Hit]:
 
 
 def spring_beyond_range(s: InspectedModel) -> Iterator[Hit]:
-    """A spring that rests beyond the joint's limits."""
     m = s.model
     sprung = (m.jnt_limited != 0) & (m.jnt_stiffness != 0)
     sprung &= s.loaded.of_kind("jnt_type", "hinge", "slide")
@@ -205,7 +197,6 @@ def spring_beyond_range(s: InspectedModel) -> Iterator[Hit]:
 
 
 def zero_quaternion(s: InspectedModel) -> Iterator[Hit]:
-    """A keyframe whose quaternion is none, of a joint or of a mocap body."""
     m = s.model
     turning = s.loaded.of_kind("jnt_type", "free", "ball")
     first = m.jnt_qposadr + 3 * s.loaded.of_kind("jnt_type", "free")
@@ -286,7 +277,6 @@ def gravity(s: InspectedModel) -> float:
 
 
 def saturated_actuator(s: InspectedModel) -> Iterator[Hit]:
-    """An actuator whose load in a keyframe is beyond its largest force."""
     m, said = s.model, set[int]()
     for state in keyframes(s):
         balance = balance_of(s, state)

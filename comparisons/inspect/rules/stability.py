@@ -112,7 +112,6 @@ def fed_by_drive(view: View) -> Iterator[Shape]:
 
 
 def unstable_mode(s: InspectedModel) -> Iterator[Hit]:
-    """A mode that an actuator or a damper feeds."""
     said = set[str]()
     for one in s.views:
         for mode in fed_by_drive(one):
@@ -250,7 +249,6 @@ def damping_remedy(s: InspectedModel, one: View, joint: int) -> str | None:
 
 
 def run_fails(s: InspectedModel) -> Iterator[Hit]:
-    """A run from a state of the file that leaves the range of numbers, whatever the reason."""
     beyond = any(limit.share_of(s.timestep) > 1 for limit in s.limits_of_file)
     beyond |= any(view.failed or any(fed_by_drive(view)) for view in s.views)
     if beyond or s.model.nv > MOST_DOFS:  # other rules say it, and what to do
@@ -289,7 +287,6 @@ def rests(view: View, facts: Facts) -> bool:
 
 
 def unstable_equilibrium(s: InspectedModel) -> Iterator[Hit]:
-    """A state of rest that is a maximum of the potential."""
     for one in s.views:
         linear, modes = one.linear, growing(one)
         if linear is None or linear.contacts or not modes or not rests(one, s.facts):

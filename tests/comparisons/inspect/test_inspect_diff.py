@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.inspect.difference import Row, model_difference
-from mbcheck.comparisons.inspect.findings import Selection
-from mbcheck.comparisons.inspect.inspection import Inspection, inspect
+from mbcheck.comparisons.inspect.inspection import Inspection, Selection, inspect
 from mbcheck.tests.support.command import invoke
 
 WHOLE = """<mujoco><compiler angle="radian"/>

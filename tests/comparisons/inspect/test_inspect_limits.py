@@ -10,8 +10,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.inspect.findings import ModelFinding
-from mbcheck.comparisons.inspect.inspection import inspect
+from mbcheck.comparisons.inspect.inspection import ModelFinding, inspect
 from mbcheck.comparisons.inspect.mujoco.model import load
 from mbcheck.comparisons.inspect.mujoco.trial import stays_finite
 from mbcheck.tests.support.command import invoke
