@@ -61,7 +61,9 @@ class Sandbox:
         What work that was stopped had found until then.
     """
 
-    def __init__(self, budget: float = inf, progress: Callable[..., None] = lambda *_: None) -> None:
+    def __init__(
+        self, budget: float = inf, progress: Callable[..., None] = lambda *_: None
+    ) -> None:
         if not budget > 0:
             raise UsageError(f"--budget must be a positive number, not {budget:g}")
         self.end, self.progress = monotonic() + budget, progress

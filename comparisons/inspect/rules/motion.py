@@ -13,7 +13,7 @@ from ..mujoco.closures import ClosedLoop
 from ..mujoco.facts import DEEP
 from ..mujoco.model import OPENED
 from ..subject import Hit, InspectedModel, StepLimit, View
-from .remedies import MARGIN, NEAR, closure_remedy, rounded_down, step_holds, step_remedies
+from .remedies import MARGIN, NEAR, closure_remedy, rounded, step_holds, step_remedies
 from .stability import fed_by_drive, grows_in_run
 
 OPEN = 1e-6
@@ -148,7 +148,7 @@ def solref_raised(s: InspectedModel) -> Iterator[Hit]:
     fixes = dict[float, str]()
     for kind, number, (constant, ratio), _ in constraints(s):
         if 0 < constant < least * (1 - 1e-9):
-            step = rounded_down(constant / 2, 4)
+            step = rounded(constant / 2, up=False, digits=4)
             if step not in fixes:
                 fixes[step] = f'timestep="{step:g}" or shorter' if step_holds(s, step) else ""
             message = (

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,18 +11,21 @@ from ....reference.scene import Array
 from ..mujoco.facts import Facts
 from ..mujoco.linear import Linear
 from ..mujoco.model import OPENED, State
-from ..mujoco.trial import MOST_STEPS, edited, failing_step, growth, stays_finite
+from ..mujoco.trial import MOST_STEPS, edited, growth, short_run, stays_finite
 from ..spectrum import Shape
 from ..subject import Hit, InspectedModel, View
 from ..views import view
-from .actuation import servos, sign_attribute
-from .remedies import in_words, integrator_remedy, moments, rounded_down, rounded_up, set_option
+from .drives import servos, sign_attribute
+from .remedies import in_words, integrator_remedy, joint_edits, moments, option, rounded
 
 SLOWEST = 0.2
 """Growth [1/s] below which nothing is said: a run of seconds does not show it."""
 
 FOLDS = 4.0
 """Times by which a mode may grow by e in the run that shows it; half of that must be seen."""
+
+SLOW = 0.1
+"""Of the rate of a mode that grows, what is the unit of the damping that is tried."""
 
 FED = 0.5
 """Share of the power that feeds a mode from which on an actuator or a damper is to blame."""
@@ -160,29 +162,6 @@ def step_of_run(view: View, mode: Shape, timestep: float, horizon: float) -> flo
     return step if step <= longest else None
 
 
-def why_untold(view: View, facts: Facts) -> str:
-    """Return why no finding is about what grows in a state."""
-    timestep, fed = facts.options.timestep, next(fed_by_drive(view), None)
-    if view.steady_hinge is not None:
-        return "about a steady rotation no run is tried"
-    if fed is not None:
-        horizon = FOLDS / fed.rate.real
-        if step_of_run(view, fed, timestep, horizon) is None:
-            return (
-                f"the run of {horizon:.3g} s that would show it takes more than {MOST_STEPS} "
-                "steps, because of the fastest mode"
-            )
-        return f"a run of {horizon:.3g} s does not show it, or its rule was left out"
-    if all(mode.rate.real <= SLOWEST for mode in view.modes):
-        return f"it grows slowly, by less than {SLOWEST:g} 1/s"
-    if not growing(view):
-        return "contacts, limits or dry friction, which these modes leave out, hold it"
-    if not rests(view, facts):
-        return "only constant forces would hold this state, which a run leaves at once"
-    contacts = view.linear is not None and view.linear.contacts
-    return "contacts are left out of it" if contacts else "its rule was left out"
-
-
 def feeders(s: InspectedModel, view: View, mode: Shape) -> list[int]:
     """Return the numbers of the actuators that push along a mode, and react to where it is."""
     m = s.model
@@ -233,19 +212,11 @@ def sign_remedy(s: InspectedModel, one: View, feeding: Sequence[int]) -> str | N
 
 def damping_remedy(s: InspectedModel, one: View, joint: int) -> str | None:
     """Return the damping of a joint with which no mode grows there, if some does it."""
-    m, linear = s.model, one.linear
-    assert linear is not None
-    dofs = np.flatnonzero(m.dof_jntid == joint)
-    scale = float(np.max(np.diag(linear.mass)[dofs])) * max(mode.omega for mode in growing(one))
-    for share in np.geomspace(0.01, 100, 17):
-        value = rounded_up(share * scale)
-
-        def change(model: Any, value: float = value) -> None:
-            model.dof_damping[dofs] = value
-
-        if ends_growth(s, one, change):
-            return f'damping="{value:g}" on joint {s.loaded.name("joint", joint)}'
-    return None
+    assert one.linear is not None
+    dofs = s.model.dof_jntid == joint
+    inertia = float(np.max(np.diag(one.linear.mass)[dofs]))
+    edits = joint_edits(s, "damping", dofs, SLOW * inertia * max(m.omega for m in growing(one)))
+    return next((words for words, change in edits if ends_growth(s, one, change)), None)
 
 
 def run_fails(s: InspectedModel) -> Iterator[Hit]:
@@ -255,7 +226,7 @@ def run_fails(s: InspectedModel) -> Iterator[Hit]:
         return
     named = [one for one in s.loaded.states if one.keys != (OPENED,)]
     for state in (named or list(s.loaded.states))[:MOST_RUNS]:
-        step = failing_step(s.loaded, state)
+        step, _ = short_run(s.loaded, state)
         if step is None:
             continue
         spins = [view.reason for view in s.views if view.state is state and view.reason]
@@ -273,8 +244,8 @@ def run_fails(s: InspectedModel) -> Iterator[Hit]:
 def shorter_step(s: InspectedModel, state: State) -> Iterator[str]:
     """Yield a timestep with which the run goes on."""
     for share in SHORTER:
-        step = rounded_down(share * s.timestep)
-        if stays_finite(edited(s.loaded, partial(set_option, "timestep", step)), state):
+        step = rounded(share * s.timestep, up=False)
+        if stays_finite(edited(s.loaded, option("timestep", step)), state):
             yield f'timestep="{step:g}"'
             return
 
