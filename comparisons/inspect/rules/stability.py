@@ -15,7 +15,7 @@ from ..mujoco.trial import MOST_STEPS, edited, growth, short_run, stays_finite
 from ..spectrum import Shape
 from ..subject import Hit, InspectedModel, View
 from ..views import view
-from .drives import servos, sign_attribute
+from .drives import drives, sign_attribute
 from .remedies import in_words, integrator_remedy, joint_edits, moments, option, rounded
 
 SLOWEST = 0.2
@@ -190,8 +190,8 @@ def ends_growth(s: InspectedModel, one: View, change: Callable[[Any], None]) -> 
 def sign_remedy(s: InspectedModel, one: View, feeding: Sequence[int]) -> str | None:
     """Return the attributes of actuators whose sign is to be turned, if that ends the growth."""
     wrong = [
-        (servo.actuator, column, sign_attribute(s, servo, what))
-        for servo in servos(s)
+        (servo.actuator, column, sign_attribute(s, servo.actuator, what))
+        for servo in drives(s)
         for column, what, resists in (
             (1, "position", servo.stiffness),
             (2, "speed", servo.damping),
