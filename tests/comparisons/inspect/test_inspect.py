@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -341,12 +342,13 @@ def test_mode_by_mode_agrees_with_the_whole(tmp_path: Path) -> None:
     (view,) = inspect(written(tmp_path, text)).views
     assert view.linear is not None
     for integrator in INTEGRATORS:
-        motion = view.linear.simulated.motion(integrator, 1e-9)
-        whole = longest_step(integrator, motion, view.simulated)
-        apart = longest_step(integrator, motion, view.simulated, whole_up_to=0)
+        at, modes = partial(view.linear.simulated.motion, integrator), view.simulated
+        whole, mode = longest_step(integrator, at, modes)
+        apart, same = longest_step(integrator, at, modes, whole_up_to=0)
         coupled = integrator == "discrete"  # by springs of which it takes one part late
-        assert apart.limit == pytest.approx(whole.limit, rel=0.1 if coupled else 1e-6)
-        assert apart.place == whole.place
+        assert apart == pytest.approx(whole, rel=0.1 if coupled else 1e-6)
+        mass = view.linear.mass
+        assert (mode and mode.place(mass)) == (same and same.place(mass))
 
 
 # Closures against MuJoCo's own violation ----------------------------------------------------
