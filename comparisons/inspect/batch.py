@@ -166,8 +166,7 @@ class InspectRequest:
         place = self.waivers or (beside if os.path.isfile(beside) else None)
         waivers = waivers_of(Path(place), file) if place else ()
         old = baseline_of(self.baseline).get(key_of(file), {}) if self.baseline else {}
-        alone = about_alone(waivers, file) if waivers else frozenset()
-        return Selection(self.rules(), waivers, old, alone)
+        return Selection(self.rules(), waivers, old)
 
 
 def matching(patterns: Sequence[str]) -> set[str]:
@@ -206,23 +205,17 @@ def waivers_of(place: Path, file: str) -> tuple[Waiver, ...]:
             raise UnknownNameError("rule", entry["rule"], RULES)
         name = Path(file).name
         if fnmatchcase(name, entry.get("file", "*")) or fnmatchcase(file, entry.get("file", "*")):
-            words = json.dumps(entry)
-            element = entry.get("element")
-            read_from = os.path.relpath(place, Path(file).parent)
-            waivers.append(Waiver(entry["rule"], element, entry["reason"], words, read_from, line))
+            waiver = Waiver(
+                rule=entry["rule"],
+                pattern=entry.get("element"),
+                reason=entry["reason"],
+                text=json.dumps(entry),
+                file=os.path.relpath(place, Path(file).parent),
+                line=line,
+                required=entry.get("file") in (name, file),
+            )
+            waivers.append(waiver)
     return tuple(waivers)
-
-
-def about_alone(waivers: Sequence[Waiver], file: str) -> frozenset[int]:
-    """Return which waivers, about a model, are about no other one in its folder."""
-    folder, own = Path(file).parent, Path(file).resolve()
-    others = whole_models([str(one) for one in folder.glob("*.xml") if one.resolve() != own])
-    patterns = [json.loads(waiver.text).get("file", "*") for waiver in waivers]
-    return frozenset(
-        i
-        for i, pattern in enumerate(patterns)
-        if not any(fnmatchcase(Path(other).name, pattern) for other in others)
-    )
 
 
 def key_of(file: str) -> str:

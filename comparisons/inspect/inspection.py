@@ -83,8 +83,6 @@ class Selection:
     rules : frozenset of str
     waivers : tuple of Waiver
         Those of a file beside it, for models of others.
-    about_this_alone : frozenset of int
-        Which of them are about no other model: they are to waive something.
     baseline : mapping of (str, str) to float or None
         Rule and element of findings that were there before, and how bad they were.
     """
@@ -92,7 +90,6 @@ class Selection:
     rules: frozenset[str]
     waivers: tuple[Waiver, ...] = ()
     baseline: Mapping[tuple[str, str], float | None] = field(default_factory=dict)
-    about_this_alone: frozenset[int] = frozenset()
 
     @classmethod
     def of_profile(cls, strict: bool) -> Selection:
@@ -291,10 +288,9 @@ def report_of(
     """Return a model with its findings: errors first, and those that are waived last.
 
     A waiver of what was not looked for, or of a rule that was not tried on all, may be of use
-    another time; others that waive nothing are findings.
+    another time; others that waive nothing, and are about this model alone, are findings.
     """
-    own = s.loaded.source.waivers
-    waivers = (*own, *selection.waivers)
+    waivers = (*s.loaded.source.waivers, *selection.waivers)
     results, used = list[ModelFinding](), set[int]()
     for rule, hit in sorted(hits, key=lambda one: list(RULES).index(one[0])):
         number = next((i for i, one in enumerate(waivers) if one.covers(rule, hit.name)), None)
@@ -309,8 +305,8 @@ def report_of(
     if not any(view.linear for view in s.views):
         skipped |= {name for name, rule in RULES.items() if rule.needs == "modes"}
     for i, waiver in enumerate(waivers):
-        about_this = i < len(own) or i - len(own) in selection.about_this_alone
-        if about_this and i not in used and not (waiver.rule in skipped and waiver.reason):
+        idle = i not in used and not (waiver.rule in skipped and waiver.reason)
+        if idle and waiver.required:
             rule, hit = complaint(waiver)
             results += [finding(rule, hit)] if rule in selection.rules else []
     results.sort(key=lambda one: (one.waived is not None, SEVERITIES.index(one.severity)))
