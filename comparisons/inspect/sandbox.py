@@ -137,10 +137,7 @@ def inspect_file(
 
     def report_of(result: Inspection) -> FileReport:
         report = partial(
-            print_inspection,
-            inspection=result,
-            full=options["full"],
-            fail_on=options["fail_on"],
+            print_inspection, inspection=result, full=options["full"], fail_on=options["fail_on"]
         )
         return result.as_json(), text_on(screen, report)
 

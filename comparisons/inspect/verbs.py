@@ -49,7 +49,7 @@ DOCUMENTS = ("json", "junit", "sarif")
         "mbcheck inspect --diff old.xml new.xml",
         "mbcheck inspect model.xml --fix --dry-run",
         "mbcheck inspect --explain step_limit",
-    ),
+    )
 )
 @click.argument("models", nargs=-1, metavar="[MODEL.xml|FOLDER|PATTERN]...")
 @click.option(
@@ -224,11 +224,7 @@ def sandboxed(options: Mapping[str, Any]) -> Iterator[Sandbox]:
 def as_screen(screen: Console) -> dict[str, Any]:
     """Return what a report is written for, see `sandbox.Screen`."""
     colours = None if screen.no_color else screen.color_system
-    return {
-        "width": screen.width,
-        "force_terminal": screen.is_terminal,
-        "color_system": colours,
-    }
+    return {"width": screen.width, "force_terminal": screen.is_terminal, "color_system": colours}
 
 
 def fix_files(files: Sequence[str], request: InspectRequest, options: Mapping[str, Any]) -> int:

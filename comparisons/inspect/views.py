@@ -30,9 +30,7 @@ RK4_REAL = 2.785293563405282
 
 
 def state_views(
-    loaded: Loaded,
-    about_rotation: Mapping[str, float | str] | None,
-    modes: bool | None,
+    loaded: Loaded, about_rotation: Mapping[str, float | str] | None, modes: bool | None
 ) -> tuple[View, ...]:
     """Return the states of a model with their modes; see `inspect`.
 

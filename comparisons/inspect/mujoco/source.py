@@ -158,11 +158,7 @@ def read(path: Path, instead: bytes | None = None) -> Source:
 
 
 def parse(
-    path: Path,
-    folder: Path,
-    waivers: list[Waiver],
-    files: list[str],
-    instead: bytes | None = None,
+    path: Path, folder: Path, waivers: list[Waiver], files: list[str], instead: bytes | None = None
 ) -> Element:
     """Return the root of a file; ``waivers`` and ``files`` are added to.
 

@@ -192,10 +192,7 @@ def sign_remedy(s: InspectedModel, one: View, feeding: Sequence[int]) -> str | N
     wrong = [
         (servo.actuator, column, sign_attribute(s, servo.actuator, what))
         for servo in drives(s)
-        for column, what, resists in (
-            (1, "position", servo.stiffness),
-            (2, "speed", servo.damping),
-        )
+        for column, what, resists in ((1, "position", servo.stiffness), (2, "speed", servo.damping))
         if servo.actuator in feeding and resists < 0
     ]
 

@@ -164,10 +164,7 @@ OPTIONS: dict[tuple[str, ...], tuple[Callable[[InspectedModel], bool], str]] = {
         lambda s: bool(s.model.opt.density or s.model.opt.viscosity),
         "there is no medium: density and viscosity are 0",
     ),
-    ("sleep_tolerance",): (
-        lambda s: s.loaded.enabled("sleep"),
-        "nothing sleeps (flag sleep)",
-    ),
+    ("sleep_tolerance",): (lambda s: s.loaded.enabled("sleep"), "nothing sleeps (flag sleep)"),
 }
 """Attributes of ``option`` -> whether the model has a use for them, and why not."""
 

@@ -235,21 +235,6 @@ def test_a_floating_body_has_six_rigid_modes(tmp_path: Path) -> None:
     assert max(abs(rate) for rate in first) == pytest.approx(about_z, rel=1e-8)
 
 
-def test_unstable_modes_are_named(tmp_path: Path) -> None:
-    text = """<mujoco><compiler angle="radian"/><worldbody>
-      <body><joint name="up" axis="0 1 0"/><inertial pos="0 0 2" mass="3" diaginertia="1 1 1"/>
-      </body>
-      <body><joint name="down" axis="0 1 0"/><inertial pos="0 0 -2" mass="3" diaginertia="1 1 1"/>
-      </body></worldbody></mujoco>"""
-    found = inspect(written(tmp_path, text))
-    (view,) = found.views
-    omega = math.sqrt(3 * 9.81 * 2 / (1 + 3 * 4))
-    assert view.linear is not None
-    kinds = {mode.kind: found.place(mode, view.linear) for mode in view.modes}
-    assert kinds == {"unstable": "up", "decaying": "up", "oscillating": "down"}
-    assert [mode.omega for mode in view.modes] == pytest.approx([omega] * 3, rel=1e-9)
-
-
 # Stable steps against MuJoCo's own runs -----------------------------------------------------
 
 OSCILLATORS = """<mujoco><compiler angle="radian"/>

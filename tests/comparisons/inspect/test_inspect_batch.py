@@ -105,8 +105,7 @@ def test_waivers_beside_the_model(more: str, waived: bool, tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize(
-    ("more", "told"),
-    [('file = "model.xml"\n', True), ('file = "mod*.xml"\n', False), ("", False)],
+    ("more", "told"), [('file = "model.xml"\n', True), ('file = "mod*.xml"\n', False), ("", False)]
 )
 def test_a_waiver_beside_the_model_that_waives_nothing(
     more: str, told: bool, tmp_path: Path
