@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -54,45 +54,28 @@ CONCERNED = 0.3
 """Share of the largest power from which on an actuator is named."""
 
 
-class Feeding(NamedTuple):
-    """Mean power that feeds a mode, and the share of it that springs and gravity do not give."""
-
-    total: float
-    foreign: float
-
-
-def feeding(linear: Linear, mode: Shape) -> Feeding:
-    """Return what feeds a mode.
+def is_fed_by_drive(linear: Linear, mode: Shape) -> bool:
+    """Return whether an actuator or a damper gives most of the mean power that feeds a mode.
 
     Of ``f = -C v - K q``, a symmetric K that is negative gives what it gives by itself; a
     negative C and the rotational part of K feed in each cycle.
     """
     parts, rate = linear.simulated.parts, mode.rate
-    gravity = linear.stiffness - parts.servo
-    circulation = power_of(skew(parts.servo), mode, rate.conjugate())
-    damping = [
-        power_of(symmetric(matrix), mode, abs(rate) ** 2)
-        for matrix in (parts.actuator, parts.passive)
+
+    def product(matrix: Array) -> complex:
+        """Real by the symmetric part of a matrix, imaginary by the rotational one."""
+        return complex(np.vdot(mode.vector, matrix @ mode.vector))
+
+    servo = product(parts.servo)
+    powers = [
+        -(rate.conjugate() * 1j * servo.imag).real,
+        -(abs(rate) ** 2) * product(parts.actuator).real,
+        -(abs(rate) ** 2) * product(parts.passive).real,
+        -rate.real * servo.real,
     ]
-    servo = power_of(symmetric(parts.servo), mode, rate.real)
-    own = power_of(symmetric(gravity), mode, rate.real)
-    foreign = sum(max(0.0, value) for value in (circulation, *damping, servo))
-    return Feeding(foreign + max(0.0, own), foreign)
-
-
-def symmetric(matrix: Array) -> Array:
-    """Return the symmetric part."""
-    return np.asarray((matrix + matrix.T) / 2)
-
-
-def skew(matrix: Array) -> Array:
-    """Return the antisymmetric part."""
-    return np.asarray((matrix - matrix.T) / 2)
-
-
-def power_of(matrix: Array, mode: Shape, factor: complex) -> float:
-    """Return the mean power of forces ``-factor matrix q`` on a mode."""
-    return float(-np.real(factor * np.vdot(mode.vector, matrix @ mode.vector)))
+    foreign = sum(max(0.0, power) for power in powers)
+    own = max(0.0, -rate.real * product(linear.stiffness - parts.servo).real)
+    return foreign > FED * (foreign + own)
 
 
 def growing(view: View) -> list[Shape]:
@@ -107,9 +90,7 @@ def growing(view: View) -> list[Shape]:
 def fed_by_drive(view: View) -> Iterator[Shape]:
     """Yield the modes that grow, and that gravity and springs do not feed for the most part."""
     for mode in growing(view):
-        assert view.linear is not None
-        fed = feeding(view.linear, mode)
-        if fed.foreign > FED * fed.total:
+        if view.linear is not None and is_fed_by_drive(view.linear, mode):
             yield mode
 
 
@@ -260,8 +241,7 @@ def unstable_equilibrium(s: InspectedModel) -> Iterator[Hit]:
         if linear is None or linear.contacts or not modes or not rests(one, s.facts):
             continue
         mode = max(modes, key=lambda mode: mode.rate.real)
-        fed = feeding(linear, mode)
-        if fed.foreign > FED * fed.total:
+        if is_fed_by_drive(linear, mode):
             continue
         number = int(s.model.dof_jntid[mode.place(linear.mass)])
         message = (
