@@ -27,9 +27,9 @@ from ...reference.errors import (
     Unsupported,
     UsageError,
 )
-from .plugin.validation import in_short
 from .protocol import Method, Motion, Option, OwnModel
 from .run import describe, engine_error, excerpt, in_sight
+from .validation import in_short
 
 CLASSES: dict[str, type] = {
     one.__name__: one

@@ -12,9 +12,9 @@ from typing import Any, Self
 
 from ...reference.errors import BrokenEngineError, EngineError, MbcheckError
 from .isolation import SERVING, Worker, await_call
-from .plugin.validation import ATTRIBUTES, CALLS
 from .protocol import Engine
 from .run import call_engine
+from .validation import ATTRIBUTES, CALLS
 
 Local = Callable[[tuple[tuple[str, float], ...]], Engine]
 

@@ -374,7 +374,7 @@ def run(setup: Setup, times: Array) -> Trajectory:
 def run_many(
     setup: Setup, cases: Sequence[Case], steps: Array, times: Array
 ) -> list[Trajectory | EngineError]:
-    """Simulate many cases of a scene, together if the engine can; errors are returned.
+    """Simulate many cases of a scene in one container; errors are returned.
 
     Parameters
     ----------
@@ -387,12 +387,13 @@ def run_many(
     """
     for case, step, grid in zip(cases, steps, times, strict=True):
         grid_indices(grid, case.start_time, float(step))
-    try:
-        results = call_engine(
-            lambda: setup.engine.simulate_many(cases, setup.model, setup.integrator, steps, times)
-        )
-    except EngineError as error:
-        return [error for _ in cases]
+
+    def simulate(case: Case, step: float, grid: Array) -> Trajectory:
+        engine, method = setup.engine, setup.integrator
+        return engine.simulate(case, setup.model, method, step, grid)
+
+    rows = zip(cases, steps.tolist(), times, strict=True)
+    results = call_engine(lambda: [attempt(partial(simulate, *row)) for row in rows])
     for i, result in enumerate(results):
         if isinstance(result, EngineError):
             continue

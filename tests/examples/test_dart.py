@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.engines.plugin.adapter import PluginAdapter, adapt
+from mbcheck.comparisons.engines.adapter import Adapter, adapt
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.tests.support.engines.examples import QUICK, TOO_FINE, results
 
@@ -17,7 +17,7 @@ from mbcheck.examples.dart_engine import DartEngine
 TREES = ("hula_hoop", "rotor_pendulum", "ball_hoop")
 
 
-def engine() -> PluginAdapter:
+def engine() -> Adapter:
     return adapt("dart", DartEngine)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.engines.plugin.adapter import PluginAdapter, adapt
+from mbcheck.comparisons.engines.adapter import Adapter, adapt
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.reference import get_scene
 from mbcheck.tests.support.engines.examples import PLACES, QUICK, TOO_FINE, results
@@ -24,7 +24,7 @@ TREES = ("hula_hoop", "rotor_pendulum")
 CHAIN = pytest.param("rotating_beam", marks=pytest.mark.slow)
 
 
-def engine(kind: type = DrakeEngine) -> PluginAdapter:
+def engine(kind: type = DrakeEngine) -> Adapter:
     return adapt("drake", kind)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.engines.plugin.adapter import PluginAdapter, adapt
+from mbcheck.comparisons.engines.adapter import Adapter, adapt
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.reference import get_scene
 from mbcheck.tests.support.engines.examples import PLACES, QUICK, TOO_FINE, results
@@ -22,7 +22,7 @@ FREE = ("floating_platform", "floating_beam")
 SERVED = tuple(scene for scene in PLACES if scene not in FREE)
 
 
-def engine(kind: type = PinocchioEngine) -> PluginAdapter:
+def engine(kind: type = PinocchioEngine) -> Adapter:
     return adapt("pinocchio", kind)
 
 

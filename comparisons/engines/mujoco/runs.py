@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import importlib
-import os
-from collections.abc import Mapping, Sequence
-from copy import copy
+from collections.abc import Mapping
 from dataclasses import replace
-from multiprocessing import parent_process
 from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..protocol import Motion, UsageError
+from ..protocol import Motion
 
 Array = NDArray[np.float64]
 
@@ -86,117 +82,6 @@ def integrate(
     seconds = perf_counter() - begin
     switch(compiled, off=False)
     return replace(recorded(mujoco, run, data, states, before), seconds=seconds)
-
-
-def integrate_many(mujoco: Any, runs: Sequence[CompiledRun]) -> list[Motion | None]:
-    """Do what `integrate` does, to the bit, for many runs together.
-
-    Parameters
-    ----------
-    mujoco : module
-    runs : sequence of CompiledRun
-        Of as many samples each; fastest with as many steps from one to the next.
-
-    Returns
-    -------
-    list of Motion or None
-        None where MuJoCo raised an error, and for all of them where it cannot run these
-        together: it has no `mujoco.batch` (before 3.17), their models differ in size, or a
-        hook is a function of Python.
-    """
-    module = batch_module()
-    if module is None or not runs:
-        return [None for _ in runs]
-    try:
-        return together(mujoco, module, runs)
-    except (mujoco.FatalError, ValueError):
-        return [None for _ in runs]
-
-
-def together(mujoco: Any, module: Any, runs: Sequence[CompiledRun]) -> list[Motion | None]:
-    """Do what `integrate_many` does, or raise what `mujoco.batch` raises if it cannot."""
-    models = [run.compiled for run in runs]
-    batch = module.Batch(models[0], len(runs), min(threads(), len(runs)))
-    batch.set_models(models)
-    data = mujoco.MjData(models[0])
-    clock, qpos, qvel = (batch.bind(name) for name in ("time", "qpos", "qvel"))
-    before = []
-    for row, run in enumerate(runs):
-        mujoco.mj_resetData(run.compiled, data)
-        data.qpos[:], data.qvel[:] = run.positions, run.velocities
-        before.append(inputs(mujoco, run.compiled, data))
-        clock[row], qpos[row], qvel[row] = run.start, data.qpos, data.qvel
-    plans = np.array(
-        [legs(run.times, run.start, run.compiled.opt.timestep, run.stop) for run in runs]
-    )
-    undriven = without_drive(models, np.any(plans[:, 1] > 0, axis=1))
-    lost, ended = np.zeros((2, len(runs)), bool)
-    states = []
-    for driven, free in np.moveaxis(plans, (2, 1), (0, 1)):
-        advance(module, batch, driven, lost)
-        if np.any((free > 0) & ~ended):
-            ended |= free > 0
-            batch.set_models(np.where(ended, undriven, models))
-        advance(module, batch, free, lost)
-        states.append(np.column_stack([clock, qpos, qvel]))
-    rows = np.stack(states, axis=1)
-    return [
-        None
-        if lost[row]
-        else recorded(mujoco, run, batch.get_data(row, data), rows[row], before[row])
-        for row, run in enumerate(runs)
-    ]
-
-
-def advance(module: Any, batch: Any, counts: NDArray[np.int_], lost: NDArray[np.bool_]) -> None:
-    """Take these numbers of steps (k,), but not where a run is lost; note which ones get lost."""
-    for count in np.unique(counts[counts > 0]):
-        try:
-            batch.step((counts == count) & ~lost, int(count))
-        except module.SimulationError as error:
-            lost[error.ids] = True
-
-
-def without_drive(models: Sequence[Any], which: NDArray[np.bool_]) -> list[Any]:
-    """Return the models, those of some rows (k,) replaced by copies with all actuators off."""
-    copies = {}
-    for row in np.flatnonzero(which).tolist():
-        key = id(models[row])
-        if key not in copies:
-            copies[key] = copy(models[row])
-            switch(copies[key], off=True)
-    return [copies.get(id(model), model) for model in models]
-
-
-def batch_module() -> Any:
-    """Return `mujoco.batch`, or None before MuJoCo 3.17."""
-    try:
-        return importlib.import_module("mujoco.batch")
-    except ImportError:
-        return None
-
-
-def threads() -> int:
-    """Return on how many threads runs go together.
-
-    ``MBCHECK_THREADS``; without it all cores, but one in a worker process, of which there
-    may be one for each core.
-
-    Raises
-    ------
-    UsageError
-        If ``MBCHECK_THREADS`` is no number from 1 on.
-    """
-    text = os.environ.get(THREADS)
-    if text is not None:
-        if not (text.isdecimal() and int(text) > 0):
-            raise UsageError(f"{THREADS} must be a number of threads from 1 on, not {text!r}")
-        return int(text)
-    if parent_process() is not None:
-        return 1
-    if hasattr(os, "sched_getaffinity"):  # the cores that this process may use
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def recorded(

@@ -8,9 +8,9 @@ from typing import Any
 
 from ....models import exudyn_system
 from ....reference.scene import Case
+from ..adapter import OwnModelsAdapter
 from ..exudyn.engine import Exudyn
 from ..exudyn.settings import assign
-from ..plugin.own import OwnModelsAdapter
 from ..protocol import Engine, Method
 
 VELOCITY_VERLET = Method("VelocityVerlet", 2)

@@ -12,16 +12,16 @@ import numpy as np
 from ....models import mjcf
 from ....models.system import System
 from ....reference.scene import Array, Case
+from ..adapter import Adapter
 from ..mujoco.engine import MuJoCo, Order
 from ..mujoco.library import quiet
 from ..mujoco.runs import CompiledRun, inputs, recorded
-from ..plugin.adapter import PluginAdapter
 from ..protocol import Method
 from ..run import Trajectory, grid_indices
 from .catalogue import Variant, Wrapped
 
 
-class MujocoAdapter(PluginAdapter):
+class MujocoAdapter(Adapter):
     """MuJoCo as it is, for classes that change it.
 
     Parameters

@@ -19,8 +19,8 @@ import pytest
 
 import mbcheck
 from mbcheck.comparisons.engines.messages import MAX_BYTES, MAX_TEXT, decoded, encoded, received
-from mbcheck.comparisons.engines.plugin.validation import numbers
 from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.validation import numbers
 from mbcheck.reference.errors import (
     BrokenEngineError,
     CannotJudgeError,

@@ -14,7 +14,7 @@ import pytest
 
 import mbcheck
 from mbcheck.comparisons.engines import registry as engines
-from mbcheck.comparisons.engines.plugin.adapter import adapt
+from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.models.mechanism import Term
 from mbcheck.reference import get_scene

@@ -14,7 +14,7 @@ import pytest
 import mbcheck
 from mbcheck.comparisons.checks.suite import KINDS, kinds_of
 from mbcheck.comparisons.engines import registry as engines
-from mbcheck.comparisons.engines.plugin.adapter import adapt
+from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.models import mjcf
 from mbcheck.models.kinematics import gaps

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.engines.plugin.adapter import PluginAdapter
+from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.queries.simulate import simulate
 from mbcheck.comparisons.scenes.quantity import NO_VALUE, Flow, Points, QuantityValues
 from mbcheck.comparisons.scenes.rotor_pendulum import phase
@@ -207,9 +207,9 @@ def test_an_engine_with_another_damper_is_seen(monkeypatch: pytest.MonkeyPatch) 
 def light(monkeypatch: pytest.MonkeyPatch) -> None:
     """Take most of the rod's damper from MuJoCo."""
     for name in ("simulate", "simulate_many"):
-        if not hasattr(PluginAdapter, name):
+        if not hasattr(Adapter, name):
             continue
-        plain = getattr(PluginAdapter, name)
+        plain = getattr(Adapter, name)
 
         def changed(self: Any, cases: Any, *more: Any, plain: Any = plain) -> Any:
             if isinstance(cases, list):
@@ -218,7 +218,7 @@ def light(monkeypatch: pytest.MonkeyPatch) -> None:
                 cases = without_damper(cases)
             return plain(self, cases, *more)
 
-        monkeypatch.setattr(PluginAdapter, name, changed)
+        monkeypatch.setattr(Adapter, name, changed)
 
 
 def without_damper(case: Any) -> Any:

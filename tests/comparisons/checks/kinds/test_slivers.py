@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import mbcheck
-from mbcheck.comparisons.engines.plugin.adapter import adapt
+from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.comparisons.engines.run import missed, noting, run
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.reference import get_scene

@@ -13,7 +13,7 @@ import pytest
 
 import mbcheck
 from mbcheck.comparisons.engines import protocol
-from mbcheck.comparisons.engines.plugin.adapter import CLOSURE_TIME, adapt
+from mbcheck.comparisons.engines.adapter import CLOSURE_TIME, adapt
 from mbcheck.comparisons.engines.registry import remote_plugin
 from mbcheck.comparisons.engines.run import run, run_many
 from mbcheck.comparisons.engines.setup import Setup
