@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..protocol import Engine, EngineError, Method, Motion, Option, System, refuse_older
-from .library import controlled, import_mujoco, quiet
-from .runs import integrate, switch
+from .library import controlled, import_mujoco, integrate, quiet, switch
 
 Array = NDArray[np.float64]
 

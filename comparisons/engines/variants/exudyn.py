@@ -9,8 +9,7 @@ from typing import Any
 from ....models import exudyn_system
 from ....reference.scene import Case
 from ..adapter import OwnModelsAdapter
-from ..exudyn.engine import Exudyn
-from ..exudyn.settings import assign
+from ..exudyn.engine import Exudyn, assign
 from ..protocol import Engine, Method
 
 VELOCITY_VERLET = Method("VelocityVerlet", 2)
