@@ -32,8 +32,8 @@ from mbcheck.comparisons.engines.exudyn.engine import EXPLICIT, place_initial, q
 from mbcheck.comparisons.engines.mujoco.engine import Order
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.engines.run import contained, run
-from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.run import contained
+from mbcheck.comparisons.engines.setup import Setup, run
 from mbcheck.reference.errors import EngineUnavailableError
 from mbcheck.reference.hula_hoop.equations import SCENE, HulaHoop
 from mbcheck.reference.scene import Case

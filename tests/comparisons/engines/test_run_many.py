@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.engines.run import run, run_many
-from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.setup import Setup, run, run_many
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineError, UsageError
 from mbcheck.reference.scene import Array, Case

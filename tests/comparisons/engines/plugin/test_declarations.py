@@ -14,8 +14,7 @@ import mbcheck
 from mbcheck.comparisons.engines import protocol
 from mbcheck.comparisons.engines.adapter import CLOSURE_TIME, adapt
 from mbcheck.comparisons.engines.registry import remote_plugin
-from mbcheck.comparisons.engines.run import run
-from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.setup import Setup, run
 from mbcheck.examples.mujoco_engine import MujocoPlugin
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineError
