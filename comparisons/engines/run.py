@@ -11,7 +11,7 @@ from contextlib import chdir, contextmanager, nullcontext, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from pathlib import Path
-from traceback import StackSummary, TracebackException
+from traceback import TracebackException
 from typing import Any, TypeVar
 
 import numpy as np
@@ -215,24 +215,14 @@ def traceback_of(error: BaseException) -> str:
     """Return the traceback of an exception, from the first line on that is not ours."""
     try:
         whole = TracebackException.from_exception(error)
-        without_callers(whole)
+        parts = [whole]
+        for part in parts:
+            inside = [frame.filename.startswith((OURS, *LOADERS)) for frame in part.stack]
+            del part.stack[: 0 if all(inside) else inside.index(False)]
+            parts += filter(None, (part.__cause__, part.__context__))
         return excerpt("".join(whole.format()))
     except BaseException:  # of whatever the exception is made of
         return ""
-
-
-def without_callers(whole: TracebackException) -> None:
-    """Leave out of a traceback, and of those that led to it, how foreign code was called."""
-    parts = [whole]
-    for part in parts:
-        del part.stack[: callers(part.stack)]
-        parts += filter(None, (part.__cause__, part.__context__))
-
-
-def callers(stack: StackSummary) -> int:
-    """Return how many frames of a stack stand before foreign code; 0 if there is none of it."""
-    inside = [frame.filename.startswith((OURS, *LOADERS)) for frame in stack]
-    return 0 if all(inside) else inside.index(False)
 
 
 def excerpt(traceback: object) -> str:
