@@ -22,7 +22,7 @@ EXACT = "exact"
 """The reference's default model; the others are simplifications that it shows beside."""
 
 
-class Solution(Engine):
+class ExactEngine(Engine):
     """SciPy's DOP853, as an engine declares itself."""
 
     name = "reference"
@@ -39,7 +39,7 @@ class ReferenceEngine(Adapter):
     """
 
     def __init__(self) -> None:
-        super().__init__(Solution())
+        super().__init__(ExactEngine())
 
     def models(self, scene: str) -> tuple[str, ...]:
         """Return the reference's models of a scene, default first."""

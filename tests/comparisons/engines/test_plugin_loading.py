@@ -46,7 +46,7 @@ def failing() -> None:
 
 
 LOADED: dict[str, tuple[Callable[[], Any], str]] = {
-    "no name": (lambda: type("Nothing", (), {}), "has no name; see docs/engines.md"),
+    "no name": (lambda: type("Nothing", (mbcheck.Engine,), {}), "has no name; see docs/engines.md"),
     "a path for a name": (lambda: with_attributes(name="a/b"), "calls itself 'a/b'"),
     "a name that turns the line round": (
         lambda: with_attributes(name="\u202eenigne"),
@@ -140,7 +140,9 @@ def test_places_that_are_none_are_told_apart(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)
-    (tmp_path / "half_engine.py").write_text("class Half: pass\nclass Taken:\n name='mujoco'\n")
+    (tmp_path / "half_engine.py").write_text(
+        "import mbcheck\nclass Half: pass\nclass Taken(mbcheck.Engine):\n name='mujoco'\n"
+    )
     (tmp_path / "torn_engine.py").write_text("import nothing_of_this_name\n")
     with pytest.raises(EngineUnavailableError, match="no_such_module cannot be imported"):
         engines.get_engine("no_such_module:Engine")
