@@ -689,15 +689,12 @@ class Adapter:
         system, q, v = self.joint_states(case, model, times, states)
         names = self.reaction_names(case, model)
         forces = np.empty((len(names), len(states)))
-        with self.inner.session(system):
-            for i, (time, at, speed) in enumerate(zip(times, q, v, strict=True)):
-                there = self.inner.reactions(system, float(time), at.copy(), speed.copy())
-                for row, name in zip(forces, names, strict=True):
-                    if not isinstance(there, Mapping) or name not in there:
-                        raise EngineError(
-                            "returned", f"reactions must tell {name}: {in_short(there)}"
-                        )
-                    row[i] = numbers(f"reactions[{name!r}]", there[name], (), finite=True)
+        for i, (time, at, speed) in enumerate(zip(times, q, v, strict=True)):
+            there = self.inner.reactions(system, float(time), at.copy(), speed.copy())
+            for row, name in zip(forces, names, strict=True):
+                if not isinstance(there, Mapping) or name not in there:
+                    raise EngineError("returned", f"reactions must tell {name}: {in_short(there)}")
+                row[i] = numbers(f"reactions[{name!r}]", there[name], (), finite=True)
         return dict(zip(names, forces, strict=True))
 
     def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
@@ -925,24 +922,22 @@ class OwnModelsAdapter(Adapter):
     def accelerations(self, case: Case, model: str, times: Array, states: Array) -> Array:
         """Return accelerations (k, n) at ``times`` (k,) and ``states`` (k, 2 n)."""
         system, q, v = self.joint_states(case, model, times, states)
-        with self.inner.session(system):
-            return self.joint_accelerations(system, times, q, v)
+        return self.joint_accelerations(system, times, q, v)
 
     def mass_matrices(self, case: Case, model: str, states: Array) -> Array:
         """Return mass matrices (k, n, n) of the coordinates at ``states`` (k, 2 n)."""
         system, n = self.joint_system(case, model), len(states[0]) // 2
-        with self.inner.session(system):
-            return np.array(
-                [
-                    numbers(
-                        "mass_matrix",
-                        self.inner.mass_matrix(system, np.array(state[:n])),
-                        (n, n),
-                        finite=True,
-                    )
-                    for state in states
-                ]
-            )
+        return np.array(
+            [
+                numbers(
+                    "mass_matrix",
+                    self.inner.mass_matrix(system, np.array(state[:n])),
+                    (n, n),
+                    finite=True,
+                )
+                for state in states
+            ]
+        )
 
     def reaction_names(self, case: Case, model: str) -> tuple[str, ...]:
         """Return the outputs of the scene that are forces in joints of the model."""

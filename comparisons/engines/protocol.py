@@ -8,7 +8,6 @@ from __future__ import annotations
 import importlib
 import math
 from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager, nullcontext
 from copy import copy
 from dataclasses import dataclass, field
 from typing import Any, Self
@@ -257,13 +256,6 @@ class Engine:
     def own_model(self, system: System) -> OwnModel:
         """Return what is to be known of a model, of an engine that reads no MJCF."""
         return OwnModel()
-
-    def session(self, system: System) -> AbstractContextManager[Any]:
-        """Return a context in which several calls about one system follow.
-
-        What is made of the system for the first may be kept until the last.
-        """
-        return nullcontext()
 
     def inverse_dynamics(
         self,

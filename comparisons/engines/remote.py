@@ -47,7 +47,7 @@ class RemoteEngine(Engine):
         try:
             about = self.call(describe, SECONDS_TO_LOAD)
             vars(self).update({name: about[name] for name in ATTRIBUTES})
-            self.functions = (set(CALLS) - {"session", "with_option"}) & set(about["functions"])
+            self.functions = (set(CALLS) - {"with_option"}) & set(about["functions"])
         except EngineError as error:
             reason = f"it cannot be loaded: {error.message}"
             raise BrokenEngineError(reason, error.traceback) from error

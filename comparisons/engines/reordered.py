@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -64,7 +62,3 @@ class Reordered(Engine):
         """Return the mass matrix (n, n) in order."""
         answer = self.inner.mass_matrix(self.put(system), q[self.order])
         return np.asarray(answer)[np.ix_(self.back, self.back)]
-
-    def session(self, system: System) -> AbstractContextManager[Any]:
-        """Return that of the engine."""
-        return self.inner.session(self.put(system))

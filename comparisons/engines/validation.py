@@ -239,29 +239,24 @@ def declared(name: str, author: Any) -> Engine:
         if not hasattr(author, attribute):
             raise UsageError(f"engine {name} has no {attribute}; see docs/engines.md")
     refuse_name(f"engine {name} calls itself", author.name)
-    if not (
-        isinstance(author.version, str)
-        and author.version.isprintable()
-        and 0 < len(author.version) <= LONGEST_VERSION
-    ):
-        raise UsageError(
-            f"engine {name}: version must be text of at most {LONGEST_VERSION} characters, "
-            f"not {in_short(author.version)}"
-        )
-    methods = author.methods
-    if not isinstance(methods, tuple | list) or not 0 < len(methods) <= MAX_NAMES:
-        raise UsageError(
-            f"engine {name}: methods must be a tuple of mbcheck.Method, of {MAX_NAMES} at most"
-        )
+    version, methods, table = author.version, author.methods, attributes(author)
+    text = isinstance(version, str) and version.isprintable()
+    listed = isinstance(methods, tuple | list) and 0 < len(methods) <= MAX_NAMES
+    needs: dict[str, tuple[bool, str]] = {
+        "version": (
+            text and 0 < len(version) <= LONGEST_VERSION,
+            f"text of at most {LONGEST_VERSION} characters",
+        ),
+        "methods": (listed, f"a tuple of mbcheck.Method, of {MAX_NAMES} at most"),
+        **{flag: (isinstance(table[flag], bool | np.bool_), "True or False") for flag in FLAGS},
+        **{one: (is_size(table[one]), "a number") for one in NUMBERS},
+    }
+    refuse_unfit(f"engine {name}", table, needs)
     for method in methods:
         refuse_method(name, method)
     names = [method.name for method in methods]
     if len(set(names)) < len(names):
         raise UsageError(f"engine {name}: two methods have the same name: {', '.join(names)}")
-    for flag in FLAGS:
-        if not isinstance(attributes(author)[flag], bool | np.bool_):
-            value = in_short(attributes(author)[flag])
-            raise UsageError(f"engine {name}: {flag} must be True or False, not {value}")
     for function, arguments in CALLS.items():
         refuse_signature(name, function, getattr(author, function), arguments)
     if author.reads_mjcf and author.closure != "soft" and "own_model" in own_functions(author):
@@ -277,11 +272,26 @@ def declared(name: str, author: Any) -> Engine:
             raise UnknownNameError(
                 f"{attribute} of engine {name}", str(word)[:LONGEST_NAME], allowed
             )
-    for attribute in NUMBERS:
-        value = attributes(author)[attribute]
-        if not (isinstance(value, int | float) and value >= 0):
-            raise UsageError(f"engine {name}: {attribute} must be a number, not {in_short(value)}")
     return author
+
+
+def is_size(value: Any) -> bool:
+    """Return whether a value is a number that is not negative."""
+    return isinstance(value, int | float) and value >= 0
+
+
+def refuse_unfit(
+    where: str, values: Mapping[str, Any], needs: Mapping[str, tuple[bool, str]]
+) -> None:
+    """Refuse the first of some values that is not what it must be.
+
+    Raises
+    ------
+    UsageError
+    """
+    for name, (right, need) in needs.items():
+        if not right:
+            raise UsageError(f"{where}: {name} must be {need}, not {in_short(values[name])}")
 
 
 def attributes(author: Engine) -> dict[str, Any]:
@@ -311,7 +321,6 @@ CALLS = {
     "why_not": 2,
     "models": 1,
     "own_model": 1,
-    "session": 1,
     "inverse_dynamics": 5,
     "reactions": 4,
     "options": 2,
@@ -371,22 +380,13 @@ def refuse_method(name: str, method: Any) -> None:
     if not isinstance(method, Method):
         raise UsageError(f"engine {name}: {in_short(method)} is no mbcheck.Method")
     refuse_name(f"engine {name} calls a method", method.name)
-    if not (type(method.order) is int and method.order >= 1):
-        raise UsageError(
-            f"engine {name}: method {method.name} must have an order of 1 or more, "
-            f"not {method.order!r}"
-        )
     work = method.evaluations
-    if work is not None and not (type(work) is int and work >= 1):
-        raise UsageError(
-            f"engine {name}: method {method.name} must evaluate forces once a step or more often, "
-            f"not {work!r} times"
-        )
-    if not isinstance(method.scheme_with_loops, bool):
-        raise UsageError(
-            f"engine {name}: method {method.name}: scheme_with_loops must be True or False, "
-            f"not {method.scheme_with_loops!r}"
-        )
+    needs = {
+        "order": (type(method.order) is int and method.order >= 1, "1 or more"),
+        "evaluations": (work is None or (type(work) is int and work >= 1), "1 or more"),
+        "scheme_with_loops": (isinstance(method.scheme_with_loops, bool), "True or False"),
+    }
+    refuse_unfit(f"engine {name}: method {method.name}", vars(method), needs)
     for what, scheme, known in (
         ("scheme", method.scheme, SCHEMES),
         ("linear scheme", method.linear, AMPLIFICATION),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import reduce
 from time import perf_counter
@@ -101,8 +101,7 @@ class Exudyn(Engine):
         self.exudyn = import_library("exudyn", cure)
         self.version = str(self.exudyn.__version__)
         refuse_older(self.name, self.version, LEAST_VERSION)
-        self.stack: ExitStack | None = None
-        self.probes: dict[bool, Probe] = {}
+        self.kept: dict[bool, tuple[Any, Probe]] = {}
 
     def models(self, scene: str) -> tuple[str, ...]:
         """Return the names of the Exudyn models of a scene, default first."""
@@ -188,30 +187,9 @@ class Exudyn(Engine):
             )
         if built.turning is None:
             return motion
-        with self.opened_bodies(case, model) as probe:
+        with quiet(self.exudyn):
+            probe = self.probe(case, model, bodies=True)
             return replace(motion, observables=values | probe.turning_integrals(coords, rates))
-
-    @contextmanager
-    def session(self, system: System) -> Iterator[None]:
-        """Keep what is built of a system until the last of several calls."""
-        with ExitStack() as stack:
-            self.stack, self.probes = stack, {}
-            try:
-                yield
-            finally:
-                self.stack, self.probes = None, {}
-
-    @contextmanager
-    def probed(self, system: System, bodies: bool = False) -> Iterator[Probe]:
-        """Lend a probe into a system, or its bodies without what drives them, see `session`."""
-        opened = self.opened_bodies if bodies else self.opened_probe
-        with ExitStack() as alone:
-            probe = self.probes.get(bodies)
-            if probe is None:
-                stack = self.stack or alone
-                probe = stack.enter_context(opened(system.case, system.model))
-                self.probes |= {bodies: probe} if self.stack else {}
-            yield probe
 
     def accelerations(
         self, system: System, time: float, positions: Array, velocities: Array
@@ -235,7 +213,8 @@ class Exudyn(Engine):
         self, system: System, time: float, positions: Array, velocities: Array
     ) -> tuple[Array, Array]:
         """Return accelerations (n,) and the model's multipliers (m,) at a time and a state."""
-        with self.probed(system) as probe:
+        with quiet(self.exudyn):
+            probe = self.probe(system.case, system.model)
             moved, multipliers = probe.motion(time, np.append(positions, velocities))
             built = probe.system
             if built.multipliers is not None:
@@ -255,7 +234,8 @@ class Exudyn(Engine):
         of the identity where its motion is prescribed.
         """
         source, n = self.source(system.case, system.model), len(positions)
-        with self.probed(system, bodies=True) as probe:
+        with quiet(self.exudyn):
+            probe = self.probe(system.case, system.model, bodies=True)
             probe.place(system.start_time, *probe.system.place(positions, 0 * positions))
             basis = probe.unit_rates()[:, :n]
             matrix: Array = basis.T @ probe.mass() @ basis
@@ -289,7 +269,9 @@ class Exudyn(Engine):
         if case.parameters.has_gravity and not self.source(case, model).constrained:
             raise Unsupported(f"differences of {model} leave few digits of K beside weights")
         state = np.append(system.positions, system.velocities)
-        with self.opened_bodies(in_hub_frame(case, float(system.positions[0])), model) as probe:
+        with quiet(self.exudyn):
+            turned = in_hub_frame(case, float(system.positions[0]))
+            probe = self.probe(turned, model, bodies=True)
             if probe.system.turning is not None:
                 return probe.rotating(float(system.velocities[0]))
         with self.opened(case, model) as built:
@@ -339,18 +321,21 @@ class Exudyn(Engine):
             finally:
                 system.container.Reset()
 
-    @contextmanager
-    def opened_bodies(self, case: Case, model: str) -> Iterator[Probe]:
-        """Lend a probe into the system of a case without what drives it."""
-        bodies = self.source(case, model).bodies(case.parameters)
-        with self.opened_probe(replace(case, parameters=bodies), model) as probe:
-            yield probe
+    def probe(self, case: Case, model: str, bodies: bool = False) -> Probe:
+        """Return a probe into the system of a case, or into its bodies without what drives them.
 
-    @contextmanager
-    def opened_probe(self, case: Case, model: str) -> Iterator[Probe]:
-        """Lend a probe into the system of a case."""
-        with self.opened(case, model) as system:
-            yield Probe(self.exudyn, system, self.settings(IMPLICIT[0], 0.0, 1.0))
+        The last one of each is kept, since systems are slow to build.
+        """
+        source = self.source(case, model)
+        if bodies:
+            case = replace(case, parameters=source.bodies(case.parameters))
+        key = case.scene, model, case.parameters, case.placement, source
+        if bodies not in self.kept or self.kept[bodies][0] != key:
+            if bodies in self.kept:
+                self.kept.pop(bodies)[1].system.container.Reset()
+            built = self.system(case, model)
+            self.kept[bodies] = key, Probe(self.exudyn, built, self.settings(IMPLICIT[0], 0.0, 1.0))
+        return self.kept[bodies][1]
 
     def solver(self, method: Method) -> Any:
         """Return a new solver of Exudyn for a method."""

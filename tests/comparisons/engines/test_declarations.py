@@ -128,7 +128,7 @@ def test_states_that_are_one_buffer_are_refused() -> None:
             run(setup, TIMES)
 
 
-@pytest.mark.parametrize("name", ["options", "reactions", "own_model", "why_not", "session"])
+@pytest.mark.parametrize("name", ["options", "reactions", "own_model", "why_not"])
 def test_a_table_under_the_name_of_a_function_is_refused(name: str) -> None:
     with pytest.raises(mbcheck.UsageError, match=f"{name} must be a function.*rename it"):
         adapt("tables", type("Tables", (MujocoPlugin,), {name: {}}))

@@ -66,7 +66,10 @@ LOADED: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: with_attributes(methods=(mbcheck.Method("RK 4/5", 4),)),
         "calls a method 'RK 4/5'; a name has",
     ),
-    "order 0": (lambda: with_attributes(methods=(mbcheck.Method("a", 0),)), "order of 1 or more"),
+    "order 0": (
+        lambda: with_attributes(methods=(mbcheck.Method("a", 0),)),
+        "order must be 1 or more",
+    ),
     "an unknown scheme": (
         lambda: with_attributes(methods=(mbcheck.Method("a", 4, "RK4"),)),
         "did you mean 'RK44'?",
@@ -81,7 +84,7 @@ LOADED: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     "a word for yes or no": (
         lambda: with_attributes(methods=(mbcheck.Method("a", 1, scheme_with_loops="no"),)),  # type: ignore[arg-type]
-        "scheme_with_loops must be True or False, not 'no'",
+        "scheme_with_loops must be True or False, not str 'no'",
     ),
     "two of a name": (
         lambda: with_attributes(methods=(mbcheck.Method("a", 1),) * 2),
