@@ -12,8 +12,6 @@ from ..parameters import RotatingBeam
 
 PLANES = ("chordwise", "flapwise")
 
-EPS = float(np.finfo(float).eps)
-
 
 class Numbers(NamedTuple):
     """Dimensionless parameters (19) of a beam in steady rotation, or hanging at rest.
