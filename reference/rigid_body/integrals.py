@@ -15,30 +15,30 @@ from ..body.parameters import body_inertia
 from ..body.rotation import body_rates, momentum_of, times
 from ..quaternions import matrix
 from ..scene import Array
-from .equations import Coefficients, RigidBody, energy
+from .equations import RigidBody, energy
 
 SAME = 1e-12
 """Relative difference of moments that count as the same."""
 
 
-def magnitude(q: Any, v: Any, c: Coefficients) -> Any:
+def magnitude(q: Any, v: Any, c: Any) -> Any:
     """Return the size of the angular momentum [kg m^2/s]."""
     return np.sqrt(sum(part * part for part in momentum_of(q, v, c)))
 
 
-def along_gravity(q: Any, v: Any, c: Coefficients) -> Any:
+def along_gravity(q: Any, v: Any, c: Any) -> Any:
     """Return the angular momentum along gravity [kg m^2/s]."""
     g = np.array([c.g_x, c.g_y, c.g_z])
     return sum(a * b for a, b in zip(momentum_of(q, v, c), g / np.linalg.norm(g), strict=True))
 
 
-def about_figure(q: Any, v: Any, c: Coefficients) -> Any:
+def about_figure(q: Any, v: Any, c: Any) -> Any:
     """Return the angular momentum about the line to the centre of mass: of Lagrange's top."""
     arm = np.array(c[0:3]) / np.linalg.norm(c[0:3])
     return sum(a * b for a, b in zip(times(c[3:9], body_rates(q, v)[1]), arm, strict=True))
 
 
-def kovalevskaya(q: Any, v: Any, c: Coefficients) -> Any:
+def kovalevskaya(q: Any, v: Any, c: Any) -> Any:
     """Return Kovalevskaya's integral [1/s^4] of a top with J_x = J_y = 2 J_z and C on the x axis.
 
     Whittaker, section 72: ``|(omega_x + i omega_y)^2 - nu (gamma_x + i gamma_y)|^2`` with

@@ -11,9 +11,6 @@ FOREIGN = "runs code of an engine, which raises what it likes"
 ALLOWED: Mapping[str, Mapping[str, str]] = {
     "large_classes": {
         "reference/scene.py::Dynamics": "solvers must know when its drive ends",
-        "reference/ball_hoop/equations.py::Coefficients": "the entries of two symmetric tensors",
-        "reference/floating_platform/equations.py::Coefficients": "those of a body, and two more",
-        "reference/rigid_body/equations.py::Coefficients": "the entries of two symmetric tensors",
         "reference/rotor_pendulum/equations.py::RotorPendulum": "the paper's, and a gravity",
         "reference/rotor_pendulum/equations.py::Coefficients": "the same numbers",
         "reference/rotating_beam/parameters.py::RotatingBeam": "the parameters of its two papers",
