@@ -66,15 +66,10 @@ def pull(n: Numbers, x: Any) -> Any:
 
 
 class NaturalModes(NamedTuple):
-    """Dimensionless results: frequencies, a bound on their errors, shapes at places.
-
-    ``shapes`` (count, places) are deflections, 1 at the tip.
-    """
+    """Natural frequencies (count,), ascending, and bounds on their errors."""
 
     omega: Array
     bound: Array
-    places: Array
-    shapes: Array
 
 
 def check(n: Numbers, plane: str, count: int) -> None:
