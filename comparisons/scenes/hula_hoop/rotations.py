@@ -29,7 +29,7 @@ KNOWN = Effort(jacobians=9, chords=4)
 """Where the first Jacobian is nearly right."""
 
 HALF_STARTS = ((0, 0.0, 0.0), (1, 5 * np.pi / 4, 1.0))
-WHOLE_STARTS = ((0, 3 * np.pi / 2, 1.0), (0, 3 * np.pi / 2, 0.5), (0, np.pi / 2, 1.0))
+WHOLE_STARTS = ((0, 3 * np.pi / 2, 1.0), (0, 4 * np.pi / 3, 1.0), (0, np.pi / 2, 1.0))
 """Starts of the search over half a period and over all of it: which guess, by what angle [rad] its
 rod is turned on, and by what share of omega it turns faster. The second of the former finds the
 rotations whose theta' swings by more than its mean, the latter those that are not their own mirror
