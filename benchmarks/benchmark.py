@@ -18,6 +18,7 @@ from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from functools import partial
 from importlib.util import find_spec
+from itertools import product
 from time import process_time
 from typing import Any
 
@@ -37,7 +38,7 @@ from mbcheck.comparisons.engines.setup import Setup, run
 from mbcheck.reference.errors import EngineUnavailableError
 from mbcheck.reference.hula_hoop.equations import SCENE, HulaHoop
 from mbcheck.reference.scene import Case
-from mbcheck.reference.solve.batched import BatchMethod, solve_many
+from mbcheck.reference.solve.batched import solve_many
 
 Array = NDArray[np.float64]
 Run = Callable[[], Any]
@@ -155,31 +156,27 @@ def rtol_of_error(parameters: Any, times: Array, truth: Array, wanted: float) ->
 def reference_table(counts: tuple[int, ...], sampled: int, turns: int) -> Table:
     """Run part 1."""
     table = Table(title=f"loop of solve_ivp / solve_many, equal error, {PERIODS} periods")
-    for heading in ("backend", "points", "error", "of the loop", "suite's f", "f of floats"):
+    for heading in ("points", "error", "of the loop", "suite's f", "f of floats"):
         table.add_column(heading, justify="right", no_wrap=True)
-    backends = ["numpy", *(["heyoka"] if find_spec("heyoka") else [])]
     for count in counts:
         parameters, times = points(count)
         chosen = np.linspace(0, count - 1, sampled).astype(int)
         few, few_times = at(parameters, chosen), times[:, chosen]
-        truth = solve_many(SCENE, few, START, few_times, 0.0, BatchMethod(TRUTH, "numpy")).states
-        for backend in backends:
-            fast = partial(
-                solve_many, SCENE, parameters, START, times, 0.0, BatchMethod(TOLERANCE, backend)
-            )
-            error = typical_error(fast().states[:, chosen], truth)  # also compiles
-            rtol = rtol_of_error(few, few_times, truth, error)
-            slow = partial(loop, few, few_times, rtol)
-            works: dict[str, Run] = {
-                "fast": fast,
-                "suite": partial(slow, SCENE.right_hand_side),
-                "floats": partial(slow, plain_right_hand_side),
-            }
-            seconds = interleaved(works, turns)
-            reached = typical_error(slow(plain_right_hand_side), truth)
-            share = count / sampled
-            ratios = (spread(share * seconds[n] / seconds["fast"]) for n in ("suite", "floats"))
-            table.add_row(backend, str(count), f"{error:.1e}", f"{reached:.1e}", *ratios)
+        truth = solve_many(SCENE, few, START, few_times, 0.0, TRUTH).states
+        fast = partial(solve_many, SCENE, parameters, START, times, 0.0, TOLERANCE)
+        error = typical_error(fast().states[:, chosen], truth)
+        rtol = rtol_of_error(few, few_times, truth, error)
+        slow = partial(loop, few, few_times, rtol)
+        works: dict[str, Run] = {
+            "fast": fast,
+            "suite": partial(slow, SCENE.right_hand_side),
+            "floats": partial(slow, plain_right_hand_side),
+        }
+        seconds = interleaved(works, turns)
+        reached = typical_error(slow(plain_right_hand_side), truth)
+        share = count / sampled
+        ratios = (spread(share * seconds[n] / seconds["fast"]) for n in ("suite", "floats"))
+        table.add_row(str(count), f"{error:.1e}", f"{reached:.1e}", *ratios)
     return table
 
 

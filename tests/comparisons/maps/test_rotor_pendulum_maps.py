@@ -223,7 +223,7 @@ def test_a_failing_engine_leaves_no_value(monkeypatch: pytest.MonkeyPatch) -> No
     stiff = at(CASE_2, n_x=0.01)
     where = points([CASE_2, stiff], "mujoco", None, step=1.3e-3)
     unstable = replace(where, method="RK4")
-    monkeypatch.setattr(phase, "doubled", lambda least, wanted: np.full(len(wanted), least))
+    monkeypatch.setattr(phase, "step_counts", lambda where, *_: np.full(len(where), SAMPLES))
     found = evaluate("phase", unstable)
     assert list(found.problems) == [1]
     assert found.values["class"][1] == NO_VALUE

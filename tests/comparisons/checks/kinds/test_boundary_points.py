@@ -19,7 +19,7 @@ from mbcheck.comparisons.engines.variants.catalogue import Misread
 from mbcheck.reference import get_scene
 from mbcheck.reference.parameters import BoundarySearch
 from mbcheck.reference.scene import Case
-from mbcheck.reference.speed_regulator.homoclinic import homoclinic_limit
+from mbcheck.reference.speed_regulator.theory import least_torque
 from mbcheck.tests.support.engines.solved import Single, Solved
 
 HOOP = get_scene("hula_hoop").case("loss_of_symmetry_5hz")
@@ -124,8 +124,7 @@ def test_least_torques_are_those_of_the_homoclinic_orbit(name: str, order: int) 
     results = found(REGULATOR, scheme(name, order))
     assert {item.verdict for item in results.values()} == {"pass"}
     assert "steps along it; halving divides the shift by" in results["boundary"].reason
-    limit = homoclinic_limit(REGULATOR.parameters)
-    assert limit is not None
+    limit = least_torque(REGULATOR.parameters)
     assert results["extrapolated"].reference == pytest.approx(limit.torque, rel=4e-7)
     assert results["extrapolated"].value == pytest.approx(limit.torque, rel=1e-6)
 
