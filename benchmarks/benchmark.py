@@ -5,8 +5,6 @@
    suite's right-hand side and once with one of plain floats, the fastest that Python allows.
 2. An engine through `mbcheck.comparisons.engines.protocol.run` (container, model building, guard,
    100 samples) against the engine's own step loop on a model that is built already.
-3. MuJoCo's `simulate_many` on one thread against `run` of each case: points of a map, 9 rows of
-   each point with other starts, over one period; the first time, and once models are kept.
 
 Times are CPU times of this process. What is compared runs in turn, and each turn gives one
 ratio; printed are the median and the range.
@@ -16,10 +14,10 @@ from __future__ import annotations
 
 import argparse
 import math
-import os
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from functools import partial
+from importlib.util import find_spec
 from itertools import product
 from time import process_time
 from typing import Any
@@ -33,12 +31,10 @@ from scipy.integrate import solve_ivp
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.exudyn.engine import EXPLICIT, place_initial, quiet
 from mbcheck.comparisons.engines.mujoco.engine import Order
-from mbcheck.comparisons.engines.mujoco.runs import THREADS
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.engines.run import contained, run, run_many
-from mbcheck.comparisons.engines.setup import Setup
-from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
+from mbcheck.comparisons.engines.run import contained
+from mbcheck.comparisons.engines.setup import Setup, run
 from mbcheck.reference.errors import EngineUnavailableError
 from mbcheck.reference.hula_hoop.equations import SCENE, HulaHoop
 from mbcheck.reference.scene import Case
@@ -247,44 +243,6 @@ def engine_table(counts: tuple[int, ...], turns: int) -> Table:
     return table
 
 
-# --- many runs
-
-
-class OneByOne(MujocoAdapter):
-    """MuJoCo that runs cases one after the other."""
-
-    simulate_many = Adapter.simulate_many
-
-
-def many_table(counts: tuple[int, ...], turns: int) -> Table:
-    """Run part 3."""
-    table = Table(title="runs one by one / together, mujoco tree RK4")
-    for heading in ("points", "steps", "first", "again"):
-        table.add_column(heading, justify="right", no_wrap=True)
-    os.environ[THREADS] = "1"
-    for count, steps in product(counts, (64, 1024)):
-        frequencies = np.repeat(np.linspace(2.5, 4.0, count), 9)
-        cases = [
-            Case("hula_hoop", "", HulaHoop().replace(force_frequency=float(f)), {"theta": i / 9e3})
-            for i, f in enumerate(frequencies)
-        ]
-        lengths = 1 / (frequencies * steps)
-        times = lengths[:, None] * steps
-        pairs = []
-        for _ in range(turns):
-            engine = MujocoAdapter()
-            method = next(item for item in engine.methods if item.name == "RK4")
-            alone, first, again = (
-                cpu_time(
-                    partial(run_many, Setup(each, cases[0], "tree", method), cases, lengths, times)
-                )
-                for each in (OneByOne(), engine, engine)
-            )
-            pairs.append((alone / first, alone / again))
-        table.add_row(str(count), str(steps), *map(spread, np.transpose(pairs)))
-    return table
-
-
 def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
@@ -294,11 +252,9 @@ def main() -> None:
     if quick:
         console.print(reference_table((1024,), sampled=6, turns=2))
         console.print(engine_table((10_000,), turns=3))
-        console.print(many_table((16,), turns=2))
     else:
         console.print(reference_table((1024, 4096), sampled=32, turns=5))
         console.print(engine_table((10_000, 100_000), turns=5))
-        console.print(many_table((16, 128), turns=3))
 
 
 if __name__ == "__main__":
