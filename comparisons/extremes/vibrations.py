@@ -21,7 +21,7 @@ from ...reference.amplification import AMPLIFICATION, DEFECT, GROWTH, first_orde
 from ...reference.differences import by_complex_step
 from ...reference.errors import EngineError
 from ...reference.scene import Array, Case
-from ..checks.free_vibrations import START, Critical, Place, critical, places, step_limit
+from ..checks.free_vibrations import START, Critical, Place, critical, places
 from ..engines.setup import Setup
 from ..scenes.extremes import FreeVibration
 
