@@ -125,6 +125,16 @@ Result = TypedDict(
                 means("where a deviation comes from, if one mistake alone explains it; else null"),
             ]
         ],
+        "noticed_by": NotRequired[
+            Annotated[
+                list[str],
+                means(
+                    "who notices a deviation, a failure or a refusal: `engine`, the engine itself "
+                    "or its adapter; `guard`, what mbcheck asks of every run; `rule:NAME`, a rule "
+                    "known before the run; `halving`, a run with half the step; `reference`"
+                ),
+            ]
+        ],
     },
 )
 

@@ -1,1 +1,0 @@
-"""How far engines can be pushed, and who notices when they break."""
