@@ -156,9 +156,7 @@ def extended(matrix: Array, value: float) -> Array:
     return larger
 
 
-def stable_step(
-    setup: Setup, horizon: float, among: Sequence[Place] | None = None
-) -> Limit | None:
+def stable_step(setup: Setup, horizon: float, among: Sequence[Place] | None = None) -> Limit | None:
     """Return the largest step that keeps free vibrations bounded over a horizon [s], if any.
 
     About the places ``among``, by default those of `places`.

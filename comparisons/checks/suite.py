@@ -174,9 +174,7 @@ class Task(ABC):
         """Return an error for each quantity, where foreign code raised it, and who noticed."""
         where = excerpt(traceback) or None
         return [
-            Result(
-                self.subject, name, "error", reason, traceback=where, noticed_by=noticed_by
-            )
+            Result(self.subject, name, "error", reason, traceback=where, noticed_by=noticed_by)
             for name in self.quantities
         ]
 

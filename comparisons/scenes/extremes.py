@@ -246,10 +246,10 @@ def parameter_runs(best: Setup, extreme: Extreme) -> Iterator[Setup]:
         steps = {"": setup.default_step, "_kept_step": setup.with_case(usual).default_step}
         if steps[""] == steps["_kept_step"]:
             del steps["_kept_step"]
-        for kept, step in steps.items():
+        for suffix, step in steps.items():
             longest = MOST_STEPS.get(setup.integrator.order, 2048) * step
-            most = max(min(horizon, longest), USUAL_STEPS * step if kept else FEWEST * step)
-            named = replace(case, name=case.name + kept, horizon=most)
+            most = max(min(horizon, longest), USUAL_STEPS * step if suffix else FEWEST * step)
+            named = replace(case, name=case.name + suffix, horizon=most)
             yield setup.with_case(named).with_step(step)
 
 
@@ -330,7 +330,7 @@ def is_followed(setup: Setup) -> bool:
 
 
 def prepared(setup: Setup, motion: LongMotion, periods: int, full: bool) -> Setup:
-    """Return a motion with its start, its coarse step, and its horizon, cut where it is too dear."""
+    """Return a motion with its start, its coarse step and its horizon, cut where it is dear."""
     case, step = setup.case, coarse_step(setup)
     period = shortest_period(case)
     if motion.kind == FREE:

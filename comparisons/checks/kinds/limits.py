@@ -254,7 +254,9 @@ class Vibration:
 
         def observe(states: Any) -> Any:
             values = equations.scene.observe(states, equations.parameters)
-            return np.array([np.broadcast_to(values[name], states.shape[1:]) for name in self.names])
+            return np.array(
+                [np.broadcast_to(values[name], states.shape[1:]) for name in self.names]
+            )
 
         rest, slopes = by_complex_step(observe, self.at.state)
         matrix = first_order(self.at.matrices)[np.ix_(self.rows, self.rows)]

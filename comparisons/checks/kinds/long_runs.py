@@ -80,13 +80,13 @@ class LongRun:
 
     def drifts_of(self, trajectory: Trajectory) -> Drifts:
         """Return the drifts of a trajectory, and how far loops were open."""
-        found = self.drifts(trajectory)
+        by_name = self.drifts(trajectory)
         length = shortest_length(self.setup.case.parameters)
-        if closes_exactly(self.setup):
+        if has_rigid_loops(self.setup):
             for name, unit in zip(VIOLATIONS, (1.0, 2 * np.pi / self.period), strict=True):
                 opening = float(np.max(np.abs(trajectory.values[name])))
-                found[name] = opening, VIOLATION * length * unit
-        return found
+                by_name[name] = opening, VIOLATION * length * unit
+        return by_name
 
 
 def conserves(setup: Setup) -> bool:
@@ -94,7 +94,7 @@ def conserves(setup: Setup) -> bool:
     return bool(setup.scene.discretisation_coordinates) or not setup.has_soft_closure
 
 
-def closes_exactly(setup: Setup) -> bool:
+def has_rigid_loops(setup: Setup) -> bool:
     """Return whether the model closes loops by constraints that do not give way."""
     return setup.has_constraints and conserves(setup)
 
@@ -111,7 +111,7 @@ def quantities(setup: Setup) -> tuple[str, ...]:
     names = followed(setup)
     drifting = [f"{name}_drift" for name in names if conserves(setup)]
     lost = [f"{name}_lost" for name in names if name in MOST_LOST]
-    return (*drifting, *lost, *(VIOLATIONS if closes_exactly(setup) else ()), "clock")
+    return (*drifting, *lost, *(VIOLATIONS if has_rigid_loops(setup) else ()), "clock")
 
 
 def measure(setup: Setup) -> list[Finding | Inconclusive]:
@@ -126,9 +126,10 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     for name, (drift, floor) in first.items():
         other = second.get(name, (np.inf, 0.0))[0]
         reason = f"{name} {drift:.3g} {span}, {other:.3g} with half of it"
-        tolerance = RICHARDSON_SAFETY * gain / (gain - 1) * abs(drift - other) + floor
+        left, left_by_half = (in_logarithms(name, one) for one in (drift, other))
+        tolerance = RICHARDSON_SAFETY * gain / (gain - 1) * abs(left - left_by_half) + floor
         quantity = name if name in VIOLATIONS else f"{name}_drift"
-        findings.append(Finding(quantity, "1", drift, 0.0, abs(drift), tolerance, reason))
+        findings.append(Finding(quantity, "1", left, 0.0, abs(left), tolerance, reason))
         if name in MOST_LOST:
             lost, most = max(abs(drift), abs(other)), MOST_LOST[name]
             findings.append(Finding(f"{name}_lost", "1", lost, 0.0, lost, most, reason))
@@ -142,6 +143,11 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     asked = {one.quantity: replace(one, noticed_by=noticed) for one in findings}
     gone = "less is left of the motion than it is distorted by"
     return [asked.get(name, Inconclusive(name, gone)) for name in quantities(setup)]
+
+
+def in_logarithms(name: str, drift: float) -> float:
+    """Return a drift in a measure that goes with the rate of loss: of an energy, ln(1 + drift)."""
+    return float(np.log1p(max(drift, -1 + EPS))) if name == "energy" else drift
 
 
 # Free vibrations ----------------------------------------------------------------------------
@@ -231,7 +237,7 @@ def free_vibration(setup: Setup) -> LongRun:
     begin = np.arange(1, count + 1, max(1, count // WINDOW))
     samples = np.concatenate([begin, int(setup.case.horizon / step) - begin[::-1] + 1])
     angle = mode.omega * samples * step
-    turned = np.exp(-1j * angle)
+    rotation = np.exp(-1j * angle)
     tolerance = 0.0 if setup.integrator.scheme else setup.engine.newton_tolerance
     noise = rounding(int(samples[-1]), 1.0)
     noise += tolerance * setup.case.horizon / period / mode.amplitude
@@ -241,11 +247,11 @@ def free_vibration(setup: Setup) -> LongRun:
         amplitudes = mode.amplitudes(trajectory.matrix(setup.scene.state_names))
         first, last = np.split(amplitudes, 2)
         left = float(np.mean(np.abs(last) ** 2) / np.mean(np.abs(first) ** 2))
-        before, after = (np.mean(part) for part in np.split(amplitudes * turned, 2))
-        found = {"energy": (left - 1, noise + mode.amplitude + bend)}
+        before, after = (np.mean(part) for part in np.split(amplitudes * rotation, 2))
+        by_name = {"energy": (left - 1, noise + mode.amplitude + bend)}
         if np.sqrt(left) > noise + mode.amplitude:
-            found["phase"] = float(np.angle(after / before)), noise + bend
-        return found
+            by_name["phase"] = float(np.angle(after / before)), noise + bend
+        return by_name
 
     return LongRun(setup, period, samples, drifts)
 
@@ -266,15 +272,15 @@ def conservative(setup: Setup) -> LongRun:
     samples = np.union1d(marks(end, step, WINDOW), marks(case.horizon, step, MARKS))
 
     def drifts(trajectory: Trajectory) -> Drifts:
-        found = {}
+        by_name = {}
         for name, drift in invariant_drifts(
             equations, case, trajectory.times, trajectory.values
         ).items():
             if name in followed(setup):
                 first, *_, last = np.array_split(drift, 8)
                 wave = float(np.max(np.abs(first - np.mean(first))))
-                found[name] = float(np.mean(last)), wave + rounding(int(samples[-1]), 1.0)
-        return found
+                by_name[name] = float(np.mean(last)), wave + rounding(int(samples[-1]), 1.0)
+        return by_name
 
     return LongRun(setup, shortest_period(case), samples, drifts)
 

@@ -138,7 +138,7 @@ def measure(setup: Setup) -> list[Finding]:
     span = float(run.times[-1] - case.start_time)
     if not setup.is_exact and span <= longest_horizon(setup.equations, case):
         model = run.solution(setup.equations)
-    return [judged(run, values, right, model)]
+    return [compare_run(run, values, right, model)]
 
 
 def builds(setup: Setup) -> bool:
@@ -153,7 +153,7 @@ def builds(setup: Setup) -> bool:
     return True
 
 
-def judged(run: Sampled, values: Array, exact: Truth, model: Truth) -> Finding:
+def compare_run(run: Sampled, values: Array, exact: Truth, model: Truth) -> Finding:
     """Compare a run with the reference, the model's own solution, and runs with halved steps."""
     setup, names = run.setup, run.setup.observables
     size = sizes(names, exact)
@@ -166,7 +166,8 @@ def judged(run: Sampled, values: Array, exact: Truth, model: Truth) -> Finding:
             failure = f"with h/{division} the engine fails ({error.kind})"
             break
     changes = [relative((a - b)[~opening], size[~opening]) for a, b in pairwise(runs)]
-    room = rounding(int(run.samples[-1]), growth(run, exact))
+    errors_grow = growth(run, exact)
+    room = rounding(int(run.samples[-1]), errors_grow)
     order = setup.integrator.order
     halving = failure or halving_shows(changes, order, max(FLOOR, 10 * room))
     if setup.scheme:
@@ -191,8 +192,9 @@ def judged(run: Sampled, values: Array, exact: Truth, model: Truth) -> Finding:
     most = float(largest(away)[worst] / size[worst])
     tolerance = float(allowed[worst] / size[worst]) if predicted < LOST else 0.0
     reason = (
-        f"error {error:.2g}, predicted {predicted:.2g}, of {names[worst]} beside its tolerance the "
-        f"largest; {halving or f'halving the step shows {changes[0]:.1g}, as it should'}"
+        f"error {error:.2g}, predicted {predicted:.2g}, the largest beside its tolerance that of "
+        f"{names[worst]}; {halving or f'halving the step shows {changes[0]:.1g}, as it should'}; "
+        f"errors of the start grow by {errors_grow:.3g}"
     )
     rules = noticing_rules(setup, setup.case.horizon) if not most <= tolerance else ()
     noticed = (*rules, *((HALVING,) if halving else ()), REFERENCE)

@@ -1,0 +1,1 @@
+"""The verb `extremes`: where engines break, and who notices, from results of checks."""
