@@ -26,7 +26,7 @@ LARGEST = {"modules": 12, "lines": 500, "fields": 15, "parameters": 6}
 DOWN = ("cli", "", "terminal", "reports", "scenes", "queries", "checks", "engines", "documents")
 """Folders of `comparisons` from the highest layer down; features, all others, stand for ""."""
 
-BESIDE = {("papers", "maps"), ("check", "papers")}
+BESIDE = {("papers", "maps"), ("check", "papers"), ("tradeoff", "inspect")}
 """Features that import another feature: (importer, what it imports)."""
 
 # fmt: off
