@@ -27,8 +27,7 @@ from ..checks.truth import Truth, roundoff_reference, truth
 from ..engines.adapter import Adapter
 from ..engines.equations import scene_equations
 from ..engines.registry import REFERENCE, get_engine
-from ..engines.run import run
-from ..engines.setup import Setup, power_of_two
+from ..engines.setup import Setup, power_of_two, run
 from ..scenes.data import scene_data
 from ..scenes.tradeoff import STEP as PAIR_STEP
 from ..scenes.tradeoff import (

@@ -24,8 +24,8 @@ from ..checks.tolerances import rounding
 from ..checks.truth import Truth, permitted_horizon, roundoff_reference
 from ..engines.equations import ModelEquations, scene_equations
 from ..engines.registry import get_engine
-from ..engines.run import Trajectory, run
-from ..engines.setup import Setup, power_of_two, shortest_period
+from ..engines.run import Trajectory
+from ..engines.setup import Setup, power_of_two, run, shortest_period
 from ..scenes.tradeoff import relative_error
 from .table import (
     MODEL,

@@ -12,8 +12,7 @@ import pytest
 from mbcheck.comparisons.checks.kinds.elements import exact, of_engine
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.engines.run import run
-from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.setup import Setup, run
 from mbcheck.comparisons.engines.variants.catalogue import Misread
 from mbcheck.comparisons.scenes.hula_hoop.tradeoff import LEFT_OUT as OF_HOOP
 from mbcheck.comparisons.scenes.rotating_beam.tradeoff import CONTINUUM, KINDS

@@ -17,7 +17,7 @@ from mbcheck.comparisons.cli.group import program
 from mbcheck.comparisons.engines import registry as engines
 from mbcheck.comparisons.engines.equations import scene_equations
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.engines.run import run
+from mbcheck.comparisons.engines.setup import run
 from mbcheck.comparisons.scenes.tradeoff import relative_error
 from mbcheck.comparisons.tradeoff.report import Tradeoff, choose, tradeoff
 from mbcheck.comparisons.tradeoff.sweep import (
