@@ -37,7 +37,6 @@ ALLOWED: Mapping[str, Mapping[str, str]] = {
     },
     "private_words": {
         "comparisons/judge/judge.py::judged": DOCUMENT,
-        "comparisons/tradeoff/closures.py::knob": DOCUMENT,
     },
     "patched_constants": {
         "tests/comparisons/engines/test_isolation.py::STATM": "stands for other platforms",
