@@ -122,7 +122,7 @@ class Exudyn(Engine):
         self.exudyn = import_library("exudyn", cure)
         self.version = str(self.exudyn.__version__)
         refuse_older(self.name, self.version, LEAST_VERSION)
-        self.kept: dict[bool, tuple[Any, Probe]] = {}
+        self.probes: dict[bool, tuple[Any, Probe]] = {}
 
     def models(self, scene: str) -> tuple[str, ...]:
         """Return the names of the Exudyn models of a scene, default first."""
@@ -291,8 +291,8 @@ class Exudyn(Engine):
             raise Unsupported(f"differences of {model} leave few digits of K beside weights")
         state = np.append(system.positions, system.velocities)
         with quiet(self.exudyn):
-            turned = in_hub_frame(case, float(system.positions[0]))
-            probe = self.probe(turned, model, bodies=True)
+            hub_case = in_hub_frame(case, float(system.positions[0]))
+            probe = self.probe(hub_case, model, bodies=True)
             if probe.system.turning is not None:
                 return probe.rotating(float(system.velocities[0]))
         with self.opened(case, model) as built:
@@ -351,12 +351,15 @@ class Exudyn(Engine):
         if bodies:
             case = replace(case, parameters=source.bodies(case.parameters))
         key = case.scene, model, case.parameters, case.placement, source
-        if bodies not in self.kept or self.kept[bodies][0] != key:
-            if bodies in self.kept:
-                self.kept.pop(bodies)[1].system.container.Reset()
+        if bodies not in self.probes or self.probes[bodies][0] != key:
+            if bodies in self.probes:
+                self.probes.pop(bodies)[1].system.container.Reset()
             built = self.system(case, model)
-            self.kept[bodies] = key, Probe(self.exudyn, built, self.settings(IMPLICIT[0], 0.0, 1.0))
-        return self.kept[bodies][1]
+            self.probes[bodies] = (
+                key,
+                Probe(self.exudyn, built, self.settings(IMPLICIT[0], 0.0, 1.0)),
+            )
+        return self.probes[bodies][1]
 
     def solver(self, method: Method) -> Any:
         """Return a new solver of Exudyn for a method."""
