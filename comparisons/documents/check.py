@@ -125,6 +125,16 @@ Result = TypedDict(
                 means("where a deviation comes from, if one mistake alone explains it; else null"),
             ]
         ],
+        "noticed_by": NotRequired[
+            Annotated[
+                list[str],
+                means(
+                    "who notices a deviation, a failure or a refusal: `engine`, the engine itself "
+                    "or its adapter; `guard`, what mbcheck asks of every run; `rule:NAME`, a rule "
+                    "known before the run; `halving`, a run with half the step; `reference`"
+                ),
+            ]
+        ],
     },
 )
 
@@ -177,6 +187,7 @@ Selection = TypedDict(
         "full": Annotated[bool, means("whether what the default set leaves out was included")],
         "quick": Annotated[bool, means("where all but a quick answer was left out")],
         "placement": Annotated[str, means("how models were placed in the world, if told")],
+        "extremes": Annotated[bool, means("where engines are checked at extremes only")],
         "source": Annotated[Literal["validation"], means("where papers are checked, not engines")],
         "parameters": Annotated[
             Parameters, means("of a run at a user's own: those that differ from the defaults")

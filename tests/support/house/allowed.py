@@ -27,7 +27,7 @@ ALLOWED: Mapping[str, Mapping[str, str]] = {
         "comparisons/engines/run.py::call_engine": FOREIGN,
         "comparisons/engines/run.py::traceback_of": FOREIGN,
         "comparisons/engines/variants/mujoco_probes.py::transition_matrix": FOREIGN,
-        "comparisons/extremes/judge.py::builds": FOREIGN,
+        "comparisons/checks/kinds/pushed.py::builds": FOREIGN,
         "comparisons/inspect/mujoco/model.py::Loaded.compiled": "MuJoCo refuses in several ways",
         "comparisons/inspect/mujoco/model.py::load": "MuJoCo refuses in several ways",
         "comparisons/papers/assess.py::attempt": "runs engines and matplotlib",
