@@ -138,7 +138,7 @@ class StepSeries:
         """All of it in words."""
         return f"{self.scene} {self.engine} {self.setting}"
 
-    def chosen(self, target: float, **values: Any) -> Choice:
+    def choice(self, target: float, **values: Any) -> Choice:
         """Return a choice from this series."""
         names = ("scene", "case", "engine", "model", "method", "settings", "axis", "unit")
         own = {name: getattr(self, name) for name in (*names, "quantity")}
