@@ -183,12 +183,13 @@ def check_verb(
     refuse_conflicts(*files)
     from ..checks import known
     from ..checks.execution import Execution
+    from ..checks.request import CheckRequest
     from ..engines.registry import in_this_process
     from ..reports.run import github
     from ..reports.run.console import print_report
     from ..reports.run.junit import junit
     from ..reports.run.markdown import run_summary
-    from .request import CheckRequest
+    from .request import plan_checks
 
     execution = Execution(**{name: options.pop(name) for name in EXECUTION})
     lent = in_this_process(options["engines"]) if in_process else nullcontext(options["engines"])
@@ -198,7 +199,7 @@ def check_verb(
             execution.limited(),
             budgeted(budget, "reference"),  # which finds out whether it can judge a user's case
         ):
-            plan = request.plan()
+            plan = plan_checks(request)
         outcome = checked(plan, execution, bar=not quiet)
     if json_file:
         json_file.write(json_text(outcome.as_json()))

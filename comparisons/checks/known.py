@@ -41,16 +41,17 @@ class Entry:
     Attributes
     ----------
     number : int
-        Its place among the entries, from 1.
+        its place in the file
     line : int or None
-        Of the file, from 1; None where the entries are not written as ``[[known]]``.
+        where it begins; null if not written as `[[known]]`
     id : str
-        Shell pattern for ids, as `mbcheck check --id` takes it.
+        pattern for ids
     reason : str
+        as the user gave it
     verdict : {"deviation", "error"}
-        What it covers.
+        what it covers
     max_error : float or None
-        Largest error that it covers, in the unit of the result.
+        largest error that it covers, in the unit of a result; null for any
     """
 
     number: int
@@ -79,12 +80,13 @@ class Use:
     Attributes
     ----------
     entry : Entry
+        as the file has it
     results : int
-        Number of results that are `known` because of it.
+        how many are known because of it
     state : {"used", "stale", "open"}
-        ``open``: this run cannot tell.
+        `stale`: of no use any more; `open`: this run cannot tell
     why : str
-        Of an entry that is not used.
+        why it is not used; empty if it is
     """
 
     entry: Entry

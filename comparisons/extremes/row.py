@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from ...reference.errors import EngineError
 from ..checks.rules.cautions import cautions
+from ..documents.fields import NULLABLE, Number
 from ..engines.setup import Setup
 
 SECTIONS = ("limits", "parameters", "starts", "long", "failures")
@@ -48,26 +49,30 @@ class Row:
     Attributes
     ----------
     section : str
-        One of `SECTIONS`.
-    scene, name, engine, model : str
-        ``name`` tells within its section and scene what was tried.
+        part of the table
+    name : str
+        what was tried
     method : str or None
+        integrator; null if the task died
     step : float or None
-        [s]
+        step [s]
     changed : mapping of str to float or str
-        Parameters, initial values and settings that provoke it, by name (SI).
-    outcome : str
-        One of `OUTCOMES`.
+        parameters, initial values and settings that provoke it [SI]
+    outcome : {"right", "wrong", "failed", "refused", "skipped"}
+        what came of it
     noticed_by : tuple of str
-        All who notice, in the order above; empty where the result is right.
-    error, predicted : float or None
-        Relative to the size of the quantities, the largest; predicted is what the method's
-        order, step and the model's equations leave. In *long* they are the drift of the energy,
-        relative, or where none is followed of the phase [rad].
+        all who notice: `engine`, `guard`, `rule:<name>`, `halving`, `reference`; empty if it is
+        right
+    error : float or None
+        relative, the largest of all observables [1]; in *long* the relative drift of the energy, or
+        the phase [rad]; null if there is none
+    predicted : float or None
+        what the method and the model leave of it, likewise
     reason : str
-        In one sentence, with the numbers that it comes from.
+        one sentence, with its numbers
     values : mapping of str to float
-        The section's own numbers: ``h_omega``, ``theory``, drifts, ...
+        the section's own numbers: `h_omega`; `borne`, the longest step that was borne; drifts with
+        `_predicted` and `_slack`; `asked` periods; `reference_bound`; ...
     """
 
     section: str
@@ -76,14 +81,14 @@ class Row:
     engine: str
     model: str
     method: str | None = None
-    step: float | None = None
-    changed: Mapping[str, float | str] = field(default_factory=dict)
+    step: Annotated[float | None, NULLABLE] = None
+    changed: Mapping[str, Number | str] = field(default_factory=dict)
     outcome: str = FAILED
     noticed_by: tuple[str, ...] = ()
-    error: float | None = None
-    predicted: float | None = None
+    error: Annotated[float | None, NULLABLE] = None
+    predicted: Annotated[float | None, NULLABLE] = None
     reason: str = ""
-    values: Mapping[str, float] = field(default_factory=dict)
+    values: Mapping[str, Number] = field(default_factory=dict)
 
     @classmethod
     def of(cls, section: str, name: str, setup: Setup, **filled: Any) -> Row:

@@ -10,6 +10,7 @@ from typing import Any
 
 from ...reference.errors import EngineError, UnknownNameError
 from ..documents import document
+from ..documents.fields import HIDDEN, documented
 from ..engines.isolation import MEMORY, isolated
 from ..engines.registry import resolve_selection
 from ..queries.environment import versions
@@ -72,14 +73,15 @@ class Extremes:
     tasks : list of Task
     engines : tuple of str
     full : bool
+        whether `--full` was given
     rows_of : dict of int to list of Row
         By place of the task.
     """
 
-    tasks: list[Provocation]
-    engines: tuple[str, ...]
+    tasks: list[Provocation] = field(metadata=HIDDEN)
+    engines: tuple[str, ...] = field(metadata=HIDDEN)
     full: bool
-    rows_of: dict[int, list[Row]] = field(default_factory=dict)
+    rows_of: dict[int, list[Row]] = field(default_factory=dict, metadata=HIDDEN)
 
     @classmethod
     def asked(
@@ -102,13 +104,21 @@ class Extremes:
             yield len(self.rows_of), len(calls), f"{task.section} {task.scene} {task.name}"
 
     @property
+    @documented
+    def versions(self) -> dict[str, str]:
+        """Versions of mbcheck, numpy, scipy and of the engines that took part, by name."""
+        return versions(self.engines)
+
+    @property
+    @documented
     def rows(self) -> list[Row]:
-        """The rows that there are, in the order of the tasks."""
+        """In the order of sections, scenes and tasks."""
         return [row for place in sorted(self.rows_of) for row in self.rows_of[place]]
 
     @property
+    @documented
     def summary(self) -> dict[str, int]:
-        """Number of rows by outcome."""
+        """Number of rows by outcome: right, wrong, failed, refused, skipped."""
         counts = Counter(row.outcome for row in self.rows)
         return {outcome: counts[outcome] for outcome in OUTCOMES}
 
@@ -119,8 +129,7 @@ class Extremes:
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``extremes`` document of docs/json.md."""
-        parts = {"summary": self.summary, "rows": self.rows}
-        return document("extremes", self, versions=versions(self.engines), **parts)
+        return document("extremes", self)
 
 
 def lost(task: Provocation, error: EngineError) -> Row:

@@ -83,18 +83,14 @@ class Inspection(InspectedModel):
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``inspect`` document of docs/json.md."""
-        facts, step = self.facts, self.facts.options.timestep
         return document(
             "inspect",
-            facts,
+            self.facts,
             file=self.file,
             files=self.files,
             summary=self.summary,
             states=[self.state_document(view) for view in self.views],
-            steps=[
-                {**vars(one), "chosen": one.of_file, "ratio": one.share_of(step)}
-                for one in self.steps
-            ],
+            steps=self.steps,
             shortest_period=self.shortest_period,
             closures=self.closures,
             findings=self.findings,

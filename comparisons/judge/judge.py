@@ -17,9 +17,10 @@ from ...reference.scene import Case, Scene
 from ..checks.tolerances import rounding
 from ..checks.verdict import PROFILES, Finding, Result, Series, Subject, Verdict, judge
 from ..documents import document
+from ..documents.fields import documented
 from ..queries.environment import versions
 from ..queries.query import as_float, changed, initial_values
-from ..reports.run.outcome import Report, json_result
+from ..reports.run.outcome import Report, with_lost_numbers
 from ..reports.run.results import summary
 from ..reports.words import with_unit
 from .comparison import Comparison, compare, refuse_outside
@@ -43,15 +44,22 @@ class LargestError:
 
     Attributes
     ----------
-    quantity, unit : str
+    quantity : str
+        observable
+    unit : str
+        of the numbers but `time` and `relative`
     time : float
-        Where it is most [s].
-    value, reference, error : float
-        There.
+        where the error is largest [s]
+    value : float
+        of the file, there
+    reference : float
+        true value, there
+    error : float
+        largest error
     size : float
-        Largest value of the reference over the run; 1 where it stays 0.
+        largest value of the reference; 1 where that stays 0
     bound : float
-        On the error of the reference.
+        on the reference's own error
     """
 
     quantity: str
@@ -64,8 +72,9 @@ class LargestError:
     bound: float
 
     @property
+    @documented
     def relative(self) -> float:
-        """The error in the quantity's size."""
+        """`error` / `size` [1]."""
         return self.error / self.size
 
 
@@ -75,33 +84,37 @@ class Judgement:
 
     Attributes
     ----------
-    scene, case : str
-        ``user`` where parameters or the initial state are not the case's.
+    case : str
+        its name; `user` if `--set` or `--state` change it
     file : str
-    parameters, state : mapping
-        All parameters; initial values that are not 0.
+        name of the file, without folder and ending
+    state : mapping of str to float
+        initial values that are not 0, at `start_time` [SI]
     start_time : float
-        Of the case [s].
-    samples, judged : int
-        How many there are, and how many, from the first, could be judged.
+        time at which the case begins [s]
+    samples : int
+        rows of the file
+    judged : int
+        rows, from the first, that could be judged
     until : float
-        Time of the last that was [s].
+        time of the last of these [s]
     growth : float
-        Of an initial error until then.
-    tolerance : mapping
-        ``relative``, or ``order`` and ``step``; empty where none was given.
+        of an initial error until then [1]
+    tolerance : mapping of str to float
+        what tolerances follow from: `relative`, the share of each observable's size [1], or `order`
+        and `step` [s] of the method; empty where nothing was to be judged
     errors : tuple of LargestError
+        one for each column that was compared; none of one that is not finite
     notes : tuple of str
-        What was seen beside the numbers: columns left out, what looks like a slip of units, ...
+        what was seen beside the numbers: columns that were not compared, what looks like a slip
     results : tuple of Result
-        Verdicts; empty without a tolerance.
-    versions : mapping of str to str
+        as in `check`, `model` being `file` and `engine` the file's name; none without a tolerance
     """
 
     scene: str
     case: str
     file: str
-    parameters: Mapping[str, Any]
+    parameters: Mapping[str, float | str]
     state: Mapping[str, float]
     start_time: float
     samples: int
@@ -115,8 +128,9 @@ class Judgement:
     versions: Mapping[str, str]
 
     @property
+    @documented
     def summary(self) -> dict[str, int]:
-        """Number of results by verdict, and their ``total``."""
+        """Number of results by verdict, and their `total`."""
         return summary(self.results)
 
     @property
@@ -126,9 +140,7 @@ class Judgement:
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``judge`` document of docs/json.md."""
-        results = [json_result(result) for result in self.results]
-        errors = [{**vars(error), "relative": error.relative} for error in self.errors]
-        return document("judge", self, summary=self.summary, errors=errors, results=results)
+        return document("judge", self, results=list(map(with_lost_numbers, self.results)))
 
 
 def judge_trajectory(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 import numpy as np
@@ -31,6 +31,9 @@ from ..terminal.program import (
     refuse_picture,
     to_stdout,
 )
+
+if TYPE_CHECKING:
+    from .compare import MapComparison
 
 AXIS = "A parameter, or what mbcheck list SCENE names beside them: N values from LO to HI."
 
@@ -211,38 +214,36 @@ def compare_maps(
     if json_file:
         json_file.write(json_text(result.as_json()))
     if not to_stdout(json_file):
-        print_comparison(console(), result.as_json())
+        print_comparison(console(), result)
 
 
-def print_comparison(console: Any, result: Any) -> None:
-    """Print a comparison as `Comparison.as_json` tells it."""
+def print_comparison(console: Any, result: MapComparison) -> None:
+    """Print how far two maps agree."""
     from ..reports.text import print_line, print_table
     from ..reports.words import number
 
     print_line(
-        console,
-        f"{result['variable']}: {' against '.join(result['maps'])}, {result['points']} points",
+        console, f"{result.variable}: {' against '.join(result.maps)}, {result.points} points"
     )
-    if "confusion" not in result:
+    if off := result.difference:
         print_line(
             console,
-            f"largest difference {number(result['largest_difference'])} {result['unit']} "
-            f"({number(result['relative_difference'], 2)} of the largest value), median "
-            f"{number(result['median_difference'])}",
+            f"largest difference {number(off.largest)} {result.unit} "
+            f"({number(result.relative_difference, 2)} of the largest value), median "
+            f"{number(off.median)}",
         )
+    offset = result.boundary_offset_cells
+    if result.agreement is None or offset is None:
         return
-    robust = result["robust_agreement"]
-    offset = result["boundary_offset_cells"]
-    if result["agreement"] is None:
-        return
-    print_line(console, f"agreement {result['agreement']:.2%}")
-    if robust is not None:
-        print_line(console, f"of the {result['robust_points']} robust points {robust:.2%}")
+    print_line(console, f"agreement {result.agreement:.2%}")
+    if result.robust_agreement is not None:
+        print_line(
+            console, f"of the {result.robust_points} robust points {result.robust_agreement:.2%}"
+        )
     print_line(
         console,
-        f"boundaries would have to move by {offset['median']:.1f} cells (median; largest "
-        f"{offset['largest']:.1f})",
+        f"boundaries would have to move by {offset.median:.1f} cells (median; largest "
+        f"{offset.largest:.1f})",
     )
-    classes = tuple(result["confusion"])
-    rows = [(name, *map(str, row.values())) for name, row in result["confusion"].items()]
-    print_table(console, (f"{result['maps'][0]} \\ {result['maps'][1]}", *classes), rows)
+    rows = [(name, *map(str, row.values())) for name, row in result.confusion.items()]
+    print_table(console, (f"{result.maps[0]} \\ {result.maps[1]}", *result.classes), rows)

@@ -32,18 +32,17 @@ class Frequencies(Origin):
 
     Attributes
     ----------
-    scene, engine, model : str
-    parameters : mapping of str to float or str
     undamped : bool
-        True if damping was left out.
+        whether damping was left out
     about : str
-        Name of the state of rest.
+        name of the state of rest, or of steady motion
     plane : str or None
-        In which a continuum vibrates.
+        `chordwise` or `flapwise` of a rotating beam; null for other scenes
     state : mapping of str to float
+        that state [SI]
     modes : tuple of Mode
-        Ascending in omega, zero modes listed; the reference's with bounds on their errors.
-    versions : mapping of str to str
+        ascending in omega, zero modes listed; a complex pair of eigenvalues is one mode. The lowest
+        `--count`: all by default, four of the reference's continuum
     """
 
     undamped: bool

@@ -224,12 +224,12 @@ def choose_method(engine: Adapter, case: Case, model: str, name: str | None) -> 
 
 @dataclass(frozen=True)
 class Origin:
-    """Of what a result is, by whom, and with which versions."""
+    """Scene, engine, model, parameters and versions of a result."""
 
     scene: str
     engine: str
     model: str
-    parameters: Mapping[str, Any]
+    parameters: Mapping[str, float | str]
     versions: Mapping[str, str]
 
 

@@ -23,53 +23,50 @@ from ..engines.equations import ModelEquations
 from ..engines.registry import REFERENCE
 from ..engines.run import VIOLATIONS, grid_indices, run
 from ..engines.setup import Setup
-from .query import Query, described, floats, seconds_of_a_step
+from .query import Origin, Query, described, floats, seconds_of_a_step
 from .times import RATIONAL, step_for, times_array
 
 VIOLATION_UNITS = dict(zip(VIOLATIONS, ("m", "m/s"), strict=True))
 
 
 @dataclass(frozen=True)
-class Simulation:
+class Simulation(Origin):
     """A trajectory, and all that is needed to repeat it.
 
     Attributes
     ----------
-    scene, engine, method, model : str
     step : float or None
-        Fixed step [s]; None for the reference, whose error control chooses its steps.
-    parameters : mapping of str to float or str
-        All of the scene's, SI units.
+        fixed step [s]; null for the reference, whose error control chooses its steps
     times : array (n_t,)
-        Sample times [s].
+        sample times [s], increasing
     observables : mapping of str to array (n_t,)
+        values at `times`: every state (coordinates and their `_dot`; the internal ones of a
+        continuum, which differ from model to model, only on request), what the scene always
+        observes, what `--observe` asked for, and `position_violation`, `velocity_violation` of an
+        engine's model that closes a loop; null from `lost_from` on
     units : mapping of str to str
-        Of the observables.
+        of the observables
     error_bound : mapping of str to float, or None
-        Bound on the error of each observable, the largest over the times before it is
-        lost; None for engines, which state none, and where all is lost.
+        bound on the error of each observable, in its unit, the largest over the times before
+        `lost_from`; null for an engine, which states none, and where all is lost
     work : mapping
-        ``steps``, ``rhs_evaluations`` (None if unknown), ``seconds``.
-    versions : mapping of str to str
+        what the run cost: `steps` that the engine counted; `rhs_evaluations` of the forces, null if
+        the engine does not count them; `seconds` of wall time
     cautions : tuple of Caution
-        What rules say of the run from its case, model, method and step alone; none of the
-        reference.
+        what rules say of the run from its case, model, method and step alone, also a warning on
+        standard error; empty for the reference
     lost_from : float or None
-        First sample time [s] from which nothing is known: the observables are NaN there.
+        first of the times [s] from which on nothing is known of the motion: what rounding and the
+        method leave open has grown to its size; null if there is none
     """
 
-    scene: str
-    engine: str
     method: str
-    model: str
     step: float | None
-    parameters: Mapping[str, Any]
     times: Array
     observables: Mapping[str, Array]
     units: Mapping[str, str]
     error_bound: Mapping[str, float] | None
     work: Mapping[str, float | None]
-    versions: Mapping[str, str]
     cautions: tuple[Caution, ...] = ()
     lost_from: float | None = None
 

@@ -80,7 +80,7 @@ def example_rotation(session: Session, engine: str = REFERENCE) -> Simulation:
 
 def second_harmonic(report: OrbitReport) -> float:
     """Return the amplitude u_1 of theta at twice the frequency of the force [rad]."""
-    return next(term.amplitude for term in report.harmonics["theta"][1] if term.order == 2)
+    return next(term.amplitude for term in report.harmonics["theta"].terms if term.order == 2)
 
 
 def approximate_states(name: str) -> Array:

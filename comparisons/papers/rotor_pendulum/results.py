@@ -82,7 +82,7 @@ def synchronous_orbit(
 
 def orbit_value(report: OrbitReport | None, quantity: str) -> float:
     """Return a quantity of an orbit, NaN without one."""
-    return np.nan if report is None else report.quantities[quantity][0]
+    return np.nan if report is None else report.quantities[quantity].value
 
 
 @dataclass(frozen=True)
