@@ -14,6 +14,8 @@ from dataclasses import dataclass
 from functools import wraps
 from typing import Annotated, Any, ParamSpec, TypeVar
 
+from ...reference.errors import UsageError
+
 P = ParamSpec("P")
 Request = TypeVar("Request")
 Outcome = TypeVar("Outcome")
@@ -58,6 +60,22 @@ class Option:
 
 JOBS = Option("N", ("-j", "--jobs"), least=1, default=os.cpu_count() or 1)
 """How many processes work."""
+
+
+def number(text: str, what: str) -> float:
+    """Return a number from the command line.
+
+    Raises
+    ------
+    UsageError
+        If it is none.
+    """
+    from ...reference.parameters import as_number
+
+    try:
+        return as_number(text)
+    except ValueError:
+        raise UsageError(f"{what} must be a number, not {text!r}") from None
 
 
 def documented(getter: Getter) -> Getter:

@@ -7,7 +7,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from ...reference.scene import Case, Scene
 from ..checks.tolerances import rounding
 from ..checks.verdict import PROFILES, Finding, Result, Series, Subject, Verdict, judge
 from ..documents import document
-from ..documents.fields import documented
+from ..documents.fields import Option, documented, takes_fields_of
 from ..queries.environment import versions
 from ..queries.query import as_float, changed, initial_values
 from ..reports.run.outcome import Report, with_lost_numbers
@@ -143,34 +143,47 @@ class Judgement:
         return document("judge", self, results=list(map(with_lost_numbers, self.results)))
 
 
-def judge_trajectory(
-    trajectory: Any,
-    case: str,
-    parameters: Mapping[str, Any] | None = None,
-    state: Mapping[str, float] | None = None,
-    tolerance: float | None = None,
-    order: int | None = None,
-    step: float | None = None,
-    profile: str = "default",
-) -> Judgement:
-    """Judge a trajectory that was computed elsewhere against the reference of its case.
+@dataclass(frozen=True)
+class JudgeRequest:
+    """A trajectory, what it is a run of, and how far it may be off.
 
-    Parameters
+    Attributes
     ----------
     trajectory : path of a file, or mapping of str to array (n_t,)
-        Columns by name, ``t`` [s] among them, see `recording.from_file`. Times need not lie on
-        any grid.
+        CSV with the columns t [s] and observables; in Python also columns by name. Times need not
+        lie on any grid.
     case : str
-        ``scene/case``.
-    parameters, state : mapping, optional
-        What differs from the case.
-    tolerance : float, optional
-        Largest error that passes, in the largest value of each observable's reference.
-    order : int, optional
-        In place of it: that of the method, with its ``step`` [s]. Granted is what a published
-        scheme of that order makes on the exact equations, times `METHOD_SPREAD`.
+        What it is a run of.
+    parameters : mapping of str to float or str
+        Change a parameter from its default, SI units.
+    state : mapping of str to float
+        Initial value, otherwise that of the case, SI units.
+    tolerance : float or None
+        Largest error, as a share of an observable's largest value.
+    order : int or None
+        Order of the method, from which tolerances follow with --step: what a published scheme of
+        that order makes on the exact equations, with a margin.
+    step : float or None
+        Fixed step [s].
     profile : {"strict", "default", "loose"}
         Scales every tolerance.
+    """
+
+    trajectory: Annotated[Any, Option("FILE", flags=())]
+    case: Annotated[str | None, Option("SCENE/CASE")] = None
+    parameters: Annotated[Mapping[str, Any] | None, Option("NAME=VALUE", ("--set",))] = None
+    state: Annotated[Mapping[str, float] | None, Option("NAME=VALUE")] = None
+    tolerance: Annotated[float | None, Option("X")] = None
+    order: Annotated[int | None, Option("P")] = None
+    step: Annotated[float | None, Option("H")] = None
+    profile: Annotated[str, Option("strict|default|loose")] = "default"
+
+
+@takes_fields_of(JudgeRequest)
+def judge_trajectory(asked: JudgeRequest) -> Judgement:
+    """Judge a trajectory that was computed elsewhere against the reference of its case.
+
+    Takes the fields of `JudgeRequest`.
 
     Raises
     ------
@@ -180,11 +193,13 @@ def judge_trajectory(
     EngineError
         If values are not finite and no tolerance makes that a verdict.
     """
-    basis = wanted_tolerance(tolerance, order, step)
+    if asked.case is None:
+        raise UsageError("judge needs --case SCENE/CASE; `mbcheck list SCENE` shows them")
+    basis, profile = wanted_tolerance(asked.tolerance, asked.order, asked.step), asked.profile
     if profile not in PROFILES:
         raise UnknownNameError("profile", profile, PROFILES)
-    reference_case = case_of(case, parameters or {}, state or {})
-    file = recording(trajectory)
+    reference_case = case_of(asked.case, asked.parameters or {}, asked.state or {})
+    file = recording(asked.trajectory)
     names, notes = comparable(file, reference_case)
     refuse_outside(file.times, reference_case)
     comparison = compare(file, reference_case, names, basis)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from importlib.metadata import version
-from typing import Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from ...reference.errors import UnknownNameError, UsageError
 from ...reference.scene import Array, Case, Scene
 from ...reference.solve import HEYOKA
 from ...reference.solve.batched import BatchMethod
+from ..documents.fields import Option
 from ..engines.registry import REFERENCE, get_engine
 from ..queries.axis import ParameterRange
 from ..queries.environment import versions
@@ -81,37 +82,45 @@ class Request:
 
     Attributes
     ----------
-    scene, quantity, engine : str
-    model : str or None
-        None: the default one.
-    method : str or None
-        None: the engine's method of highest order.
-    step : float or None
-        Longest step wanted [s].
-    parameters : mapping
-        Parameters that differ from the scene's defaults.
+    scene : str
+        Name of the scene.
+    quantity : str
+        See mbcheck list SCENE.
     x, y : Axis
+        A parameter, or what mbcheck list SCENE names beside them: N values from LO to HI.
+    engine : str
+        Who computes it.
+    model : str or None
+        One of the engine's models of the scene.
+    method : str or None
+        Integrator as the engine spells it; by default that of highest order.
+    step : float or None
+        Longest step [s].
+    parameters : mapping
+        Change a parameter from its default, SI units.
     refine : bool
-        Only points near the boundaries of classes are computed.
+        Compute only points near boundaries of classes.
     block : int or None
-        Points computed together; None: as many as suit the quantity.
+        Points computed together; by default as many as suit the quantity.
     backend : {"auto", "numpy", "heyoka"}
-        What takes the steps of the reference; "auto" takes heyoka where it is installed and
-        serves the quantity.
+        What takes the reference's steps: heyoka where it is installed (extra fast) and serves the
+        quantity, or NumPy.
     """
 
-    scene: str
-    quantity: str
-    x: Axis
-    y: Axis
-    engine: str = REFERENCE
-    model: str | None = None
-    method: str | None = None
-    step: float | None = None
-    parameters: Mapping[str, Any] = field(default_factory=dict)
-    refine: bool = False
-    block: int | None = None
-    backend: str = "auto"
+    scene: Annotated[str, Option(flags=())]
+    quantity: Annotated[str, Option("NAME")]
+    x: Annotated[Axis, Option("NAME=LO:HI:N", parse=Axis.parse)]
+    y: Annotated[Axis, Option("NAME=LO:HI:N", parse=Axis.parse)]
+    engine: Annotated[str, Option("ENGINE")] = REFERENCE
+    model: Annotated[str | None, Option("NAME")] = None
+    method: Annotated[str | None, Option("METHOD")] = None
+    step: Annotated[float | None, Option("H")] = None
+    parameters: Annotated[Mapping[str, Any], Option("NAME=VALUE", ("--set",))] = field(
+        default_factory=dict
+    )
+    refine: Annotated[bool, Option()] = False
+    block: Annotated[int | None, Option("N")] = None
+    backend: Annotated[Literal["auto", "numpy", "heyoka"], Option()] = "auto"
 
     @property
     def shape(self) -> tuple[int, int]:

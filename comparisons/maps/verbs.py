@@ -8,21 +8,12 @@ import click
 import numpy as np
 
 from ...reference.cost import within
-from ...reference.solve import BACKENDS
 from ..reports.files import Destination, refuse_conflicts
-from ..terminal.axes import axis_option
 from ..terminal.budget import MAP, budget_option
+from ..terminal.options import COUNT, options_of
 from ..terminal.program import (
-    COUNT,
-    ENGINE,
     JSON,
-    METHOD,
-    MODEL,
     PLOT,
-    SCENE,
-    SET,
-    STEP,
-    WHOLE,
     console,
     destination,
     examples,
@@ -31,11 +22,10 @@ from ..terminal.program import (
     refuse_picture,
     to_stdout,
 )
+from .request import Request, quantities, resolved
 
 if TYPE_CHECKING:
     from .compare import MapComparison
-
-AXIS = "A parameter, or what mbcheck list SCENE names beside them: N values from LO to HI."
 
 
 @click.command(
@@ -47,15 +37,7 @@ AXIS = "A parameter, or what mbcheck list SCENE names beside them: N values from
         "    --x damping=0.5:6:17 --y torque=0.02:1.2:17",
     ),
 )
-@SCENE
-@axis_option("x", AXIS, is_counted=True)
-@axis_option("y", AXIS, is_counted=True)
-@click.option("--quantity", required=True, metavar="NAME", help="See mbcheck list SCENE.")
-@ENGINE
-@MODEL
-@METHOD
-@STEP
-@SET
+@options_of(Request)
 @click.option(
     "-o",
     "--output",
@@ -69,15 +51,6 @@ AXIS = "A parameter, or what mbcheck list SCENE names beside them: N values from
 @click.option("--workers", type=COUNT, default=1, show_default=True, help="Processes.")
 @click.option("--dask", metavar="ADDRESS", help="Scheduler of a Dask cluster, instead.")
 @budget_option(MAP)
-@click.option("--refine", is_flag=True, help="Compute only points near boundaries of classes.")
-@click.option("--block", type=WHOLE, metavar="N", help="Points computed together.")
-@click.option(
-    "--backend",
-    type=click.Choice(BACKENDS),
-    default="auto",
-    show_default=True,
-    help="What takes the reference's steps: heyoka where it is installed (extra fast), or NumPy.",
-)
 @click.option(
     "--boundary",
     metavar="FILE.json",
@@ -100,12 +73,11 @@ def map_(
     has a value.
     """
     from ..reports import boundaries
-    from . import draw, request, run, store
+    from . import draw, run, store
 
     refuse_conflicts(output, plot)
     refuse_picture(plot)
-    asked |= {name: request.Axis(*asked[name]) for name in ("x", "y")}
-    wanted = request.resolved(request.Request(**asked))
+    wanted = resolved(Request(**asked))
     curves = None if boundary is None else boundaries.read_beside(boundary, wanted)
     folder = None
     if not output.standard_output:
@@ -162,7 +134,6 @@ def print_agreement(console: Any, result: Any, curves: Any) -> None:
     """Print at how many points the classes of a map are those of their region between curves."""
     from ..reports.boundaries import disagreements
     from ..reports.text import print_line
-    from .request import quantities
 
     if not result.about[result.main_variable].classes:
         return

@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING
 import click
 
 from ..reports.files import Destination
+from ..terminal.options import COUNT, Number
 from ..terminal.program import (
-    COUNT,
     FAILED,
     JSON,
-    WHOLE,
     complain,
     console,
     examples,
@@ -37,7 +36,7 @@ if TYPE_CHECKING:
     ),
 )
 @click.argument("scenes", nargs=-1, metavar="[SCENE]...")
-@click.option("--figure", type=WHOLE, metavar="N", help="Only this figure.")
+@click.option("--figure", type=Number(-(10**18)), metavar="N", help="Only this figure.")
 @several("row", "NAME", "Only this row of the ledger; may go with --figure")
 @click.option(
     "--out",

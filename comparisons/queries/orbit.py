@@ -18,10 +18,10 @@ from ...reference.periodic import Harmonic, harmonics
 from ...reference.scene import Array
 from ..checks.orbits import find_engine_orbit
 from ..documents import document
-from ..documents.fields import documented
+from ..documents.fields import documented, takes_fields_of
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup, shortest_period
-from .query import Origin, Query, by_state, described, floats, seconds_of_a_step
+from .query import MethodQuery, Origin, by_state, described, floats, seconds_of_a_step
 
 MOST_PERIODS = 10_000
 """Periods of the fastest motion in one of the orbit; more take hours, and more than its steps."""
@@ -161,26 +161,12 @@ class OrbitReport(Origin):
         return document("orbit", self)
 
 
-def orbit(
-    scene: str,
-    parameters: Mapping[str, Any] | None = None,
-    engine: str = REFERENCE,
-    method: str | None = None,
-    step: float | None = None,
-    model: str | None = None,
-) -> OrbitReport:
-    """Find the periodic orbit, a stable one where there is a choice.
+@takes_fields_of(MethodQuery)
+def orbit(asked: MethodQuery) -> OrbitReport:
+    """Find the periodic orbit, a stable one where there is a choice; takes a `MethodQuery`.
 
     An engine's orbit is that of its own discrete flow: where it closes after a whole
     number of steps.
-
-    Parameters
-    ----------
-    scene : str
-    parameters : mapping of str to float, optional
-    engine, method, model : str, optional
-    step : float, optional
-        Step [s] that divides the period; the reference takes none.
 
     Raises
     ------
@@ -191,10 +177,10 @@ def orbit(
     EngineError
         If the engine failed.
     """
-    return find(Query(scene, engine, model, method, step, parameters))
+    return find(asked)
 
 
-def find(query: Query, bounded: bool = True) -> OrbitReport:
+def find(query: MethodQuery, bounded: bool = True) -> OrbitReport:
     """Find the periodic orbit that is asked for; bounds cost about as much again."""
     setup = query.setup()
     if setup.engine.name == REFERENCE:

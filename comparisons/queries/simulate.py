@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from time import perf_counter
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -19,12 +19,13 @@ from ...reference.solve.solution import Solution
 from ..checks.rules.cautions import Caution, cautions, explained
 from ..checks.truth import truncated, truth_of
 from ..documents import document
+from ..documents.fields import Option, takes_fields_of
 from ..engines.equations import ModelEquations
 from ..engines.registry import REFERENCE
 from ..engines.run import VIOLATIONS, grid_indices, run
 from ..engines.setup import Setup
 from .query import Origin, Query, described, floats, seconds_of_a_step
-from .times import RATIONAL, step_for, times_array
+from .times import RATIONAL, step_for, times_array, times_from
 
 VIOLATION_UNITS = dict(zip(VIOLATIONS, ("m", "m/s"), strict=True))
 
@@ -85,36 +86,26 @@ class Simulation(Origin):
         return document("simulate", self)
 
 
-def simulate(
-    scene: str,
-    engine: str = REFERENCE,
-    method: str | None = None,
-    step: float | None = None,
-    model: str | None = None,
-    parameters: Mapping[str, Any] | None = None,
-    state: Mapping[str, float] | None = None,
-    observe: Sequence[str] = (),
-    *,
-    times: Sequence[float] | Array,
-) -> Simulation:
-    """Simulate a scene from t = 0.
+@dataclass(frozen=True, kw_only=True)
+class SimulateRequest(Query):
+    """A run from t = 0.
 
-    Parameters
+    Attributes
     ----------
-    scene, engine : str
-    method : str, optional
-        An integrator as the engine spells it; by default the one of highest order.
-    step : float, optional
-        Fixed step [s]. The default suits the method and is shortened to fit ``times``.
-        The reference takes none.
-    model : str, optional
-        One of the engine's models of the scene.
-    parameters, state : mapping, optional
-        Parameters that differ from the scene's defaults; initial values, otherwise 0.
-    observe : sequence of str
-        Outputs of the scene to return beside its observables, "all" for all.
     times : sequence of float
-        Sample times [s], increasing, not negative, the last positive.
+        Sample times [s], on the grid of the step; STOP is included.
+    observe : sequence of str
+        Also show this output of the scene, see mbcheck list SCENE; 'all' for all that the engine
+        tells.
+    """
+
+    times: Annotated[Sequence[float] | Array, Option("T1,T2,...|START:STOP:STEP", parse=times_from)]
+    observe: Annotated[Sequence[str], Option("NAME")] = ()
+
+
+@takes_fields_of(SimulateRequest)
+def simulate(asked: SimulateRequest) -> Simulation:
+    """Simulate a scene from t = 0; takes the fields of `SimulateRequest`.
 
     Raises
     ------
@@ -123,11 +114,11 @@ def simulate(
     EngineError
         If the engine failed.
     """
-    setup = Query(scene, engine, model, method, step, parameters, state).setup()
-    names = wanted_observables(setup.case, observe)
+    setup = asked.setup()
+    names, times = wanted_observables(setup.case, asked.observe), times_array(asked.times)
     if setup.engine.name == REFERENCE:
-        return reference_simulation(setup, times_array(times), names)
-    return engine_simulation(setup, times_array(times), names, "all" in observe)
+        return reference_simulation(setup, times, names)
+    return engine_simulation(setup, times, names, "all" in asked.observe)
 
 
 def wanted_observables(case: Case, observe: Sequence[str]) -> tuple[str, ...]:

@@ -17,7 +17,7 @@ from ...engines.registry import REFERENCE
 from ...maps.request import Axis
 from ...maps.store import Map
 from ...queries.orbit import OrbitReport, find
-from ...queries.query import Query
+from ...queries.query import MethodQuery
 from ...queries.simulate import Simulation, simulate
 from ..session import Session
 
@@ -59,7 +59,8 @@ def samples(seconds: float) -> Array:
 
 def example_orbit(session: Session, engine: str = REFERENCE) -> OrbitReport:
     """Return the true rotation."""
-    return session.once((SCENE, "orbit", engine), lambda: find(Query(SCENE, engine), bounded=False))
+    query = MethodQuery(SCENE, engine=engine)
+    return session.once((SCENE, "orbit", engine), lambda: find(query, bounded=False))
 
 
 def example_from_rest(session: Session, engine: str = REFERENCE) -> Simulation:

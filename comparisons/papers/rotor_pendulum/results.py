@@ -72,7 +72,7 @@ def synchronous_orbit(
 
     def search() -> OrbitReport | None:
         try:
-            asked = Query(SCENE, engine, model, parameters=changes(p))
+            asked = Query(SCENE, engine=engine, model=model, parameters=changes(p))
             return find(asked, bounded=False)
         except NoOrbitError:
             return None

@@ -86,7 +86,7 @@ def test_schemas_accept_documents(name: str) -> None:
 @pytest.mark.parametrize("engine", ["reference", "mujoco", "exudyn"])
 def test_schemas_accept_what_the_verbs_return(engine: str) -> None:
     pytest.importorskip("numpy" if engine == "reference" else engine, exc_type=ImportError)
-    validated("simulate", simulate("hula_hoop", engine, times=[0.0, 0.125]).as_json())
+    validated("simulate", simulate("hula_hoop", engine=engine, times=[0.0, 0.125]).as_json())
     validated("orbit", orbit("hula_hoop", engine=engine).as_json())
     validated("frequencies", frequencies("hula_hoop", engine=engine).as_json())
 

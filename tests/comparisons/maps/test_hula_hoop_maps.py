@@ -145,7 +145,7 @@ def test_what_it_finds_is_a_rotation(name: str) -> None:
     frequency, amplitude, inertia = MISSED[name]
     found = floquet(points([frequency], [amplitude], inertia_ratio=inertia))
     parameters = dict(force_frequency=frequency, force_amplitude=amplitude, inertia_ratio=inertia)
-    leading = mbcheck.orbit("hula_hoop", parameters).floquet_multipliers[0].modulus
+    leading = mbcheck.orbit("hula_hoop", parameters=parameters).floquet_multipliers[0].modulus
     assert found.values["multiplier"][0] == pytest.approx(leading, abs=1e-8)
 
 
@@ -416,7 +416,9 @@ def test_floquet_of_an_engine_is_its_own() -> None:
     step = 1 / 3 / 96
     own = floquet(points([3.0], [60.0], "mujoco", None, method="Euler", step=step))
     parameters = dict(force_frequency=3.0, force_amplitude=60.0)
-    single = mbcheck.orbit("hula_hoop", parameters, "mujoco", method="Euler", step=step)
+    single = mbcheck.orbit(
+        "hula_hoop", parameters=parameters, engine="mujoco", method="Euler", step=step
+    )
     leading = single.floquet_multipliers[0].modulus
     assert own.values["multiplier"][0] == pytest.approx(leading, abs=1e-6)
     true = floquet(points([3.0], [60.0]))

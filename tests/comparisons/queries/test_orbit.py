@@ -82,7 +82,7 @@ def test_difference_quotients_are_exact_to_nine_digits() -> None:
 @pytest.mark.parametrize("engine", ["reference", "mujoco"])
 def test_no_orbit(engine: str) -> None:
     with pytest.raises(NoOrbitError, match="no periodic orbit"):
-        mbcheck.orbit("hula_hoop", {"force_amplitude": 0.5}, engine)
+        mbcheck.orbit("hula_hoop", parameters={"force_amplitude": 0.5}, engine=engine)
 
 
 def test_newton_that_does_not_converge_is_no_orbit() -> None:
