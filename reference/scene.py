@@ -95,6 +95,22 @@ class Case:
         return f"{self.name}+{self.placement.replace(':', '-')}" if self.placement else self.name
 
 
+def case_maker(scene: str) -> Callable[..., Case]:
+    """Return the function that makes cases of a scene, with their kinds last."""
+
+    def case(
+        name: str,
+        parameters: Any,
+        state: Mapping[str, float],
+        horizon: float,
+        *kinds: str,
+        **others: Any,
+    ) -> Case:
+        return Case(scene, name, parameters, state, horizon, kinds, **others)
+
+    return case
+
+
 def with_placements(case: Case, *kinds: str) -> tuple[Case, ...]:
     """Return a case for models that are turned, and for mirror images, by the best method.
 

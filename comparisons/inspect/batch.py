@@ -19,9 +19,8 @@ from ..documents import document
 from ..documents.reading import read_bytes, read_document
 from ..reports.remarks import Remark
 from ..reports.words import plural
-from .findings import Selection
+from .inspection import Selection
 from .mujoco.source import ROOT, OtherRootError, Waiver, read
-from .pace import has_unasked_rules
 from .rules.table import RULES
 from .subject import SEVERITIES, Severity
 
@@ -167,8 +166,7 @@ class InspectRequest:
         place = self.waivers or (beside if os.path.isfile(beside) else None)
         waivers = waivers_of(Path(place), file) if place else ()
         old = baseline_of(self.baseline).get(key_of(file), {}) if self.baseline else {}
-        alone = about_alone(waivers, file) if waivers else frozenset()
-        return Selection(self.rules(), waivers, old, alone)
+        return Selection(self.rules(), waivers, old)
 
 
 def matching(patterns: Sequence[str]) -> set[str]:
@@ -207,23 +205,17 @@ def waivers_of(place: Path, file: str) -> tuple[Waiver, ...]:
             raise UnknownNameError("rule", entry["rule"], RULES)
         name = Path(file).name
         if fnmatchcase(name, entry.get("file", "*")) or fnmatchcase(file, entry.get("file", "*")):
-            words = json.dumps(entry)
-            element = entry.get("element")
-            read_from = os.path.relpath(place, Path(file).parent)
-            waivers.append(Waiver(entry["rule"], element, entry["reason"], words, read_from, line))
+            waiver = Waiver(
+                rule=entry["rule"],
+                pattern=entry.get("element"),
+                reason=entry["reason"],
+                text=json.dumps(entry),
+                file=os.path.relpath(place, Path(file).parent),
+                line=line,
+                required=entry.get("file") in (name, file),
+            )
+            waivers.append(waiver)
     return tuple(waivers)
-
-
-def about_alone(waivers: Sequence[Waiver], file: str) -> frozenset[int]:
-    """Return which waivers, about a model, are about no other one in its folder."""
-    folder, own = Path(file).parent, Path(file).resolve()
-    others = whole_models([str(one) for one in folder.glob("*.xml") if one.resolve() != own])
-    patterns = [json.loads(waiver.text).get("file", "*") for waiver in waivers]
-    return frozenset(
-        i
-        for i, pattern in enumerate(patterns)
-        if not any(fnmatchcase(Path(other).name, pattern) for other in others)
-    )
 
 
 def key_of(file: str) -> str:
@@ -294,9 +286,9 @@ class Inspections:
         ]
 
     def exit_code(self, fail_on: str) -> int:
-        """Return 2 if a file could not be read, 1 if a finding is to fail or a rule had no time."""
+        """Return 2 if a file could not be read, 1 if a finding fails or parts were left out."""
         fails = any(self.summary[name] for name in FAIL_ON[fail_on])
-        fails |= any(has_unasked_rules(one["left_out"]) for one in self.models)
+        fails |= any(one["left_out"] for one in self.models)
         return 2 if self.unreadable else int(fails)
 
     def verdict(self, fail_on: str) -> str:
@@ -328,6 +320,14 @@ class Inspections:
                 worst[key] = max(both, default=None)
             content[key_of(one["file"])] = [[*key, value] for key, value in sorted(worst.items())]
         return json.dumps({"findings": content}, indent=1) + "\n"
+
+
+def omissions(left_out: Sequence[str]) -> str:
+    """Return in words what was left out; empty if nothing was."""
+    rules = [part.removeprefix("rule ") for part in left_out if part.startswith("rule ")]
+    others = [part for part in left_out if not part.startswith("rule ")]
+    others += [f"the rules {', '.join(rules)}"] if rules else []
+    return f"it was stopped, and left out are {'; '.join(others)}" if others else ""
 
 
 def unwaived(model: Mapping[str, Any]) -> list[Mapping[str, Any]]:

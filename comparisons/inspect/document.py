@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from .findings import ModelFinding
+from .inspection import ModelFinding
 from .mujoco.closures import ClosedLoop
 from .mujoco.facts import BodyFacts, Options
 from .subject import StepLimit
@@ -138,7 +138,7 @@ class InspectDocument:
     untried : str or None
         why some attributes were not tried for repeated_default; null if all were
     left_out : tuple of str
-        modes, steps and rules for which `--budget` left no time
+        modes, steps and rules that were not begun before it was stopped
     """
 
     file: str

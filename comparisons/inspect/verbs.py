@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     from ..reports.remarks import Remark
     from .batch import Inspections, InspectRequest
-    from .pace import Pace
+    from .sandbox import Sandbox
 
 DOCUMENTS = ("json", "junit", "sarif")
 """Options that write a document, which may go to standard output."""
@@ -48,7 +48,7 @@ DOCUMENTS = ("json", "junit", "sarif")
         "mbcheck inspect --diff old.xml new.xml",
         "mbcheck inspect model.xml --fix --dry-run",
         "mbcheck inspect --explain step_limit",
-    ),
+    )
 )
 @click.argument("models", nargs=-1, metavar="[MODEL.xml|FOLDER|PATTERN]...")
 @click.option(
@@ -78,7 +78,7 @@ DOCUMENTS = ("json", "junit", "sarif")
     "--budget",
     type=NUMBER,
     metavar="SECONDS",
-    help="Begin nothing after this time, and tell what was left out; by default all is done.",
+    help="Stop after this time, and report what was found until then; by default all is done.",
 )
 @click.option(
     "--fail-on",
@@ -185,11 +185,11 @@ def inspect_all(
         if options["dry_run"] or code == MISUSED:
             return code
     screen = console(*(options[f"{name}_file"] for name in DOCUMENTS))
-    with paced(options) as pace:
+    with sandboxed(options) as sandbox:
         every, reports = inspect_files(
             files,
             lambda file: partial(inspect_file, file, request, options, as_screen(screen)),
-            pace,
+            sandbox,
         )
     if single and not reports:
         raise UsageError(named_once(*next(iter(every.unreadable.items()))))
@@ -208,32 +208,32 @@ def inspect_all(
 
 
 @contextmanager
-def paced(options: Mapping[str, Any]) -> Iterator[Pace]:
-    """Lend the time that there is, with progress."""
-    from .pace import Pace
+def sandboxed(options: Mapping[str, Any]) -> Iterator[Sandbox]:
+    """Lend a process for the time that there is, with progress."""
+    from .sandbox import Sandbox
 
-    with progress_bar(True, "inspect", lines=True) as progress:
-        yield Pace(inf if options["budget"] is None else float(options["budget"]), progress)
+    budget = inf if options["budget"] is None else float(options["budget"])
+    with (
+        progress_bar(True, "inspect", lines=True) as progress,
+        closing(Sandbox(budget, progress)) as sandbox,
+    ):
+        yield sandbox
 
 
 def as_screen(screen: Console) -> dict[str, Any]:
     """Return what a report is written for, see `sandbox.Screen`."""
     colours = None if screen.no_color else screen.color_system
-    return {
-        "width": screen.width,
-        "force_terminal": screen.is_terminal,
-        "color_system": colours,
-    }
+    return {"width": screen.width, "force_terminal": screen.is_terminal, "color_system": colours}
 
 
 def fix_files(files: Sequence[str], request: InspectRequest, options: Mapping[str, Any]) -> int:
     """Leave out what models do without; return 1 if a dry run would, 2 if a file is not read."""
     from ..reports.words import printable
     from .batch import named_once
-    from .sandbox import Sandbox, fix
+    from .sandbox import fix
 
     code, dry_run = 0, options["dry_run"]
-    with paced(options) as pace, closing(Sandbox(pace)) as sandbox:
+    with sandboxed(options) as sandbox:
         for file in files:
             try:
                 work = partial(fix, file, request, dry_run)
@@ -254,7 +254,7 @@ def inspect_two(models: Sequence[str], request: InspectRequest, options: Mapping
     """Print what differs between two models; return the exit code."""
     from ..reports.text import in_encoding
     from .batch import FAIL_ON
-    from .sandbox import Sandbox, compare_models
+    from .sandbox import compare_models
 
     if len(models) != 2:
         raise UsageError("--diff compares two models: OLD.xml NEW.xml")
@@ -262,7 +262,7 @@ def inspect_two(models: Sequence[str], request: InspectRequest, options: Mapping
     if any(options[f"{name}_file"] for name in (*DOCUMENTS, "write_baseline")):
         raise UsageError("--diff prints a table, and writes no document")
     screen = console()
-    with paced(options) as pace, closing(Sandbox(pace)) as sandbox:
+    with sandboxed(options) as sandbox:
         work = partial(compare_models, models, request, options["modes"], as_screen(screen))
         text, differs, new = sandbox.run(work, alone=True)
     screen.file.write(in_encoding(text, screen))

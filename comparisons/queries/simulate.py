@@ -22,8 +22,8 @@ from ..documents import document
 from ..documents.fields import Option, takes_fields_of
 from ..engines.equations import ModelEquations
 from ..engines.registry import REFERENCE
-from ..engines.run import VIOLATIONS, grid_indices, run
-from ..engines.setup import Setup
+from ..engines.run import VIOLATIONS, grid_indices
+from ..engines.setup import Setup, run
 from .query import Origin, Query, described, floats, seconds_of_a_step
 from .times import RATIONAL, step_for, times_array, times_from
 

@@ -13,8 +13,8 @@ from ..checks.free_vibrations import stable_step
 from ..checks.suite import best_method
 from ..checks.truth import Truth, roundoff_reference
 from ..engines.equations import ModelEquations, scene_equations
-from ..engines.run import Trajectory, run
-from ..engines.setup import Setup, power_of_two
+from ..engines.run import Trajectory
+from ..engines.setup import Setup, power_of_two, run
 from ..scenes.tradeoff import ClosureOption, relative_error, sample_times
 from .search import REPEATS, Requirement, longest_step_that_meets, no_step
 from .sweep import cost

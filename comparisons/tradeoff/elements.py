@@ -24,8 +24,8 @@ from ..checks.suite import best_method
 from ..checks.truth import truth
 from ..engines.adapter import Adapter
 from ..engines.equations import scene_equations
-from ..engines.run import Trajectory, run
-from ..engines.setup import Setup, power_of_two
+from ..engines.run import Trajectory
+from ..engines.setup import Setup, power_of_two, run
 from ..scenes.data import scene_data
 from ..scenes.tradeoff import ContinuumParts, PartKind, sample_times
 from .search import (

@@ -18,8 +18,7 @@ from ...reference import get_scene
 from ..checks.truth import roundoff_reference
 from ..engines.equations import scene_equations
 from ..engines.registry import REFERENCE, get_engine
-from ..engines.run import run
-from ..engines.setup import Setup, power_of_two
+from ..engines.setup import Setup, power_of_two, run
 from ..scenes.data import scene_data
 from ..scenes.tradeoff import (
     LeftOutRow,

@@ -27,8 +27,8 @@ from ..engines.adapter import Adapter
 from ..engines.equations import ModelEquations, scene_equations
 from ..engines.protocol import Method
 from ..engines.registry import get_engine
-from ..engines.run import Trajectory, run
-from ..engines.setup import Setup, power_of_two, shortest_period
+from ..engines.run import Trajectory
+from ..engines.setup import Setup, power_of_two, run, shortest_period
 from ..scenes.tradeoff import relative_error
 from .series import MODEL, ROUND_OFF, STEP, UNEXPLAINED, Cost, Point, StepSeries
 

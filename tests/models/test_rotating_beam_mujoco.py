@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from mbcheck.comparisons.engines.run import Trajectory, run
-from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.run import Trajectory
+from mbcheck.comparisons.engines.setup import Setup, run
 from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
 from mbcheck.models.mjcf import Mjcf, export
 from mbcheck.models.rotating_beam.mjcf import GEAR, HUB_ARMATURE, MODELS

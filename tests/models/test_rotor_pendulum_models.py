@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from mbcheck.comparisons.engines.run import run
-from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.setup import Setup, run
 from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
 from mbcheck.models.mjcf import bind, export
 from mbcheck.models.rotor_pendulum import exudyn_model

@@ -8,7 +8,7 @@ import numpy as np
 
 from ....reference.scene import Case
 from ..equations import scene_equations
-from ..mujoco.runs import warnings
+from ..mujoco.library import warnings
 from ..run import contained
 from .catalogue import Observation, Outcome
 from .mujoco import MujocoAdapter, raw

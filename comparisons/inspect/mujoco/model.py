@@ -88,12 +88,7 @@ AT_LIMIT = 1e-9
 LOST = ("badqpos", "badqvel", "badqacc")
 """Warnings of MuJoCo's after which a state is lost."""
 
-EXACT = {
-    "tolerance": 0.0,
-    "iterations": 200,
-    "ls_tolerance": 1e-6,
-    "ls_iterations": 100,
-}
+EXACT = {"tolerance": 0.0, "iterations": 200, "ls_tolerance": 1e-6, "ls_iterations": 100}
 """Options with which MuJoCo's solver goes on to rounding."""
 
 

@@ -132,21 +132,6 @@ def motion(points: Points, window: int = WINDOW) -> QuantityValues:
     return flow.values(values | {"robust": same.astype(int)} | bounds)
 
 
-def from_rest(
-    flow: Flow,
-    theta: float,
-    per_period: float,
-    coarser: int,
-    window: int,
-    per_force: int = SAMPLES,
-) -> dict[str, Array]:
-    """Return the variables of the motions from rest at an angle [rad], robust left out.
-
-    ``per_force`` is the number of samples in a period of the force.
-    """
-    return runs_from_rest(flow, ((theta, coarser),), per_period, window, per_force)[0]
-
-
 def runs_from_rest(
     flow: Flow,
     starts: Sequence[tuple[float, int]],
@@ -154,9 +139,10 @@ def runs_from_rest(
     window: int,
     per_force: int = SAMPLES,
 ) -> list[dict[str, Array]]:
-    """Return the same of several starts, which go on together.
+    """Return the variables of motions from rest, robust left out, which go on together.
 
-    Each start is an angle [rad], and by how much longer its steps are.
+    Each start is an angle [rad], and by how much longer its steps are; ``per_force`` is the number
+    of samples in a period of the force.
     """
     points, number = flow.points, len(starts)
     every = np.tile(np.arange(len(points)), number)

@@ -36,7 +36,7 @@ from ..bounds import (
     with_bounds,
 )
 from ..quantity import Flow, Points, QuantityValues, Variable
-from .steps import DOUBLINGS, NUDGE, RESOLVED, Ints, columns, doubled, fastest_rate
+from .steps import NUDGE, Ints, columns, step_counts
 
 PHASES = ("synphase", "antiphase", "unstable", "none")
 SYNPHASE, ANTIPHASE, UNSTABLE, NONE = range(len(PHASES))
@@ -139,16 +139,9 @@ SAMPLES = 32
 
 
 def steps_per_turn(points: Points) -> Ints:
-    """Return steps in a turn (k,): a power of two times the least, as the springs need."""
-    reference = points.engine == REFERENCE
-    p = points.parameters
-    turns, fastest = columns(points, period(p), fastest_rate(p))
-    longest = RESOLVED[reference] / np.maximum(fastest, 1e-300)
-    least = STEPS_PER_TURN[reference]
-    if points.step is not None:
-        longest, least = np.full(len(points), points.step), SAMPLES
-    points.refuse_step(turns / (least << DOUBLINGS))
-    return doubled(least, turns / longest)
+    """Return steps in a turn (k,)."""
+    (turns,) = columns(points, period(points.parameters))
+    return step_counts(points, turns, STEPS_PER_TURN, SAMPLES)
 
 
 EFFORT = Effort(jacobians=8, chords=3, near=1e-3, within_reach=True)

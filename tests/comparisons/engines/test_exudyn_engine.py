@@ -14,8 +14,8 @@ from scipy.integrate import solve_ivp
 
 from mbcheck.comparisons.engines.exudyn import engine as exudyn
 from mbcheck.comparisons.engines.protocol import Method
-from mbcheck.comparisons.engines.run import Trajectory, contained, run
-from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.run import Trajectory, contained
+from mbcheck.comparisons.engines.setup import Setup, run
 from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
 from mbcheck.reference.errors import EngineError, EngineUnavailableError, UnknownNameError
 from mbcheck.reference.hula_hoop.equations import SCENE, SEMICIRCLE, HulaHoop, coefficients

@@ -13,8 +13,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from mbcheck.comparisons.engines.protocol import Method
-from mbcheck.comparisons.engines.run import contained, run
-from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.run import contained
+from mbcheck.comparisons.engines.setup import Setup, run
 from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
 from mbcheck.models.clock import CLOCK_INERTIA
 from mbcheck.models.hula_hoop.mjcf import MODELS
