@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from functools import cache
-from types import UnionType
+from types import GenericAlias, UnionType
 from typing import (
     Annotated,
     Any,
@@ -23,12 +23,11 @@ import numpy as np
 from msgspec import Meta
 
 from ...reference.errors import MbcheckError
-from . import SCHEMA
 from .fields import NULLABLE, descriptions
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
 
-COMMON: Mapping[str, str] = {
+COMMON: dict[str, str] = {
     "schema": "version of this format",
     "scene": "scene, as in `mbcheck list`",
     "engine": "engine; `reference` is the ODE solution that engines are checked against",
@@ -47,7 +46,7 @@ def means(text: str) -> Meta:
 
 
 Positive = float
-Version = Annotated[Literal[SCHEMA], means("version of this format")]
+Version = Annotated[Literal[2], means("version of this format")]
 Versions = Annotated[dict[str, str], means(COMMON["versions"])]
 
 
@@ -87,7 +86,8 @@ def checked(kind: Any, content: Any) -> dict[str, Any]:
 def plain(value: Any) -> Any:
     """Return a value as JSON can hold it: NaN and the infinities are null."""
     if is_dataclass(value) or hasattr(value, "_fields"):
-        return {name: plain(getattr(value, name)) for name in hints_of(type(value))}
+        kind: Any = type(value)
+        return {name: plain(getattr(value, name)) for name in hints_of(kind)}
     if isinstance(value, Mapping):
         return {str(name): plain(item) for name, item in value.items()}
     if isinstance(value, np.ndarray | np.generic):
@@ -114,13 +114,11 @@ class ComplexNumber(msgspec.Struct):
 @cache
 def hints_of(kind: Any) -> dict[str, Any]:
     """Return the types of what a document holds of a class: its fields, and marked properties."""
-    hints = get_type_hints(kind, include_extras=True)
+    hints, bases = get_type_hints(kind, include_extras=True), reversed(kind.__mro__)
     if not is_dataclass(kind):
         return hints
     getters = {
-        name: getattr(item, "fget", None)
-        for base in reversed(kind.__mro__)
-        for name, item in vars(base).items()
+        name: getattr(item, "fget", None) for base in bases for name, item in vars(base).items()
     }
     shown = [item for item in fields(kind) if item.metadata.get("is_documented", True)]
     return {
@@ -134,7 +132,7 @@ def hints_of(kind: Any) -> dict[str, Any]:
 def record(kind: Any, is_root: bool = False) -> type[msgspec.Struct]:
     """Return the type of the objects that documents hold of a class."""
     meanings = COMMON | descriptions(kind)
-    hints: dict[str, Any] = {"schema": Literal[SCHEMA]} if is_root else {}
+    hints: dict[str, Any] = {"schema": Literal[2]} if is_root else {}
     parts = [
         (name, described(resolved(hint), meanings.get(name, "")))
         for name, hint in (hints | hints_of(kind)).items()
@@ -154,19 +152,20 @@ def resolved(hint: Any) -> Any:
         return record(hint)
     if origin is Annotated:
         known = [item for item in hint.__metadata__ if isinstance(item, Meta)]
-        inner = resolved(args[0])
-        inner = Union[inner, None] if NULLABLE in hint.__metadata__ else inner  # noqa: UP007
-        return Annotated[(inner, *known)] if known else inner
+        one = resolved(args[0])
+        one = Union[one, None] if NULLABLE in hint.__metadata__ else one  # noqa: UP007
+        return Annotated[(one, *known)] if known else one
     if origin in (Union, UnionType):
         return Union[tuple(map(resolved, args))]  # noqa: UP007
     if origin is np.ndarray:
         return list[float | None]
+    inner = map(resolved, args)
     if origin is tuple and args[-1] is not Ellipsis:
-        return tuple[tuple(map(resolved, args))]
+        return GenericAlias(tuple, tuple(inner))
     if origin in (tuple, list, Sequence):
-        return list[resolved(args[0])]
+        return GenericAlias(list, next(inner))
     if origin in (dict, Mapping):
-        return dict[resolved(args[0]), resolved(args[1])]
+        return GenericAlias(dict, tuple(inner))
     return ComplexNumber if hint is complex else hint
 
 

@@ -158,7 +158,8 @@ class MapComparison:
     def relative_difference(self) -> float | None:
         """Largest difference over the largest value of the first map [1]; null for classes."""
         size = float(np.max(np.abs(self.one[self.compared]), initial=0.0))
-        return self.difference and (self.difference.largest / size if size else 0.0)
+        off = self.difference
+        return None if off is None else off.largest / size if size else 0.0
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``compare_maps`` document of docs/json.md."""

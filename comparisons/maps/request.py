@@ -23,6 +23,8 @@ from ..queries.query import choose_engine, choose_method, known_name, valid_step
 from ..scenes.data import scene_data
 from ..scenes.quantity import AxisName, Points, Quantity, QuantityValues
 
+Backend = Literal["auto", "numpy", "heyoka"]
+
 MOST_POINTS = 1 << 26
 """Larger grids are refused as a slip of the pen."""
 
@@ -119,7 +121,7 @@ class Request:
     )
     refine: Annotated[bool, Option()] = False
     block: Annotated[int | None, Option("N")] = None
-    backend: Annotated[Literal["auto", "numpy", "heyoka"], Option()] = "auto"
+    backend: Annotated[Backend, Option()] = "auto"
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -195,7 +197,7 @@ def by_reference(asked: Request) -> Request:
     serves = model in quantity.compilable_models
     if asked.backend == HEYOKA and not serves:
         raise UsageError(f"--backend heyoka: {asked.quantity} by {model} takes no steps for it")
-    name = HEYOKA if takes_heyoka(asked.backend) and serves else "numpy"
+    name: Backend = "heyoka" if takes_heyoka(asked.backend) and serves else "numpy"
     return replace(asked, model=model, block=asked.block or quantity.block, backend=name)
 
 

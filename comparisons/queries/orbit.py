@@ -219,37 +219,39 @@ def orbit_report(setup: Setup, orbit: Orbit, samples: Array, bounded: bool) -> O
     c = scene.coefficients(parameters)
     quantities = scene.orbit.quantities(samples, c)
     error = orbit_bounds(*setup.equations, orbit) if bounded else None
-    bounds = error and by_state(scene, error.harmonics)
+    bounds = {} if error is None else by_state(scene, error.harmonics)
     return OrbitReport(
         **described(setup),
         method=setup.integrator.name,
         step=setup.step,
         period=orbit.period,
-        period_bound=error and error.period,
+        period_bound=None if error is None else error.period,
         state=floats(by_state(scene, orbit.state)),
         floquet_multipliers=tuple(
             Multiplier(
                 float(value.real),
                 float(value.imag),
                 i == orbit.trivial,
-                error and float(error.multipliers[i]),
+                None if error is None else float(error.multipliers[i]),
             )
             for i, value in enumerate(orbit.multipliers)
         ),
         harmonics={
             name: Spectrum(
                 *harmonics(values, scene.rotations_per_period.get(name, 0)),
-                bounds and float(bounds[name]),
+                None if error is None else float(bounds[name]),
             )
             for name, values in by_state(scene, samples).items()
         },
         power=mean_powers(scene, samples, c, orbit.period),
-        power_bound=error and error.power,
+        power_bound=None if error is None else error.power,
         quantities={
             name: OrbitQuantity(
-                float(value), scene.orbit.units[name], error and error.quantities[name]
+                float(value),
+                scene.orbit.units[name],
+                None if error is None else error.quantities[name],
             )
             for name, value in quantities.items()
         },
-        error_bound=error and floats(by_state(scene, error.state)),
+        error_bound=None if error is None else floats(by_state(scene, error.state)),
     )

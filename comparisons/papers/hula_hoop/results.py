@@ -66,7 +66,7 @@ def example_orbit(session: Session, engine: str = REFERENCE) -> OrbitReport:
 def example_from_rest(session: Session, engine: str = REFERENCE) -> Simulation:
     """Return the motion from rest."""
     return session.once(
-        (SCENE, "rest", engine), lambda: simulate(SCENE, engine, times=samples(LONG_RUN))
+        (SCENE, "rest", engine), lambda: simulate(SCENE, engine=engine, times=samples(LONG_RUN))
     )
 
 
@@ -75,7 +75,7 @@ def example_rotation(session: Session, engine: str = REFERENCE) -> Simulation:
     state = dict(example_orbit(session, engine).state)
     return session.once(
         (SCENE, "rotation", engine),
-        lambda: simulate(SCENE, engine, state=state, times=samples(1.0)),
+        lambda: simulate(SCENE, engine=engine, state=state, times=samples(1.0)),
     )
 
 

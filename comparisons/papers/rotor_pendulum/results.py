@@ -182,7 +182,7 @@ def from_rest(session: Session, case: int, who: str = REFERENCE) -> StartUp:
         if who in (REFERENCE, REDUCED):
             own = scene.variants.get(who, scene)
             return states_at(own, p, np.zeros(8), times, RUN_TOLERANCES[who])
-        run = simulate(SCENE, who, step=STEP, parameters=changes(p), times=times)
+        run = simulate(SCENE, engine=who, step=STEP, parameters=changes(p), times=times)
         return np.array([run.observables[name] for name in scene.state_names])
 
     return session.once((SCENE, "from rest", case, who), lambda: StartUp(p, times, states()))

@@ -283,12 +283,12 @@ def test_options_reach_the_suite(monkeypatch: pytest.MonkeyPatch) -> None:
     seen: list[Any] = []
 
     def run(checks: Any, profile: str, how: Execution, *_: Any) -> list[Judged]:
-        seen.append(({check.method.name for check in checks}, profile, how))
+        seen.append(({check.method.name for check in checks}, profile, how.jobs, how.fail_fast))
         return [judged("pass")]
 
     pretend(monkeypatch, run)
     succeeds("check --kind order --method RK4 --method RK44 -j 2 --fail-fast --profile loose")
-    assert seen == [({"RK4", "RK44"}, "loose", Execution(2, True))]
+    assert seen == [({"RK4", "RK44"}, "loose", 2, True)]
 
 
 def test_interrupted(monkeypatch: pytest.MonkeyPatch) -> None:
