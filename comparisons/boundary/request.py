@@ -25,7 +25,7 @@ from ...reference.orbits import why_none
 from ...reference.parameters import GRAVITY
 from ...reference.scene import NO_CONTINUUM, Array, Scene
 from ..checks.orbits import FEWEST_STEPS
-from ..documents.fields import Option, number
+from ..documents.fields import OptionMark, number_from
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup
 from ..queries.axis import ParameterRange
@@ -44,7 +44,7 @@ def place_from(text: str, flag: str) -> tuple[float, ...]:
     UsageError
         If the text is none.
     """
-    place = tuple(number(part, f"{flag}: a place") for part in text.split(","))
+    place = tuple(number_from(part, f"{flag}: a place") for part in text.split(","))
     if len(place) != 2:
         raise UsageError(f"{flag} needs X,Y, not {text!r}")
     return place
@@ -78,19 +78,21 @@ class BoundaryRequest:
         Look along x = X as well, from the orbit at X and Y.
     """
 
-    scene: Annotated[str, Option(flags=())]
-    x: Annotated[ParameterRange, Option("NAME=LO:HI", parse=ParameterRange.parse)]
-    y: Annotated[ParameterRange, Option("NAME=LO:HI", parse=ParameterRange.parse)]
-    engine: Annotated[str, Option("ENGINE")] = REFERENCE
-    model: Annotated[str | None, Option("NAME")] = None
-    method: Annotated[str | None, Option("METHOD")] = None
-    step: Annotated[float | None, Option("H")] = None
-    parameters: Annotated[Mapping[str, Any], Option("NAME=VALUE", ("--set",))] = field(
+    scene: Annotated[str, OptionMark(flags=())]
+    x: Annotated[ParameterRange, OptionMark("NAME=LO:HI", parse=ParameterRange.parse)]
+    y: Annotated[ParameterRange, OptionMark("NAME=LO:HI", parse=ParameterRange.parse)]
+    engine: Annotated[str, OptionMark("ENGINE")] = REFERENCE
+    model: Annotated[str | None, OptionMark("NAME")] = None
+    method: Annotated[str | None, OptionMark("METHOD")] = None
+    step: Annotated[float | None, OptionMark("H")] = None
+    parameters: Annotated[Mapping[str, Any], OptionMark("NAME=VALUE", ("--set",))] = field(
         default_factory=dict
     )
-    lines: Annotated[int, Option("N", least=1)] = 13
-    of: Annotated[Literal["orbits", "equilibria"] | None, Option()] = None
-    near: Annotated[tuple[tuple[float, float], ...], Option("X,Y", ("--near",), place_from)] = ()
+    lines: Annotated[int, OptionMark("N", least=1)] = 13
+    of: Annotated[Literal["orbits", "equilibria"] | None, OptionMark()] = None
+    near: Annotated[
+        tuple[tuple[float, float], ...], OptionMark("X,Y", ("--near",), place_from)
+    ] = ()
 
     @property
     def equations(self) -> Scene:

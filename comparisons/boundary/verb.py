@@ -12,7 +12,7 @@ import click
 from ...reference.cost import within
 from ..reports.files import Destination, refuse_conflicts
 from ..terminal.budget import MAP, budget_option
-from ..terminal.options import COUNT, options_of
+from ..terminal.options import COUNT, with_options_of
 from ..terminal.program import (
     INTERRUPTED,
     PLOT,
@@ -38,7 +38,7 @@ OFTEN = 1.0
         "    --x force_frequency=5:6 --y force_amplitude=15:35",
     ),
 )
-@options_of(BoundaryRequest)
+@with_options_of(BoundaryRequest)
 @click.option(
     "-o",
     "--output",

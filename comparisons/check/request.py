@@ -17,7 +17,7 @@ from ..checks.execution import Execution, run_checks, unavailable
 from ..checks.refusals import narrowed
 from ..checks.request import SOURCES, CheckRequest
 from ..checks.verdict import PROFILES, Result
-from ..documents.fields import Option, takes_fields_of
+from ..documents.fields import OptionMark, takes_fields_of
 from ..engines.protocol import Engine
 from ..engines.registry import LENT, checked_engines, lent, resolve_selection
 from ..queries.environment import environment, versions
@@ -198,7 +198,7 @@ class CheckRun(CheckRequest, Execution):
         Called as each check ends, with its results.
     """
 
-    engines: Annotated[Sequence[str | Engine | type[Engine]], Option("ENGINE")] = ()  # type: ignore[assignment]
+    engines: Annotated[Sequence[str | Engine | type[Engine]], OptionMark("ENGINE")] = ()  # type: ignore[assignment]
     progress: Progress | None = None
 
 

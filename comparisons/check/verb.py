@@ -14,7 +14,7 @@ from ...reference.errors import UsageError
 from ..checks.verdict import Result
 from ..reports.files import Destination, refuse_conflicts
 from ..terminal.budget import QUERY, budget_option, budgeted
-from ..terminal.options import options_of
+from ..terminal.options import with_options_of
 from ..terminal.page_options import HTML, write_page
 from ..terminal.program import (
     INTERRUPTED,
@@ -68,7 +68,7 @@ def new_file(
         "mbcheck check hula_hoop --placement turned:7 --kind parts --kind algebra",
     ),
 )
-@options_of(CheckRun)
+@with_options_of(CheckRun)
 @JSON
 @JUNIT
 @MARKDOWN

@@ -15,7 +15,7 @@ from ...reference.errors import (
     UnknownNameError,
     UsageError,
 )
-from ..documents.fields import JOBS, Option
+from ..documents.fields import JOBS, OptionMark
 from ..engines.isolation import HANGING, isolated, refuse_limits, within_limits
 from ..engines.registry import (
     ENGINES,
@@ -50,9 +50,9 @@ class Execution:
     """
 
     jobs: Annotated[int, JOBS] = 1
-    fail_fast: Annotated[bool, Option()] = False
-    time_limit: Annotated[float | None, Option("SECONDS")] = None
-    memory_limit: Annotated[float | None, Option("MB")] = None
+    fail_fast: Annotated[bool, OptionMark()] = False
+    time_limit: Annotated[float | None, OptionMark("SECONDS")] = None
+    memory_limit: Annotated[float | None, OptionMark("MB")] = None
 
     def limited(self) -> AbstractContextManager[None]:
         """Return a context in which engines of others are loaded within the limits of a check."""

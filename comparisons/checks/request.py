@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated
 
-from ..documents.fields import Option
+from ..documents.fields import OptionMark
 
 SOURCES = ("verification", "validation")
 """What results are about: engines, or papers. The first is checked by default."""
@@ -55,23 +55,25 @@ class CheckRequest:
         Include the cases left out of the default set.
     """
 
-    scenes: Annotated[Sequence[str], Option("[SCENE]...", flags=())] = ()
-    engines: Annotated[Sequence[str], Option("ENGINE")] = ()
-    kinds: Annotated[Sequence[str], Option("KIND")] = ()
-    methods: Annotated[Sequence[str], Option("METHOD")] = ()
-    ids: Annotated[Sequence[str], Option("PATTERN")] = ()
-    profile: Annotated[str, Option("strict|default|loose")] = "default"
-    full: Annotated[bool, Option()] = False
-    known: Annotated[str | None, Option("FILE")] = None
-    strict_known: Annotated[bool, Option()] = False
-    parameters: Annotated[Mapping[str, float | str], Option("NAME=VALUE", flags=("--set",))] = (
+    scenes: Annotated[Sequence[str], OptionMark("[SCENE]...", flags=())] = ()
+    engines: Annotated[Sequence[str], OptionMark("ENGINE")] = ()
+    kinds: Annotated[Sequence[str], OptionMark("KIND")] = ()
+    methods: Annotated[Sequence[str], OptionMark("METHOD")] = ()
+    ids: Annotated[Sequence[str], OptionMark("PATTERN")] = ()
+    profile: Annotated[str, OptionMark("strict|default|loose")] = "default"
+    full: Annotated[bool, OptionMark()] = False
+    known: Annotated[str | None, OptionMark("FILE")] = None
+    strict_known: Annotated[bool, OptionMark()] = False
+    parameters: Annotated[Mapping[str, float | str], OptionMark("NAME=VALUE", flags=("--set",))] = (
         field(default_factory=dict)
     )
-    state: Annotated[Mapping[str, float | str], Option("NAME=VALUE")] = field(default_factory=dict)
-    horizon: Annotated[float | None, Option("T")] = None
-    source: Annotated[str, Option("SOURCE")] = SOURCES[0]
-    quick: Annotated[bool, Option()] = False
-    placement: Annotated[str, Option("PLACEMENT")] = ""
+    state: Annotated[Mapping[str, float | str], OptionMark("NAME=VALUE")] = field(
+        default_factory=dict
+    )
+    horizon: Annotated[float | None, OptionMark("T")] = None
+    source: Annotated[str, OptionMark("SOURCE")] = SOURCES[0]
+    quick: Annotated[bool, OptionMark()] = False
+    placement: Annotated[str, OptionMark("PLACEMENT")] = ""
 
     @property
     def is_custom(self) -> bool:

@@ -215,10 +215,10 @@ def pytest_runtest_makereport(
     """Send results along with the report, which may cross processes."""
     made = yield
     if call.when == "call" and RESULTS in item.stash:
-        from ..documents.core import plain
+        from ..documents.core import as_plain
         from ..reports.run.outcome import with_lost_numbers
 
-        made.mbcheck = [plain(with_lost_numbers(result)) for result in item.stash[RESULTS]]  # type: ignore[attr-defined]
+        made.mbcheck = [as_plain(with_lost_numbers(result)) for result in item.stash[RESULTS]]  # type: ignore[attr-defined]
     return made
 
 

@@ -18,7 +18,7 @@ from ..queries.simulate import simulate as run_simulation
 from ..reports import queries
 from ..reports.files import Destination, refuse_conflicts
 from ..terminal.budget import QUERY, budget_option, budgeted
-from ..terminal.options import options_of
+from ..terminal.options import with_options_of
 from ..terminal.program import (
     JSON,
     console,
@@ -39,7 +39,7 @@ from ..terminal.program import (
         "    --state theta=0.5 --times 0:0.5:0.01 --json -",
     ),
 )
-@options_of(SimulateRequest)
+@with_options_of(SimulateRequest)
 @into("csv", "Write CSV to a file, or '-': comments, t, then the observables, all digits.")
 @click.option("--bounds", is_flag=True, help="Add columns NAME_bound of the reference to the CSV.")
 @budget_option(QUERY)
@@ -84,7 +84,7 @@ def simulate(
         "mbcheck orbit hula_hoop --set force_amplitude=80 --engine exudyn --json -",
     ),
 )
-@options_of(MethodQuery)
+@with_options_of(MethodQuery)
 @budget_option(QUERY)
 @JSON
 def orbit(json_file: Destination | None, budget: float, **asked: Any) -> None:
@@ -108,7 +108,7 @@ def orbit(json_file: Destination | None, budget: float, **asked: Any) -> None:
         "mbcheck frequencies rotating_beam --about rotation --plane flapwise --count 3",
     ),
 )
-@options_of(FrequenciesRequest)
+@with_options_of(FrequenciesRequest)
 @budget_option(QUERY)
 @JSON
 def frequencies(json_file: Destination | None, budget: float, **asked: Any) -> None:
@@ -128,7 +128,7 @@ def frequencies(json_file: Destination | None, budget: float, **asked: Any) -> N
         "mbcheck export hula_hoop --set rod_length=0.06 -o -",
     ),
 )
-@options_of(ModelQuery, without=("engine",))
+@with_options_of(ModelQuery, without=("engine",))
 @click.option(
     "-o",
     "--output",

@@ -240,13 +240,13 @@ class Absence:
     def filtered(self, result: Result) -> bool:
         """Return whether the options of the new run leave a result out."""
         selection = self.new.selection
-        chosen = (
+        restrictions = (
             (selection.scenes, result.scene),
             (selection.kinds, result.kind),
             (selection.methods, result.method),
             (self.engines, result.engine),
         )
-        return any(names and name not in names for names, name in chosen) or bool(
+        return any(names and name not in names for names, name in restrictions) or bool(
             selection.ids and result.check_id not in self.checks
         )
 

@@ -60,7 +60,7 @@ def to_document(kind: Any, result: object, parts: Mapping[str, object]) -> dict[
     """
     wanted = record(kind, is_root=True)
     written = {
-        name: plain(parts[name] if name in parts else getattr(result, name))
+        name: as_plain(parts[name] if name in parts else getattr(result, name))
         for name in wanted.__struct_fields__
         if name in parts or hasattr(result, name)
     }
@@ -83,17 +83,17 @@ def checked(kind: Any, content: Any) -> dict[str, Any]:
         ) from None
 
 
-def plain(value: Any) -> Any:
+def as_plain(value: Any) -> Any:
     """Return a value as JSON can hold it: NaN and the infinities are null."""
     if is_dataclass(value) or hasattr(value, "_fields"):
         kind: Any = type(value)
-        return {name: plain(getattr(value, name)) for name in hints_of(kind)}
+        return {name: as_plain(getattr(value, name)) for name in hints_of(kind)}
     if isinstance(value, Mapping):
-        return {str(name): plain(item) for name, item in value.items()}
+        return {str(name): as_plain(item) for name, item in value.items()}
     if isinstance(value, np.ndarray | np.generic):
-        return plain(value.tolist())
+        return as_plain(value.tolist())
     if isinstance(value, Sequence) and not isinstance(value, str):
-        return [plain(item) for item in value]
+        return [as_plain(item) for item in value]
     if isinstance(value, complex):
         return {"re": value.real, "im": value.imag}
     if isinstance(value, float):
@@ -120,12 +120,12 @@ def hints_of(kind: Any) -> dict[str, Any]:
     getters = {
         name: getattr(item, "fget", None) for base in bases for name, item in vars(base).items()
     }
-    shown = [item for item in fields(kind) if item.metadata.get("is_documented", True)]
+    visible = [item for item in fields(kind) if item.metadata.get("is_documented", True)]
     return {
         name: get_type_hints(getter)["return"]
         for name, getter in getters.items()
         if hasattr(getter, "is_documented")
-    } | {item.name: hints[item.name] for item in shown}
+    } | {item.name: hints[item.name] for item in visible}
 
 
 @cache

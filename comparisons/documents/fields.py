@@ -34,7 +34,7 @@ ENTRY = re.compile(r"^(\w+(?:, \w+)*)(?: : .*)?$")
 
 
 @dataclass(frozen=True)
-class Option:
+class OptionMark:
     """How the command line takes a field; its type and default are those of the field.
 
     Attributes
@@ -58,11 +58,11 @@ class Option:
     default: Any = None
 
 
-JOBS = Option("N", ("-j", "--jobs"), least=1, default=os.cpu_count() or 1)
+JOBS = OptionMark("N", ("-j", "--jobs"), least=1, default=os.cpu_count() or 1)
 """How many processes work."""
 
 
-def number(text: str, what: str) -> float:
+def number_from(text: str, what: str) -> float:
     """Return a number from the command line.
 
     Raises
@@ -86,7 +86,7 @@ def documented(getter: Getter) -> Getter:
 
 def descriptions(kind: type) -> dict[str, str]:
     """Return the meanings of fields and properties, from the docstrings that have them."""
-    found: dict[str, str] = {}
+    meanings: dict[str, str] = {}
     for base in reversed(kind.__mro__):
         section = inspect.cleandoc(base.__doc__ or "").partition("Attributes\n----------\n")[2]
         names: list[str] = []
@@ -95,11 +95,11 @@ def descriptions(kind: type) -> dict[str, str]:
                 names = entry[1].split(", ")
                 continue
             for name in names:
-                found[name] = f"{found.get(name, '')} {line.strip()}".strip()
+                meanings[name] = f"{meanings.get(name, '')} {line.strip()}".strip()
         for name, item in vars(base).items():
             if isinstance(item, property):
-                found[name] = inspect.cleandoc(item.__doc__ or "").partition("\n\n")[0]
-    return {name: text.removesuffix(".") for name, text in found.items()}
+                meanings[name] = inspect.cleandoc(item.__doc__ or "").partition("\n\n")[0]
+    return {name: text.removesuffix(".") for name, text in meanings.items()}
 
 
 def takes_fields_of(

@@ -6,7 +6,7 @@ import click
 
 from ..checks.execution import Execution
 from ..reports.files import Destination, refuse_conflicts
-from ..terminal.options import options_of
+from ..terminal.options import with_options_of
 from ..terminal.program import (
     FAILED,
     INTERRUPTED,
@@ -32,7 +32,7 @@ from ..terminal.program import (
 @several("engine", "ENGINE", "Only this engine")
 @several("section", "NAME", "Only limits, parameters, starts, long or failures")
 @click.option("--full", is_flag=True, help="Longer horizons and more extremes.")
-@options_of(Execution, without=("fail_fast", "time_limit", "memory_limit"))
+@with_options_of(Execution, without=("fail_fast", "time_limit", "memory_limit"))
 @click.option("-v", "--verbose", is_flag=True, help="Print every row that is not right.")
 @JSON
 @into("markdown", "Write what only the reference notices as Markdown to a file, or '-'.")

@@ -17,7 +17,7 @@ from ...reference.scene import Case, Scene
 from ..checks.tolerances import rounding
 from ..checks.verdict import PROFILES, Finding, Result, Series, Subject, Verdict, judge
 from ..documents import document
-from ..documents.fields import Option, documented, takes_fields_of
+from ..documents.fields import OptionMark, documented, takes_fields_of
 from ..queries.environment import versions
 from ..queries.query import as_float, changed, initial_values
 from ..reports.run.outcome import Report, with_lost_numbers
@@ -169,14 +169,14 @@ class JudgeRequest:
         Scales every tolerance.
     """
 
-    trajectory: Annotated[Any, Option("FILE", flags=())]
-    case: Annotated[str | None, Option("SCENE/CASE")] = None
-    parameters: Annotated[Mapping[str, Any] | None, Option("NAME=VALUE", ("--set",))] = None
-    state: Annotated[Mapping[str, float] | None, Option("NAME=VALUE")] = None
-    tolerance: Annotated[float | None, Option("X")] = None
-    order: Annotated[int | None, Option("P")] = None
-    step: Annotated[float | None, Option("H")] = None
-    profile: Annotated[str, Option("strict|default|loose")] = "default"
+    trajectory: Annotated[Any, OptionMark("FILE", flags=())]
+    case: Annotated[str | None, OptionMark("SCENE/CASE")] = None
+    parameters: Annotated[Mapping[str, Any] | None, OptionMark("NAME=VALUE", ("--set",))] = None
+    state: Annotated[Mapping[str, float] | None, OptionMark("NAME=VALUE")] = None
+    tolerance: Annotated[float | None, OptionMark("X")] = None
+    order: Annotated[int | None, OptionMark("P")] = None
+    step: Annotated[float | None, OptionMark("H")] = None
+    profile: Annotated[str, OptionMark("strict|default|loose")] = "default"
 
 
 @takes_fields_of(JudgeRequest)

@@ -10,7 +10,7 @@ import click
 from ...reference.errors import UsageError
 from ..reports.files import Destination, refuse_conflicts
 from ..terminal.budget import QUERY, budget_option, budgeted
-from ..terminal.options import options_of
+from ..terminal.options import with_options_of
 from ..terminal.page_options import HTML, write_page
 from ..terminal.program import (
     JSON,
@@ -31,7 +31,7 @@ from .judge import JudgeRequest, judge_trajectory
         "mbcheck judge - --case hula_hoop/rod_aligned --tolerance 1e-3 < run.csv",
     ),
 )
-@options_of(JudgeRequest)
+@with_options_of(JudgeRequest)
 @JSON
 @JUNIT
 @HTML

@@ -15,7 +15,7 @@ from ...reference import get_scene
 from ...reference.errors import UnknownNameError, UsageError
 from ...reference.scene import Array, Case, Scene
 from ...reference.solve import HEYOKA, takes_heyoka
-from ..documents.fields import Option
+from ..documents.fields import OptionMark
 from ..engines.registry import REFERENCE, get_engine
 from ..queries.axis import ParameterRange
 from ..queries.environment import versions
@@ -108,20 +108,20 @@ class Request:
         quantity, or NumPy.
     """
 
-    scene: Annotated[str, Option(flags=())]
-    quantity: Annotated[str, Option("NAME")]
-    x: Annotated[Axis, Option("NAME=LO:HI:N", parse=Axis.parse)]
-    y: Annotated[Axis, Option("NAME=LO:HI:N", parse=Axis.parse)]
-    engine: Annotated[str, Option("ENGINE")] = REFERENCE
-    model: Annotated[str | None, Option("NAME")] = None
-    method: Annotated[str | None, Option("METHOD")] = None
-    step: Annotated[float | None, Option("H")] = None
-    parameters: Annotated[Mapping[str, Any], Option("NAME=VALUE", ("--set",))] = field(
+    scene: Annotated[str, OptionMark(flags=())]
+    quantity: Annotated[str, OptionMark("NAME")]
+    x: Annotated[Axis, OptionMark("NAME=LO:HI:N", parse=Axis.parse)]
+    y: Annotated[Axis, OptionMark("NAME=LO:HI:N", parse=Axis.parse)]
+    engine: Annotated[str, OptionMark("ENGINE")] = REFERENCE
+    model: Annotated[str | None, OptionMark("NAME")] = None
+    method: Annotated[str | None, OptionMark("METHOD")] = None
+    step: Annotated[float | None, OptionMark("H")] = None
+    parameters: Annotated[Mapping[str, Any], OptionMark("NAME=VALUE", ("--set",))] = field(
         default_factory=dict
     )
-    refine: Annotated[bool, Option()] = False
-    block: Annotated[int | None, Option("N")] = None
-    backend: Annotated[Backend, Option()] = "auto"
+    refine: Annotated[bool, OptionMark()] = False
+    block: Annotated[int | None, OptionMark("N")] = None
+    backend: Annotated[Backend, OptionMark()] = "auto"
 
     @property
     def shape(self) -> tuple[int, int]:

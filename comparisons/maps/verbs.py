@@ -10,7 +10,7 @@ import numpy as np
 from ...reference.cost import within
 from ..reports.files import Destination, refuse_conflicts
 from ..terminal.budget import MAP, budget_option
-from ..terminal.options import COUNT, options_of
+from ..terminal.options import COUNT, with_options_of
 from ..terminal.program import (
     JSON,
     PLOT,
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
         "    --x damping=0.5:6:17 --y torque=0.02:1.2:17",
     ),
 )
-@options_of(Request)
+@with_options_of(Request)
 @click.option(
     "-o",
     "--output",

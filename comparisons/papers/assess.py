@@ -30,7 +30,7 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True)
-class Threshold:
+class RowThreshold:
     """A condition on a number, and how far the number is from its limit.
 
     Attributes
@@ -80,7 +80,7 @@ class Assessment:
         the same by engine
     candidates : tuple of (str, str)
         of an open reading: each candidate, and what it gives
-    thresholds : tuple of Threshold
+    thresholds : tuple of RowThreshold
         conditions that decide on the verdict
     values : mapping of str to float
         of a printed number: ours in its unit, by `reference` and by engine
@@ -93,7 +93,7 @@ class Assessment:
     reference: str = ""
     engines: Mapping[str, str] = field(default_factory=dict)
     candidates: tuple[tuple[str, str], ...] = ()
-    thresholds: tuple[Threshold, ...] = ()
+    thresholds: tuple[RowThreshold, ...] = ()
     values: Mapping[str, float | None] = field(default_factory=dict)
     numbers: Mapping[str, Mapping[str, Number | list[Number] | None]] = field(default_factory=dict)
 
@@ -185,13 +185,13 @@ def numbers_in(template: str, numbers: Numbers) -> dict[str, Any]:
     return {name: one.tolist() for name, one in plain.items()}
 
 
-def thresholds(row: LedgerRow, numbers: Numbers) -> Iterator[Threshold]:
+def thresholds(row: LedgerRow, numbers: Numbers) -> Iterator[RowThreshold]:
     """Yield what the reference's numbers are judged by, and how far they are from it."""
     for verdict, conditions in row.judgement.items():
         for item in conditions:
             value, limit, distance = item.compared(numbers, row.printed) or (None, None, None)
             holds = item.holds(numbers, row.printed)
-            yield Threshold(
+            yield RowThreshold(
                 verdict, item.name, item.relation, limit, value, distance, holds, item.ours
             )
 

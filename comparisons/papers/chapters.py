@@ -11,7 +11,7 @@ from ...reference import get_scene
 from ..engines.registry import REFERENCE
 from ..reports.text import markdown_table
 from ..reports.words import Markdown, code, number, plain, plural, with_unit
-from .assess import Threshold
+from .assess import RowThreshold
 from .ledger import (
     CORRECTED,
     DEPENDS,
@@ -284,7 +284,7 @@ def row_lines(scene: str, item: RowOutcome) -> Iterator[str]:
         yield f"{code(f'mbcheck reproduce {scene} --row {row.name}')}{seconds}"
 
 
-def threshold(item: Threshold) -> str:
+def threshold(item: RowThreshold) -> str:
     """Return by which limit a row is judged, and how far it is from that."""
     ours = " (our limit)" if item.ours else ""
     met = "met" if item.holds else "missed"

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Annotated
 
 from ...reference.errors import UnknownNameError, UsageError
-from ..documents.fields import JOBS, Option, takes_fields_of
+from ..documents.fields import JOBS, OptionMark, takes_fields_of
 from ..engines.registry import available, get_engine
 from ..queries.environment import versions
 from ..reports.drawing import import_pyplot
@@ -45,13 +45,13 @@ class ReproduceRequest:
         Called as figures and rows are finished.
     """
 
-    scenes: Annotated[Sequence[str], Option("[SCENE]...", flags=())] = ()
-    figure: Annotated[int | None, Option("N")] = None
-    rows: Annotated[Sequence[str], Option("NAME")] = ()
-    out: Annotated[str | Path, Option("DIR")] = "reproduction"
-    full: Annotated[bool, Option()] = False
-    resume: Annotated[bool, Option()] = False
-    workers: Annotated[int, Option("N", least=1, default=JOBS.default)] = 1
+    scenes: Annotated[Sequence[str], OptionMark("[SCENE]...", flags=())] = ()
+    figure: Annotated[int | None, OptionMark("N")] = None
+    rows: Annotated[Sequence[str], OptionMark("NAME")] = ()
+    out: Annotated[str | Path, OptionMark("DIR")] = "reproduction"
+    full: Annotated[bool, OptionMark()] = False
+    resume: Annotated[bool, OptionMark()] = False
+    workers: Annotated[int, OptionMark("N", least=1, default=JOBS.default)] = 1
     progress: Progress = lambda done, total, what: None
 
 

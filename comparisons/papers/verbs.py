@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..reports.files import Destination
-from ..terminal.options import options_of
+from ..terminal.options import with_options_of
 from ..terminal.program import (
     FAILED,
     JSON,
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
         "mbcheck reproduce --full --out papers --json ledger.json",
     ),
 )
-@options_of(ReproduceRequest)
+@with_options_of(ReproduceRequest)
 @JSON
 def reproduce_papers(json_file: Destination | None, **asked: Any) -> int:
     """Draw the figures of the papers again, and judge what they print and claim.

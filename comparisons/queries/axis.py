@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 from typing import Self
 
 from ...reference.errors import UsageError
-from ..documents.fields import number
+from ..documents.fields import number_from
 
 
 @dataclass(frozen=True)
@@ -50,5 +50,5 @@ class ParameterRange:
         whole = all(re.fullmatch(r" *[0-9]{1,9} *", word) for word in count)
         if not (name and equals and colon and len(count) == len(counts) and whole):
             raise UsageError(f"{flag} needs {form}{rule}, not {text!r}")
-        ends = (number(word, f"{flag} {name}: a bound") for word in (low, high))
+        ends = (number_from(word, f"{flag} {name}: a bound") for word in (low, high))
         return cls(name, *ends, *map(int, count))

@@ -15,7 +15,7 @@ from ...reference.scene import Array
 from ..checks.kinds import elements
 from ..checks.kinds.frequency import resting
 from ..documents import document
-from ..documents.fields import Option, takes_fields_of
+from ..documents.fields import OptionMark, takes_fields_of
 from ..engines.registry import REFERENCE
 from ..engines.run import call_engine
 from ..engines.setup import Setup
@@ -73,10 +73,10 @@ class FrequenciesRequest(ModelQuery):
         Of a rotating beam: chordwise (in the plane of rotation, the default) or flapwise.
     """
 
-    about: Annotated[str | None, Option("NAME")] = None
-    count: Annotated[int | None, Option("N", least=1)] = None
-    undamped: Annotated[bool, Option()] = False
-    plane: Annotated[str | None, Option("NAME")] = None
+    about: Annotated[str | None, OptionMark("NAME")] = None
+    count: Annotated[int | None, OptionMark("N", least=1)] = None
+    undamped: Annotated[bool, OptionMark()] = False
+    plane: Annotated[str | None, OptionMark("NAME")] = None
 
 
 @takes_fields_of(FrequenciesRequest)

@@ -57,7 +57,7 @@ class Multiplier:
 
 
 @dataclass(frozen=True)
-class Spectrum:
+class OrbitSpectrum:
     """The Fourier series of an observable over a period of an orbit.
 
     Attributes
@@ -111,7 +111,7 @@ class OrbitReport(Origin):
         drive, or where the first angle that turns is 0
     floquet_multipliers : tuple of Multiplier
         eigenvalues of the monodromy matrix, descending in modulus
-    harmonics : mapping of str to Spectrum
+    harmonics : mapping of str to OrbitSpectrum
         Fourier series of what is left of each observable without its secular part: mean + sum of
         amplitude cos(order Omega t + phase), Omega = 2 pi / period
     power : mapping of str to float
@@ -130,7 +130,7 @@ class OrbitReport(Origin):
     period_bound: float | None
     state: Mapping[str, float]
     floquet_multipliers: tuple[Multiplier, ...]
-    harmonics: Mapping[str, Spectrum]
+    harmonics: Mapping[str, OrbitSpectrum]
     power: Mapping[str, float]
     power_bound: Mapping[str, float] | None
     quantities: Mapping[str, OrbitQuantity]
@@ -237,7 +237,7 @@ def orbit_report(setup: Setup, orbit: Orbit, samples: Array, bounded: bool) -> O
             for i, value in enumerate(orbit.multipliers)
         ),
         harmonics={
-            name: Spectrum(
+            name: OrbitSpectrum(
                 *harmonics(values, scene.rotations_per_period.get(name, 0)),
                 None if error is None else float(bounds[name]),
             )

@@ -17,7 +17,7 @@ from ...reference.errors import (
 )
 from ...reference.parameters import Parameters, as_number
 from ...reference.scene import Case, EquationsOfMotion, Scene
-from ..documents.fields import Option
+from ..documents.fields import OptionMark
 from ..engines.adapter import Adapter
 from ..engines.protocol import Method
 from ..engines.registry import REFERENCE, get_engine
@@ -47,10 +47,10 @@ class ModelQuery:
         Change a parameter from its default, SI units.
     """
 
-    scene: Annotated[str, Option(flags=())] = field(kw_only=False)
-    engine: Annotated[str, Option("ENGINE")] = REFERENCE
-    model: Annotated[str | None, Option("NAME")] = None
-    parameters: Annotated[Mapping[str, Any] | None, Option("NAME=VALUE", ("--set",))] = None
+    scene: Annotated[str, OptionMark(flags=())] = field(kw_only=False)
+    engine: Annotated[str, OptionMark("ENGINE")] = REFERENCE
+    model: Annotated[str | None, OptionMark("NAME")] = None
+    parameters: Annotated[Mapping[str, Any] | None, OptionMark("NAME=VALUE", ("--set",))] = None
 
     @property
     def case(self) -> Case:
@@ -100,8 +100,8 @@ class MethodQuery(ModelQuery):
         Fixed step [s].
     """
 
-    method: Annotated[str | None, Option("METHOD")] = None
-    step: Annotated[float | None, Option("H")] = None
+    method: Annotated[str | None, OptionMark("METHOD")] = None
+    step: Annotated[float | None, OptionMark("H")] = None
 
     def setup(self) -> Setup:
         """Return the case with its engine, model, method and step.
@@ -129,7 +129,7 @@ class Query(MethodQuery):
         Initial value, otherwise 0, SI units.
     """
 
-    state: Annotated[Mapping[str, float] | None, Option("NAME=VALUE")] = None
+    state: Annotated[Mapping[str, float] | None, OptionMark("NAME=VALUE")] = None
 
     @property
     def case(self) -> Case:

@@ -19,7 +19,7 @@ from ...reference.solve.solution import Solution
 from ..checks.rules.cautions import Caution, cautions, explained
 from ..checks.truth import truncated, truth_of
 from ..documents import document
-from ..documents.fields import Option, takes_fields_of
+from ..documents.fields import OptionMark, takes_fields_of
 from ..engines.equations import ModelEquations
 from ..engines.registry import REFERENCE
 from ..engines.run import VIOLATIONS, grid_indices
@@ -99,8 +99,10 @@ class SimulateRequest(Query):
         tells.
     """
 
-    times: Annotated[Sequence[float] | Array, Option("T1,T2,...|START:STOP:STEP", parse=times_from)]
-    observe: Annotated[Sequence[str], Option("NAME")] = ()
+    times: Annotated[
+        Sequence[float] | Array, OptionMark("T1,T2,...|START:STOP:STEP", parse=times_from)
+    ]
+    observe: Annotated[Sequence[str], OptionMark("NAME")] = ()
 
 
 @takes_fields_of(SimulateRequest)

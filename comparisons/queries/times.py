@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from ...reference.errors import UsageError
 from ...reference.scene import Array
 from ...reference.solve.solution import sample_times
-from ..documents.fields import number
+from ..documents.fields import number_from
 
 MOST_TIMES = 1_000_000
 """Longer lists of times are refused as a slip of the pen."""
@@ -105,7 +105,7 @@ def times_from(text: str, flag: str) -> list[float]:
         If it is neither.
     """
     if ":" not in text:
-        return [number(word.strip(), "--times: a time") for word in text.split(",")]
+        return [number_from(word.strip(), "--times: a time") for word in text.split(",")]
     words = text.split(":")
     if len(words) != 3:
         raise UsageError(f"--times needs T1,T2,... or START:STOP:STEP, not {text!r}")
@@ -127,7 +127,7 @@ def decimal(text: str) -> Decimal:
     UsageError
         If it is none, or too large or small for a float.
     """
-    number(text, "--times: a time")
+    number_from(text, "--times: a time")
     value = Decimal(text.strip())
     if not math.isfinite(float(value)) or (value and not float(value)):
         raise UsageError(f"--times: a time must be finite, not {text!r}")

@@ -20,7 +20,7 @@ from typing import (
 import click
 
 from ...reference.errors import UsageError
-from ..documents.fields import Option, descriptions
+from ..documents.fields import OptionMark, descriptions
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -63,13 +63,13 @@ class Number(click.ParamType):  # type: ignore[type-arg]
 NUMBER, COUNT, SEED = Number(), Number(1), Number(0)
 
 
-def options_of(*kinds: type, without: Collection[str] = ()) -> Callable[[Function], Function]:
+def with_options_of(*kinds: type, without: Collection[str] = ()) -> Callable[[Function], Function]:
     """Return a decorator: a function takes the fields of requests as options and arguments.
 
     Parameters
     ----------
     *kinds : type
-        Dataclasses; their fields with an `Option` are taken, each once.
+        Dataclasses; their fields with an `OptionMark` are taken, each once.
     without : collection of str
         Fields that are left out.
     """
@@ -78,7 +78,7 @@ def options_of(*kinds: type, without: Collection[str] = ()) -> Callable[[Functio
         hints, meanings = get_type_hints(kind, include_extras=True), descriptions(kind)
         for field in fields(kind):
             marks = getattr(hints[field.name], "__metadata__", ())
-            option = next((mark for mark in marks if isinstance(mark, Option)), None)
+            option = next((mark for mark in marks if isinstance(mark, OptionMark)), None)
             if option is None or field.name in without:
                 continue
             made = field.default_factory() if callable(field.default_factory) else field.default
@@ -95,7 +95,7 @@ def options_of(*kinds: type, without: Collection[str] = ()) -> Callable[[Functio
 
 
 def parameter(
-    name: str, hint: Any, option: Option, default: Any, meaning: str
+    name: str, hint: Any, option: OptionMark, default: Any, meaning: str
 ) -> Callable[[Any], Any]:
     """Return the decorator that adds an option, or an argument, for a field.
 
@@ -105,7 +105,7 @@ def parameter(
     hint : type
         Of the field: a flag for a bool; repeatable for a mapping, a tuple, and a sequence unless
         its text is parsed as a whole.
-    option : Option
+    option : OptionMark
     default
         `dataclasses.MISSING` makes it required.
     meaning : str
@@ -131,8 +131,8 @@ def parameter(
         about["callback"] = parsed(option.parse)
     if not several:
         about |= {"required": True} if default is MISSING else {"default": default}
-        shown = option.default is None and isinstance(default, str | int | float)
-        about["show_default"] = shown and default not in ("", False)
+        has_default = option.default is None and isinstance(default, str | int | float)
+        about["show_default"] = has_default and default not in ("", False)
     text = f"{meaning} (repeatable)." if several else f"{meaning}."
     return click.option(*(option.flags or (flag,)), name, help=text, **about)
 
