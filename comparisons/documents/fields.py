@@ -90,12 +90,14 @@ def descriptions(kind: type) -> dict[str, str]:
     for base in reversed(kind.__mro__):
         section = inspect.cleandoc(base.__doc__ or "").partition("Attributes\n----------\n")[2]
         names: list[str] = []
+        own: dict[str, str] = {}
         for line in section.partition("\n\n")[0].splitlines():
             if entry := ENTRY.match(line):
                 names = entry[1].split(", ")
                 continue
             for name in names:
-                meanings[name] = f"{meanings.get(name, '')} {line.strip()}".strip()
+                own[name] = f"{own.get(name, '')} {line.strip()}".strip()
+        meanings |= own
         for name, item in vars(base).items():
             if isinstance(item, property):
                 meanings[name] = inspect.cleandoc(item.__doc__ or "").partition("\n\n")[0]
