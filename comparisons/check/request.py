@@ -48,6 +48,16 @@ def select(request: CheckRequest, custom: CustomCase | None = None) -> Sequence[
     if request.quick and (request.full or request.source != SOURCES[0]):
         raise UsageError("--quick is of engines, and contradicts --full")
     world_axes(request.axes)  # which refuses what is none
+    if of_extremes(request):
+        if request.quick or request.is_custom or request.placement or request.source != SOURCES[0]:
+            raise UsageError(
+                "--quick, --set, --state, --horizon, --placement and --source choose among "
+                "usual checks, not among those of extremes"
+            )
+        from ..scenes.extremes import extreme_checks
+
+        names = (request.kinds, request.methods, request.ids, request.full)
+        return extreme_checks(request.scenes, request.engines, *names)
     if request.source == SOURCES[0]:
         checks = matching_checks(request, custom)
         return quick_checks(request, custom, checks) if request.quick and checks else checks
@@ -59,6 +69,12 @@ def select(request: CheckRequest, custom: CustomCase | None = None) -> Sequence[
     from ..papers.plan import plan
 
     return plan(request.scenes, request.kinds, request.ids, request.full)
+
+
+def of_extremes(request: CheckRequest) -> bool:
+    """Return whether checks at extremes are asked for: so, by their kind, or by an id with one."""
+    named = any(f"/{kind}/" in name for kind in suite.EXTREMES for name in request.ids)
+    return request.extremes or named or any(kind in suite.EXTREMES for kind in request.kinds)
 
 
 def plan_checks(request: CheckRequest) -> CheckPlan:
@@ -155,7 +171,9 @@ class CheckPlan:
         @cache
         def ids(full: bool) -> list[str]:
             names = engines if request.source == SOURCES[0] else ()
-            every = CheckRequest(engines=names, full=full, source=request.source)
+            every = CheckRequest(
+                engines=names, full=full, source=request.source, extremes=of_extremes(request)
+            )
             return [name for one in select(every, self.custom) for name in one.ids]
 
         every = partial(ids, request.full), partial(ids, True)

@@ -51,6 +51,8 @@ class CheckRequest:
     placement : str
         Place all models in the world by a random rotation (turned:SEED) or as mirror images
         (mirrored:SEED); none leaves those out that the default set has placed so.
+    extremes : bool
+        Check engines at extremes, in place of the usual cases; see mbcheck extremes.
     full : bool
         Include the cases left out of the default set.
     """
@@ -74,6 +76,7 @@ class CheckRequest:
     source: Annotated[str, OptionMark("SOURCE")] = SOURCES[0]
     quick: Annotated[bool, OptionMark()] = False
     placement: Annotated[str, OptionMark("PLACEMENT")] = ""
+    extremes: Annotated[bool, OptionMark()] = False
 
     @property
     def is_custom(self) -> bool:

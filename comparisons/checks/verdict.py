@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, Literal
 
+from ...reference.errors import EngineError
 from ...reference.scene import Array
 from ..documents.core import hints_of
 from ..documents.fields import HIDDEN, documented
@@ -15,6 +16,21 @@ Verdict = Literal["pass", "deviation", "known", "skipped", "error"]
 
 NOT_APPLICABLE = "-"
 """What documents have in place of a scene, a case, ... of an engine that is not there."""
+
+ENGINE, GUARD, HALVING, REFERENCE = "engine", "guard", "halving", "reference"
+RULE = "rule:"
+"""Who notices that something is wrong: the engine itself or its adapter, mbcheck's guard of every
+run, a rule known before the run (``rule:<name>``), a run with half the step, or the reference."""
+
+OWN_KINDS = ("raised", "solver", "warning", "step", "start", "model")
+"""Kinds of `EngineError` that the engine, or its adapter, raises by itself; the guard finds the
+others."""
+
+
+def detected_by(error: EngineError) -> str:
+    """Return who notices a failed run: the engine, or the guard."""
+    return ENGINE if error.kind in OWN_KINDS else GUARD
+
 
 PROFILES: Mapping[str, float] = {"strict": 0.875, "default": 1.0, "loose": 3.0}
 """Factor on every tolerance. A right engine needs 1/1.2 = 0.83 of a tolerance whose error
@@ -55,6 +71,8 @@ class Finding:
         Where the tolerance comes from, and what was seen.
     series : Series, optional
         What it was found in, for pictures.
+    noticed_by : tuple of str, optional
+        Who notices, if it is wrong; by default rules of the run, and the reference.
     """
 
     quantity: str
@@ -65,6 +83,7 @@ class Finding:
     tolerance: float
     reason: str = ""
     series: Series | None = field(default=None, compare=False, repr=False)
+    noticed_by: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -135,6 +154,10 @@ class Result:
         where foreign code raised, with its message, in many lines; null if none did
     cause : str or None
         where a deviation comes from, if one mistake alone explains it; else null
+    noticed_by : tuple of str
+        who notices a deviation, a failure or a refusal, the first to do so first: `engine`, the
+        engine itself or its adapter; `guard`, what mbcheck asks of every run; `rule:NAME`, a rule
+        known before the run; `halving`, a run with half the step; `reference`
     """
 
     subject: Subject = field(metadata=HIDDEN)
@@ -151,6 +174,7 @@ class Result:
     known: str | None = None
     traceback: str | None = None
     cause: str | None = None
+    noticed_by: tuple[str, ...] = ()
 
     @property
     @documented
@@ -212,7 +236,7 @@ class Result:
 
 def result_from(document: Mapping[str, Any]) -> Result:
     """Return the result that a document holds, see `Result.as_dict`."""
-    rest = dict(document)
+    rest = {**document, "noticed_by": tuple(document.get("noticed_by", ()))}
     prefix = rest.pop("id").removesuffix(f"/{rest['quantity']}")
     about = {
         item.name: rest.pop(item.name)

@@ -25,7 +25,7 @@ VERBS: Mapping[str, tuple[str, str]] = {
     "compare-maps": ("maps.verbs.compare_maps", "Compare two maps of a scene."),
     "reproduce": ("papers.verbs.reproduce_papers", "Draw the figures of the papers again."),
     "tradeoff": ("cli.tradeoff.tradeoff", "Measure what accuracy costs, and recommend settings."),
-    "extremes": ("extremes.verbs.extremes", "Push engines to where they break."),
+    "extremes": ("extremes.verb.extremes", "Push engines to where they break."),
     "inspect": ("inspect.verbs.inspect", "Inspect MJCF models: what is wrong, how they move."),
 }
 """Where each verb stands below `comparisons`, and what it does. Verbs are loaded when they run."""

@@ -42,10 +42,6 @@ DOCUMENTS: Mapping[str, tuple[str, str]] = {
         "documents.tradeoff.TradeoffModel",
         "Which step and integrator an MJCF file needs.",
     ),
-    "extremes": (
-        "extremes.run.Extremes",
-        "How far engines can be pushed, and who notices.",
-    ),
     "diff": ("diff.changes.Diff", "What changed between two runs of checks."),
     "inspect": (
         "inspect.document.InspectDocument",

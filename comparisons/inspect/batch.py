@@ -113,7 +113,7 @@ class InspectRequest:
     waivers : str or None
         File of waivers in place of `BESIDE`.
     baseline : str or None
-        File of findings that were there before.
+        Document of findings that were there before.
     """
 
     strict: bool = False
@@ -165,7 +165,7 @@ class InspectRequest:
         beside = os.path.join(os.path.dirname(file), BESIDE)
         place = self.waivers or (beside if os.path.isfile(beside) else None)
         waivers = waivers_of(Path(place), file) if place else ()
-        old = baseline_of(self.baseline).get(key_of(file), {}) if self.baseline else {}
+        old = baseline_of(self.baseline).get(Path(file).as_posix(), {}) if self.baseline else {}
         return Selection(self.rules(), waivers, old)
 
 
@@ -218,30 +218,25 @@ def waivers_of(place: Path, file: str) -> tuple[Waiver, ...]:
     return tuple(waivers)
 
 
-def key_of(file: str) -> str:
-    """Return how a file is named in a baseline."""
-    return Path(file).as_posix()
-
-
 def baseline_of(name: str) -> dict[str, dict[tuple[str, str], float | None]]:
-    """Return the findings of a baseline: file -> rule and element -> how bad it was, if known.
+    """Return the findings of a document: file -> rule and element -> how bad it was, if known.
 
     Raises
     ------
     UsageError
-        If it cannot be read.
+        If it cannot be read, or is no document of ``inspect``.
     """
     _, content = read_document(name, "JSON", json.loads, "--baseline: ")
+    found: dict[str, dict[tuple[str, str], float | None]] = {}
     try:
-        return {
-            file: {
-                (str(rule), str(element)): None if measure in ([], [None]) else float(*measure)
-                for rule, element, *measure in entries
-            }
-            for file, entries in content["findings"].items()
-        }
-    except (ArithmeticError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise UsageError(f"{name} is no baseline: {error}") from None
+        for model in content.get("models", [content]):
+            known = found.setdefault(Path(model["file"]).as_posix(), {})
+            for one in unwaived(model):
+                key = one["rule"], one["element"]
+                known[key] = max(known.get(key) or 0.0, one["measure"] or 0.0) or None
+    except (KeyError, TypeError, AttributeError):
+        raise UsageError(f"--baseline: {name} is no document of inspect --json") from None
+    return found
 
 
 # What they come to --------------------------------------------------------------------------
@@ -308,18 +303,6 @@ class Inspections:
             summary=self.summary,
             unreadable=[{"file": file, "reason": why} for file, why in self.unreadable.items()],
         )
-
-    def baseline(self) -> str:
-        """Return what `baseline_of` reads: all that is found now."""
-        content = {}
-        for one in self.models:
-            worst: dict[tuple[str, str], float | None] = {}
-            for finding in unwaived(one):
-                key, measure = (finding["rule"], finding["element"]), finding["measure"]
-                both = [value for value in (worst.get(key), measure) if value is not None]
-                worst[key] = max(both, default=None)
-            content[key_of(one["file"])] = [[*key, value] for key, value in sorted(worst.items())]
-        return json.dumps({"findings": content}, indent=1) + "\n"
 
 
 def omissions(left_out: Sequence[str]) -> str:

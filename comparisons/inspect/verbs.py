@@ -19,7 +19,6 @@ from ..terminal.program import (
     MISUSED,
     complain,
     console,
-    destination,
     examples,
     into,
     json_text,
@@ -92,14 +91,7 @@ DOCUMENTS = ("json", "junit", "sarif")
     metavar="FILE.toml",
     help="Waivers with their reasons; by default mbcheck-inspect.toml beside the model, if any.",
 )
-@click.option("--baseline", metavar="FILE", help="Waive what --write-baseline wrote there.")
-@click.option(
-    "--write-baseline",
-    "write_baseline_file",
-    callback=destination,
-    metavar="FILE",
-    help="Write all that is found now to a file for --baseline.",
-)
+@click.option("--baseline", metavar="FILE", help="Waive what a document of --json has found.")
 @JSON
 @JUNIT
 @into("sarif", "Write SARIF, for code scanning, to a file or '-'.")
@@ -136,7 +128,7 @@ def inspect(models: tuple[str, ...], **options: Any) -> int:
             return 0
     if not models:
         raise UsageError("which file? mbcheck inspect MODEL.xml")
-    documents = [options[f"{name}_file"] for name in (*DOCUMENTS, "write_baseline")]
+    documents = [options[f"{name}_file"] for name in DOCUMENTS]
     refuse_conflicts(*documents)
     from ..reports.remarks import github_annotations
     from ..reports.run.github import annotated
@@ -153,7 +145,7 @@ def inspect(models: tuple[str, ...], **options: Any) -> int:
     if options["dry_run"] and not options["fix"]:
         raise UsageError("--dry-run is for --fix")
     remarks: list[Remark] = []
-    quiet = to_stdout(*documents[:-1])
+    quiet = to_stdout(*documents)
     with annotated(lambda: github_annotations(remarks), options["annotations"], quiet):
         if not options["compare"]:
             return inspect_all(models, request, options, remarks)
@@ -259,7 +251,7 @@ def inspect_two(models: Sequence[str], request: InspectRequest, options: Mapping
     if len(models) != 2:
         raise UsageError("--diff compares two models: OLD.xml NEW.xml")
     refuse_single(options)
-    if any(options[f"{name}_file"] for name in (*DOCUMENTS, "write_baseline")):
+    if any(options[f"{name}_file"] for name in DOCUMENTS):
         raise UsageError("--diff prints a table, and writes no document")
     screen = console()
     with sandboxed(options) as sandbox:
@@ -299,8 +291,6 @@ def write_documents(every: Inspections, single: bool, options: Mapping[str, Any]
     if options["sarif_file"]:
         rules = {name: (rule.meaning, rule.why) for name, rule in RULES.items()}
         options["sarif_file"].write(sarif(remarks, rules, versions(())["mbcheck"]))
-    if options["write_baseline_file"]:
-        options["write_baseline_file"].write(every.baseline())
 
 
 def explain_rule(name: str) -> None:

@@ -63,15 +63,17 @@ class Number(click.ParamType):  # type: ignore[type-arg]
 NUMBER, COUNT, SEED = Number(), Number(1), Number(0)
 
 
-def with_options_of(*kinds: type, without: Collection[str] = ()) -> Callable[[Function], Function]:
+def with_options_of(
+    *kinds: type, without: Collection[str] = (), only: Collection[str] = ()
+) -> Callable[[Function], Function]:
     """Return a decorator: a function takes the fields of requests as options and arguments.
 
     Parameters
     ----------
     *kinds : type
         Dataclasses; their fields with an `OptionMark` are taken, each once.
-    without : collection of str
-        Fields that are left out.
+    without, only : collection of str
+        Fields that are left out; those that are taken, by default all.
     """
     items: dict[str, Callable[[Any], Any]] = {}
     for kind in kinds:
@@ -79,7 +81,7 @@ def with_options_of(*kinds: type, without: Collection[str] = ()) -> Callable[[Fu
         for field in fields(kind):
             marks = getattr(hints[field.name], "__metadata__", ())
             option = next((mark for mark in marks if isinstance(mark, OptionMark)), None)
-            if option is None or field.name in without:
+            if option is None or field.name in without or (only and field.name not in only):
                 continue
             made = field.default_factory() if callable(field.default_factory) else field.default
             default = made if option.default is None else option.default

@@ -278,6 +278,16 @@ class Loaded:
         self.mujoco.mj_saveModel(model, None, buffer)
         return buffer.tobytes()
 
+    @cached_property
+    def bits(self) -> bytes:
+        """The compiled model of the file as these bytes."""
+        return self.dumped(self.model)
+
+    def compiles_alike(self, text: str) -> bool:
+        """Return whether another text compiles to the same model, to the last bit."""
+        model = self.compiled(text)
+        return model is not None and self.dumped(model) == self.bits
+
     @property
     def joint_names(self) -> tuple[str, ...]:
         """The name of the joint of each degree of freedom."""

@@ -140,21 +140,21 @@ def uneven_masses(s: InspectedModel) -> Iterator[Hit]:
 
 
 def always_touching(s: InspectedModel) -> Iterator[Hit]:
-    for one, other in sorted(s.never_apart):
-        names = f"{s.loaded.name('geom', one)} and {s.loaded.name('geom', other)}"
-        message = (
-            f"{names} lie in each other in all of {DRAWS} random positions within the ranges of "
-            "the joints: the contact never ends"
-        )
-        yield s.hit("geom", one, message)
+    return overlapping(s, always=True)
 
 
 def self_collision(s: InspectedModel) -> Iterator[Hit]:
-    for (one, other), count in sorted(s.meetings.items()):
-        if count < DRAWS:
-            names = f"{s.loaded.name('geom', one)} and {s.loaded.name('geom', other)}"
+    return overlapping(s, always=False)
+
+
+def overlapping(s: InspectedModel, always: bool) -> Iterator[Hit]:
+    """Yield the pairs of geoms of one mechanism that lie in each other always, or sometimes."""
+    for pair, count in sorted(s.meetings.items()):
+        if (count == DRAWS) == always:
+            names = " and ".join(s.loaded.name("geom", geom) for geom in pair)
             message = (
-                f"{names} lie in each other in {count} of {DRAWS} random positions within the "
-                "ranges of the joints"
+                f"{names} lie in each other in {'all' if always else count} of {DRAWS} random "
+                f"positions within the ranges of the joints"
+                f"{': the contact never ends' if always else ''}"
             )
-            yield s.hit("geom", one, message)
+            yield s.hit("geom", pair[0], message)

@@ -44,13 +44,15 @@ NAMING = ("body", "body1", "body2", "objname", "refname", "target", "subtree1", 
 
 
 def welded_body(s: InspectedModel) -> Iterator[Hit]:
-    alone = leaves(s) & ~empty(s) & (s.model.body_weldid != 0) & (s.model.body_jntnum == 0)
-    for number in np.flatnonzero(alone):
-        parent = s.loaded.name("body", s.model.body_parentid[number])
-        mass = f"{s.model.body_mass[number]:.4g} kg"
-        yield s.hit(
-            "body", number, f"it has no joint and no child: it is a part of {parent}, of {mass}"
-        )
+    m = s.model
+    return s.hits(
+        "body",
+        leaves(s) & ~empty(s) & (m.body_weldid != 0) & (m.body_jntnum == 0),
+        lambda i: (
+            "it has no joint and no child: it is a part of "
+            f"{s.loaded.name('body', m.body_parentid[i])}, of {m.body_mass[i]:.4g} kg"
+        ),
+    )
 
 
 def empty_body(s: InspectedModel) -> Iterator[Hit]:
@@ -163,10 +165,10 @@ def inertia_floor(s: InspectedModel) -> Iterator[Hit]:
     m, said = s.model, dict[tuple[str, int], Hit]()
     rigid = np.bincount(m.body_weldid[m.body_mass > 0], minlength=m.nbody)  # bodies in one piece
     alone = (m.body_weldid != 0) & (m.body_mass > 0) & (rigid[m.body_weldid] == 1)
-    point = np.min(m.body_inertia, axis=1) < (POINT * s.facts.size) ** 2 * m.body_mass
+    least = np.min(m.body_inertia, axis=1)
     inertias = [
-        ("body", int(i), "a principal inertia", "kg m^2", float(np.min(m.body_inertia[i])))
-        for i in np.flatnonzero(alone & point)
+        ("body", int(i), "a principal inertia", "kg m^2", float(least[i]))
+        for i in np.flatnonzero(alone & (least < (POINT * s.facts.size) ** 2 * m.body_mass))
     ] + [
         ("joint", int(joint), "the moved inertia", "(SI)", float(inertia))
         for view in s.views

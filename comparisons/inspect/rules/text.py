@@ -50,11 +50,9 @@ def repeated_default(
     The findings, and why some attributes were not tried, if any were not.
     """
     source, stated = s.loaded.source, {(hit.element, hit.attribute) for hit in hits}
-    whole = s.loaded.dumped(s.model)
 
     def same(left_out: Collection[Attribute]) -> bool:
-        model = s.loaded.compiled(source.text(left_out))
-        return model is not None and s.loaded.dumped(model) == whole
+        return s.loaded.compiles_alike(source.text(left_out))
 
     if not same([]):
         return [], "the file does not compile to the same from one text"
@@ -70,7 +68,7 @@ def repeated_default(
         for alike in groups.values()
         for value in sorted(alike, key=lambda words: len(words[0]))[:VALUES]
     ]
-    tried = likely[: max(1, int(budget / (len(source.text()) + len(whole))))]
+    tried = likely[: max(1, int(budget / (len(source.text()) + len(s.loaded.bits))))]
     singly = sum(map(len, likely)) <= SINGLY
     idle: list[Attribute] = []
     for group in tried:

@@ -13,7 +13,7 @@ from scipy.integrate import quad
 
 from ....reference.speed_regulator.equations import SpeedRegulator, coefficients, inertia, position
 from ....reference.speed_regulator.rest import found_equilibria, static_stiffness
-from ....reference.speed_regulator.theory import RowThreshold, least_torque
+from ....reference.speed_regulator.theory import least_torque
 from ...engines.registry import REFERENCE
 from ...queries.simulate import simulate
 from ..ledger import REPRODUCED, LedgerRow, Numbers, below, equal, holds, statement
@@ -33,7 +33,7 @@ NEAR = 0.01
 """Share of the torque below and above the limit at which motions are looked at."""
 
 
-def limits(session: Session) -> list[RowThreshold]:
+def limits(session: Session) -> list[Threshold]:
     """Return the reference's limit for each damper of figure 5."""
     return session.once(
         (SCENE, "homoclinic limits"), lambda: [least_torque(damped(c)) for c in DAMPINGS]

@@ -142,7 +142,7 @@ def test_waivers_that_cannot_be_read(text: str, words: str, tmp_path: Path) -> N
 def test_a_baseline_waives_what_was_there(tmp_path: Path) -> None:
     folder = folder_of(tmp_path, "range_ignored", "solimp_clamped")
     words = ("inspect", str(folder), "--fail-on", "warning", "--no-modes")
-    assert invoke(*words, "--write-baseline", "before.json").exit_code == 1
+    assert invoke(*words, "--json", "before.json").exit_code == 1
     done = invoke(*words, "--baseline", "before.json")
     assert done.exit_code == 0
     assert "2 waived" in done.stdout
@@ -154,7 +154,7 @@ def test_a_baseline_waives_what_was_there(tmp_path: Path) -> None:
     Path("before.json").write_text("[]")
     done = invoke(*words, "--baseline", "before.json")
     assert done.exit_code == 2
-    assert "is no baseline" in done.stderr
+    assert "is no document of inspect" in done.stderr
 
 
 # Many files ---------------------------------------------------------------------------------

@@ -105,17 +105,12 @@ def test_a_baseline_notices_what_is_worse() -> None:
     """Twice the step beyond the limit is news; a little more of it, or less, is not."""
     words = "inspect spring.xml --select step_limit"
     Path("spring.xml").write_text(STIFF.format(0.07))
-    assert invoke(f"{words} --write-baseline old.json").exit_code == 1
+    assert invoke(f"{words} --json old.json").exit_code == 1
     for step, code in ((0.07, 0), (0.072, 0), (0.0651, 0), (0.14, 1)):
         Path("spring.xml").write_text(STIFF.format(step))
         done = invoke(f"{words} --baseline old.json")
         assert done.exit_code == code
     assert "in the baseline it was 1.11 where now it is 2.21" in " ".join(done.stdout.split())
-    old = json.loads(Path("old.json").read_text())
-    for entries in old["findings"].values():
-        entries[:] = [entry[:2] for entry in entries]  # as baselines were before
-    Path("old.json").write_text(json.dumps(old))
-    assert invoke(f"{words} --baseline old.json").exit_code == 0
 
 
 # Time ---------------------------------------------------------------------------------------

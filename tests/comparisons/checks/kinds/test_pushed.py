@@ -1,12 +1,23 @@
-"""Each outcome of an extreme, and each who may notice, provoked with engines that are wrong."""
+"""A run at an extreme: each outcome, and each who may notice, provoked with wrong engines."""
 
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
-from mbcheck.comparisons.engines.adapter import Adapter
+from mbcheck.comparisons.checks.kinds import pushed
+from mbcheck.comparisons.checks.kinds.pushed import halving_shows
+from mbcheck.comparisons.checks.suite import Check, run_check
+from mbcheck.comparisons.checks.verdict import (
+    ENGINE,
+    GUARD,
+    HALVING,
+    REFERENCE,
+    Result,
+    detected_by,
+)
 from mbcheck.comparisons.engines.equations import scene_equations
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import Trajectory
@@ -14,21 +25,6 @@ from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Misread
 from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
 from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
-from mbcheck.comparisons.extremes import certify
-from mbcheck.comparisons.extremes.judge import halving_shows, judge
-from mbcheck.comparisons.extremes.row import (
-    ENGINE,
-    FAILED,
-    GUARD,
-    HALVING,
-    REFERENCE,
-    REFUSED,
-    RIGHT,
-    SKIPPED,
-    WRONG,
-    Row,
-    detected_by,
-)
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.scene import Array, Case
@@ -38,12 +34,18 @@ SPINNING = get_scene("hula_hoop").case("spinning_3hz_60n")
 STEP = 2.0**-10
 
 
-def verdict(engine: Any, method: str = "RK4", step: float = STEP, **changes: Any) -> Row:
-    """Judge a quarter of a second of the hula hoop by an engine's default model."""
-    case = replace(SPINNING, parameters=SPINNING.parameters.replace(**changes))
+def verdict(engine: Any, method: str = "RK4", case: Case = SPINNING, **changes: Any) -> Result:
+    """Judge a quarter of a second of a case by an engine's default model."""
+    p = case.parameters.replace(**changes)
+    case = replace(case, parameters=p, horizon=0.25, placement="")
     known = {item.name: item for item in engine.methods}
-    setup = Setup(engine, case, engine.models(case.scene)[0], known[method], step)
-    return judge(Row.of("parameters", "test", setup, changed=changes), setup, 0.25)
+    model, made = engine.models(case.scene)[0], known[method]
+    check = Check(
+        "parameters", case, engine.name, model, made, (pushed.QUANTITY,),
+        why_not=engine.why_not(case, model, made), step=STEP,
+    )  # fmt: skip
+    (result,) = run_check(check, engine=engine)
+    return result
 
 
 @pytest.mark.parametrize(
@@ -51,19 +53,17 @@ def verdict(engine: Any, method: str = "RK4", step: float = STEP, **changes: Any
 )
 def test_a_right_engine_is_right(make: Any, method: str) -> None:
     row = verdict(make(), method)
-    assert row.outcome == RIGHT
+    assert row.verdict == "pass"
     assert row.noticed_by == ()
     assert row.error is not None
-    assert row.predicted is not None
-    assert row.error <= 1.2 * row.predicted + row.values["reference_bound"]
-    assert row.values["reference_bound"] < 1e-8
+    assert row.tolerance is not None
+    assert row.error <= row.tolerance < 1e-3
 
 
 def test_a_wrong_mass_is_seen_by_the_reference_alone() -> None:
     row = verdict(Misread(MujocoAdapter(), lambda p: p.replace(free_mass=1.001 * p.free_mass)))
-    assert row.outcome == WRONG
+    assert row.verdict == "deviation"
     assert row.noticed_by == (REFERENCE,)
-    assert "only the reference sees it" in row.reason
 
 
 def test_halving_sees_a_force_through_controls() -> None:
@@ -71,7 +71,7 @@ def test_halving_sees_a_force_through_controls() -> None:
 
     for moment, order in ((0.0, "1.0"), (0.5, "2.0")):
         row = verdict(Controlled(moment))
-        assert row.outcome == WRONG
+        assert row.verdict == "deviation"
         assert HALVING in row.noticed_by
         assert f"order {order} instead of 4" in row.reason
 
@@ -83,7 +83,7 @@ def test_who_notices_goes_by_the_kind_of_failure() -> None:
 
 def test_the_guard_sees_what_is_not_a_number() -> None:
     row = verdict(ExudynAdapter(), "RK44", stiffness=1e9)
-    assert row.outcome == FAILED
+    assert row.verdict == "error"
     assert row.noticed_by[:2] == (GUARD, "rule:step_limit")
     assert row.reason.startswith("non_finite")
 
@@ -99,14 +99,14 @@ def test_the_engine_counts_its_warnings_and_the_guard_reads_clocks() -> None:
     )
     for engine, who, kind in engines:
         row = verdict(engine, "Euler", stiffness=1e9)
-        assert row.outcome == FAILED
+        assert row.verdict == "error"
         assert row.noticed_by[0] == who
         assert row.reason.startswith(kind)
 
 
 def test_a_reset_that_nobody_counts_is_wrong() -> None:
     row = verdict(Resetting(MujocoAdapter()))
-    assert row.outcome == WRONG
+    assert row.verdict == "deviation"
     assert row.noticed_by == (REFERENCE,)
 
 
@@ -114,10 +114,10 @@ def test_the_adapter_refuses_and_the_engine_refuses() -> None:
     from mbcheck.comparisons.engines.variants.mujoco import Edited
 
     row = verdict(MujocoAdapter(), "discrete")
-    assert (row.outcome, row.noticed_by) == (REFUSED, (ENGINE,))
-    assert row.reason.startswith("the adapter refuses")
+    assert (row.verdict, row.noticed_by) == ("skipped", (ENGINE,))
+    assert "discrete" in row.reason
     row = verdict(Edited(("2e-15 2e-15 2e-15", "0 0 0")))
-    assert (row.outcome, row.noticed_by) == (REFUSED, (ENGINE,))
+    assert (row.verdict, row.noticed_by) == ("skipped", (ENGINE,))
     assert row.reason.startswith("the engine refuses")
 
 
@@ -129,37 +129,40 @@ def test_an_exception_in_a_run_is_a_failure_of_the_engine() -> None:
             raise ValueError("sensor torn off")
 
     row = verdict(Torn())
-    assert row.outcome == FAILED
+    assert row.verdict == "error"
     assert row.noticed_by[0] == ENGINE
     assert "sensor torn off" in row.reason
 
 
-def test_a_reference_that_is_not_certified_judges_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    first = certify.second
+def test_a_reference_that_may_be_wrong_judges_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    right = pushed.truth_to_the_end
 
-    def other(problem: certify.InitialValueProblem, state: Array) -> Any:
-        solution = first(problem, state)
-        return replace(solution, states=solution.states * (1 + 1e-4))
+    def unsure(*call: Any) -> Any:
+        truth = right(*call)
+        return replace(truth, bound=2 * pushed.SHARPEST * truth.size)
 
-    monkeypatch.setattr(certify, "second", other)
-    certify._certified.cache_clear()
-    try:
-        row = verdict(MujocoAdapter())
-    finally:
-        certify._certified.cache_clear()
-    assert row.outcome == SKIPPED
-    assert "no reference is certified" in row.reason
+    monkeypatch.setattr(pushed, "truth_to_the_end", unsure)
+    row = verdict(MujocoAdapter())
+    assert row.verdict == "skipped"
+    assert "the reference may be off" in row.reason
 
 
 @pytest.mark.parametrize("damping", [1e3, 1e9])
 def test_references_of_stiff_dampers_agree(damping: float) -> None:
     """Explicit methods fail there; Gauss collocation and LSODA share nothing."""
     p = SPINNING.parameters.replace(damping_ratio=damping / 44.5, force_amplitude=0.0)
-    case = replace(SPINNING, parameters=p)
-    times = np.arange(1, 17) / 64
-    found = certify.certified(scene_equations(case), case, times, ("y", "theta"))
-    assert found.routes < 1e-9
-    assert found.bound < 1e-9
+    case = replace(SPINNING, parameters=p, placement="")
+    engine = ExudynAdapter()
+    setup = Setup(engine, case, engine.models(case.scene)[0], step=2.0**-6)
+    run = pushed.Sampled(setup, np.arange(1, 17))
+    equations = scene_equations(case)
+    found = run.solution(equations)
+    rate = equations.scene.right_hand_side(p)
+    other = solve_ivp(
+        rate, (0, 0.25), equations.start(case), "LSODA", run.times, rtol=1e-11, atol=1e-14
+    )
+    assert np.max(found.bound / found.size) < 1e-9
+    np.testing.assert_allclose(found.states, other.y, atol=1e-8 * np.max(np.abs(other.y)))
 
 
 def test_halved_steps() -> None:
@@ -174,11 +177,5 @@ def test_a_soft_closure_that_is_told_is_right_and_one_that_is_not_is_wrong() -> 
     from mbcheck.comparisons.engines.variants.mujoco import WithoutEquations
 
     case = get_scene("speed_regulator").case("rotation")
-
-    def row(engine: Adapter) -> Row:
-        rk4 = next(m for m in engine.methods if m.name == "RK4")
-        setup = Setup(engine, case, "connect", rk4, STEP)
-        return judge(Row.of("failures", "t", setup), setup, 0.5)
-
-    assert row(MujocoAdapter()).outcome == RIGHT
-    assert row(WithoutEquations()).noticed_by == (REFERENCE,)
+    assert verdict(MujocoAdapter(), case=case).verdict == "pass"
+    assert verdict(WithoutEquations(), case=case).noticed_by == (REFERENCE,)

@@ -2,46 +2,47 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from mbcheck.comparisons.checks.kinds.long_runs import CONSERVATIVE, FREE, LOCKED
+from mbcheck.comparisons.checks.suite import run_check
+from mbcheck.comparisons.checks.verdict import GUARD, REFERENCE, Result
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Misread, Wrapped
-from mbcheck.comparisons.extremes.long_runs.follow import follow, motions, runs, tasks
-from mbcheck.comparisons.extremes.long_runs.long_run import Drift
-from mbcheck.comparisons.extremes.row import FAILED, GUARD, REFERENCE, RIGHT, SECTIONS, WRONG, Row
-from mbcheck.comparisons.scenes.extremes import CONSERVATIVE, FREE, LOCKED, LongMotion
-from mbcheck.reference import SCENES, get_scene
+from mbcheck.comparisons.scenes.data import scene_data
+from mbcheck.comparisons.scenes.extremes import LongMotion, check_of, prepared
+from mbcheck.reference import get_scene
 from mbcheck.reference.scene import Array, Case
 from mbcheck.tests.support.faults import ENGINES
 
 PERIODS = 20
 
-
-def motion_of(scene: str, kind: str) -> LongMotion:
-    return {motion.kind: motion for motion in motions(scene)}[kind]
-
-
-HOOP = {kind: motion_of("hula_hoop", kind) for kind in (FREE, CONSERVATIVE, LOCKED)}
+PASSES = {"pass", "skipped"}
 
 
 def followed(
-    engine: Any,
-    scene: str,
-    motion: LongMotion,
-    method: str,
-    model: str = "",
-    periods: int = PERIODS,
-) -> Row:
+    engine: Any, scene: str, kind: str, method: str, model: str = "", periods: int = PERIODS
+) -> dict[str, Result]:
+    """Return what is said of a motion, by quantity."""
+    motions: tuple[LongMotion, ...] = scene_data(scene, "extremes", "MOTIONS", ())
+    motion = next(one for one in motions if one.kind == kind)
     known = {item.name: item for item in engine.methods}
-    setup = Setup(engine, motion.of(scene), model or engine.models(scene)[0], known[method])
-    return follow(setup, motion, periods)
+    model = model or engine.models(scene)[0]
+    setup = Setup(engine, motion.of(scene, periods), model, known[method])
+    check = check_of("long", prepared(setup, motion, periods, False))
+    return {one.quantity: one for one in run_check(check, engine=engine)}
+
+
+def deviating(results: dict[str, Result]) -> set[str]:
+    """Return the quantities that deviate."""
+    return {name for name, one in results.items() if one.verdict == "deviation"}
 
 
 RIGHT_ONES = (
@@ -59,37 +60,30 @@ RIGHT_ONES = (
 
 
 @pytest.mark.parametrize(("engine", "scene", "kind", "method", "model"), RIGHT_ONES)
-def test_right_engines_drift_as_predicted(
+def test_right_engines_drift_as_their_step_says(
     engine: str, scene: str, kind: str, method: str, model: str
 ) -> None:
-    motion = motion_of(scene, kind)
     periods = 4 if model == "connect" else PERIODS
-    row = followed(ENGINES[engine](), scene, motion, method, model, periods)
-    assert row.outcome == RIGHT, row.reason
-    assert row.section in SECTIONS
-    assert not row.noticed_by
-    assert {"clock_drift", "clock_predicted", "clock_slack", "periods"} <= set(row.values)
-    assert row.values["asked"] == row.values["periods"]
-    assert row.error == abs(row.values["phase_drift" if kind == LOCKED else "energy_drift"])
-    if kind == LOCKED:
-        assert row.values["slips"] == 0
-    assert ("position_violation_drift" in row.values) == (model in ("connect", "redundant"))
+    results = followed(ENGINES[engine](), scene, kind, method, model, periods)
+    assert {one.verdict for one in results.values()} == {"pass"}, results
+    followed_quantity = "phase" if kind == LOCKED else "energy"
+    assert {"clock", f"{followed_quantity}_lost"} <= set(results)
+    assert (f"{followed_quantity}_drift" in results) == (model != "connect")
+    assert ("position_violation" in results) == (model == "redundant")
 
 
-def test_what_dissipates_as_predicted_is_wrong_all_the_same() -> None:
-    row = followed(ENGINES["mujoco"](), "hula_hoop", HOOP[FREE], "discrete")
-    assert row.outcome == WRONG
-    assert "rule:numerical_damping" in row.noticed_by
-    assert "as predicted, and wrong" in row.reason
-    assert row.values["energy_drift"] == pytest.approx(row.values["energy_predicted"], rel=1e-4)
+def test_what_dissipates_as_its_step_says_is_wrong_all_the_same() -> None:
+    results = followed(ENGINES["mujoco"](), "hula_hoop", FREE, "discrete")
+    assert deviating(results) == {"energy_lost"}
+    assert "rule:numerical_damping" in results["energy_lost"].noticed_by
 
 
 def test_a_clock_with_dyadic_steps_is_exact_and_may_round_with_others() -> None:
     engine = ENGINES["mujoco"]()
-    dyadic = followed(engine, "hula_hoop", HOOP[FREE], "RK4")
-    other = followed(engine, "hula_hoop", HOOP[LOCKED], "RK4")
-    assert dyadic.values["clock_drift"] == 0
-    assert 0 < other.values["clock_drift"] < 1e-9
+    dyadic, other = (followed(engine, "hula_hoop", kind, "RK4")["clock"] for kind in (FREE, LOCKED))
+    assert dyadic.error == 0
+    assert other.error is not None
+    assert 0 < other.error < 1e-9
 
 
 # Wrong engines
@@ -180,18 +174,18 @@ def heavier(p: Any) -> Any:
 
 
 WRONG_ONES: tuple[tuple[Callable[[Any], Any], str, str, str, str], ...] = (
-    (lambda e: Misread(e, stiffer), "hula_hoop", FREE, "RK44", "phase"),
-    (lambda e: Misread(e, heavier), "hula_hoop", FREE, "RK44", "phase"),
-    (FastClock, "hula_hoop", FREE, "RK44", "phase"),
-    (lambda e: Damped(e, 1e-3), "hula_hoop", FREE, "RK44", "energy"),
-    (lambda e: Damped(e, 1e-3), "hula_hoop", CONSERVATIVE, "RK44", "energy"),
+    (lambda e: Misread(e, stiffer), "hula_hoop", FREE, "RK44", "phase_drift"),
+    (lambda e: Misread(e, heavier), "hula_hoop", FREE, "RK44", "phase_drift"),
+    (FastClock, "hula_hoop", FREE, "RK44", "phase_drift"),
+    (lambda e: Damped(e, 1e-3), "hula_hoop", FREE, "RK44", "energy_drift"),
+    (lambda e: Damped(e, 1e-3), "hula_hoop", CONSERVATIVE, "RK44", "energy_drift"),
     (LateClock, "hula_hoop", FREE, "RK44", "clock"),
-    (Slipping, "hula_hoop", LOCKED, "RK44", "phase"),
-    (Slipping, "speed_regulator", LOCKED, "GeneralizedAlpha", "phase"),
+    (Slipping, "hula_hoop", LOCKED, "RK44", "phase_drift"),
+    (Slipping, "speed_regulator", LOCKED, "GeneralizedAlpha", "phase_drift"),
     (Opening, "speed_regulator", LOCKED, "GeneralizedAlpha", "position_violation"),
     (
         lambda e: Misread(e, lambda p: p.replace(torque=1.01 * p.torque)),
-        "speed_regulator", LOCKED, "GeneralizedAlpha", "phase",
+        "speed_regulator", LOCKED, "GeneralizedAlpha", "phase_drift",
     ),
 )  # fmt: skip
 
@@ -205,66 +199,21 @@ WRONG_ONES: tuple[tuple[Callable[[Any], Any], str, str, str, str], ...] = (
 def test_a_wrong_engine_is_caught(
     wrong: Callable[[Any], Any], scene: str, kind: str, method: str, drift: str
 ) -> None:
-    motion = motion_of(scene, kind)
-    row = followed(wrong(ENGINES["exudyn"]()), scene, motion, method)
-    assert row.outcome == WRONG
-    assert row.noticed_by[-1] == REFERENCE
-    assert row.reason.startswith("not as predicted")
-    assert drift in row.reason
-    if isinstance(wrong, type) and wrong is Slipping:
-        assert (row.values["slips"], row.values["slips_predicted"]) == (-1, 0)
-
-
-def test_a_drift_agrees_within_its_slack() -> None:
-    assert Drift(1.0, 1.1, 0.2).agrees
-    assert not Drift(1.0, 1.3, 0.2).agrees
-    assert not Drift(float("nan"), 0.0, 1.0).agrees
-
-
-def test_a_slack_far_above_what_is_predicted_is_told() -> None:
-    assert str(Drift(1e-6, 1e-7, 0.01)).endswith("within ± 0.01, below what can be told)")
-    assert str(Drift(1.0, 1e-7, 0.01)).endswith("within ± 0.01)")
-    assert str(Drift(1.0, 1.1, 0.2)) == "1 (predicted 1.1 within ± 0.2)"
+    results = followed(wrong(ENGINES["exudyn"]()), scene, kind, method)
+    assert drift in deviating(results), results
+    assert results[drift].noticed_by[-1] == REFERENCE
 
 
 def test_the_guard_notices_what_is_no_number() -> None:
-    row = followed(Broken(ENGINES["mujoco"]()), "hula_hoop", HOOP[FREE], "RK4")
-    assert (row.outcome, row.noticed_by[0]) == (FAILED, GUARD)
+    results = followed(Broken(ENGINES["mujoco"]()), "hula_hoop", FREE, "RK4")
+    assert {one.verdict for one in results.values()} == {"error"}
+    assert {one.noticed_by[0] for one in results.values()} == {GUARD}
 
 
-def test_a_horizon_that_is_cut_is_told() -> None:
-    dear = replace(HOOP[FREE], most_steps={"mujoco": 2000})
-    row = followed(ENGINES["mujoco"](), "hula_hoop", dear, "RK4", periods=1000)
-    assert row.outcome == RIGHT
-    assert row.values["periods"] < row.values["asked"] == 1000
-    assert row.reason.endswith("cut from 1000 periods for cost")
-
-
-# The table
-
-
-def names(full: bool) -> Iterator[str]:
-    for task in tasks(tuple(SCENES), tuple(ENGINES), full):
-        yield f"{task.scene}/{task.engine}/{task.name}"
-
-
-def test_every_motion_of_every_engine_is_followed() -> None:
-    default = set(names(False))
-    assert len(default) == len(list(names(False)))
-    assert default == set(names(True))
-    for scene in SCENES:
-        for engine in ENGINES:
-            for motion in motions(scene):
-                assert any(n.startswith(f"{scene}/{engine}/{motion.kind}") for n in default)
-
-
-def test_the_reduced_set_runs_100_000_periods_in_full() -> None:
-    setup = Setup(ENGINES["exudyn"](), HOOP[LOCKED].of("hula_hoop"), "kinematic_tree")
-
-    def listed(full: bool) -> list[tuple[str, int]]:
-        every = runs(setup, HOOP[LOCKED], full)
-        return [(one.integrator.name, periods) for one, periods in every]
-
-    assert ("RK44", 100_000) in listed(True)
-    assert ("RK67", 10_000) in listed(True)
-    assert listed(False) == [(name, 1_000) for name in ("RK67", "RK44", "GeneralizedAlpha")]
+def test_a_run_that_is_too_dear_is_cut() -> None:
+    engine = ENGINES["mujoco"]()
+    motion = LongMotion(CONSERVATIVE, "free_undamped", most_steps={"mujoco": 2000})
+    rk4 = next(one for one in engine.methods if one.name == "RK4")
+    setup = Setup(engine, motion.of("hula_hoop", 1000), engine.models("hula_hoop")[0], rk4)
+    short, full = (prepared(setup, motion, 1000, full) for full in (False, True))
+    assert short.case.horizon <= 2000 * short.step_size < full.case.horizon
