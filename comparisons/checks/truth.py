@@ -13,7 +13,7 @@ from ...reference import get_scene
 from ...reference.differences import by_complex_step
 from ...reference.errors import CannotJudgeError, MbcheckError
 from ...reference.scene import Array, Case, Scene
-from ...reference.solve.batched import BatchMethod, solve_many
+from ...reference.solve.batched import solve_many
 from ...reference.solve.flow import growths
 from ...reference.solve.single import solve
 from ...reference.solve.solution import Solution, state_size
@@ -276,9 +276,7 @@ def _sharp(
 ) -> tuple[Truth, ...]:
     states, begins, times = (np.array(values).T for values in zip(*each, strict=True))
     start = begins if len(each) > 1 else float(begins[0])
-    solution = solve_many(
-        equations.scene, equations.parameters, states, times, start, BatchMethod(1e-14)
-    )
+    solution = solve_many(equations.scene, equations.parameters, states, times, start, 1e-14)
     return tuple(
         truth_of(
             equations,

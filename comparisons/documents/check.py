@@ -222,14 +222,8 @@ KnownEntry = TypedDict(
     "KnownEntry",
     {
         "number": Annotated[Ordinal, means("its place in the file")],
-        "line": Annotated[
-            Ordinal | None, means("where it begins; null if not written as `[[known]]`")
-        ],
         "id": Annotated[Name, means("pattern for ids")],
         "reason": Annotated[Name, means("as the user gave it")],
-        "engine": Annotated[str | None, means("null: an entry holds for all that its id matches")],
-        "versions": Annotated[str | None, means("null: an entry holds for all versions")],
-        "verdict": Annotated[Literal["deviation", "error"], means("what it covers")],
         "max_error": Annotated[
             float | None,
             means("largest error that it covers, in the unit of a result; null for any"),

@@ -11,13 +11,13 @@ from rich.text import Text
 from ..reports.remarks import remark_lines
 from ..reports.text import STYLES, encodable, print_line, print_table, print_wrapped
 from ..reports.words import number, plural
-from .batch import Inspections
+from .batch import Inspections, omissions
 from .difference import ModelDifference
 from .inspection import Inspection
 from .mujoco.facts import BodyFacts, Facts, JointFacts
 from .mujoco.model import ENGINE
-from .pace import omissions
-from .rules.stability import why_untold
+from .mujoco.trial import MOST_STEPS
+from .rules.stability import SLOWEST
 from .rules.table import RULES
 from .subject import SEVERITIES, Severity, View
 
@@ -39,6 +39,12 @@ MOST_ALIKE = 3
 
 REST = 1e-6
 """Largest acceleration [rad/s^2, m/s^2] of what is called at rest."""
+
+UNSTABLE = (
+    "what is unstable here is no finding: contacts, limits or constant forces hold this state, it "
+    f"grows by less than {SLOWEST:g} 1/s, or a run of {MOST_STEPS} steps does not show it"
+)
+"""What is said of modes that grow and that no rule speaks of."""
 
 SINGULAR = {"bodies": "body", "equalities": "equality", "meshes": "mesh", "flexes": "flex"}
 
@@ -65,7 +71,7 @@ def print_inspection(
         print_line(console, f"... {len(inspection.views) - len(views)} states more, with --full")
     print_steps(console, inspection)
     print_closures(console, inspection, MOST_CLOSURES if full else FEW_CLOSURES)
-    if words := omissions(inspection.pace.left_out):
+    if words := omissions(inspection.left_out):
         print_wrapped(console, words)
     print_verdict(console, Inspections((inspection.as_json(),)), fail_on)
 
@@ -209,8 +215,7 @@ def print_view(
         heads = ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "most in", ""]
         print_table(console, heads, rows, digits=6)
     if "unstable" in kinds and not speaks_of(inspection, view):
-        why = why_untold(view, inspection.facts)
-        print_wrapped(console, f"what is unstable here is no finding: {why}")
+        print_wrapped(console, UNSTABLE)
 
 
 def speaks_of(inspection: Inspection, view: View) -> bool:

@@ -22,7 +22,7 @@ WHEN = datetime(2026, 1, 2, 3, 4, tzinfo=UTC)
 HOSTILE = "<script>alert(1)</script>\"'&{{7*7}}{% raw %} $x_{^ \x1b[31m\x00\ud800</td></table>"
 """What an engine might call itself."""
 
-STALE = Use(Entry(1, 3, "verification/*/gone/*", HOSTILE), 0, "stale", f"matches nothing {HOSTILE}")
+STALE = Use(Entry(1, "verification/*/gone/*", HOSTILE), 0, "stale", f"matches nothing {HOSTILE}")
 
 
 def made(

@@ -158,10 +158,6 @@ class Wrapped(Delegating):
         value = getattr(self.engine, name)
         return partial(self.compute, value) if name in COMPUTED else value
 
-    def simulate_many(self, *call: Any) -> Any:
-        """Simulate one by one: the engine's own would pass what is wrapped by."""
-        return Adapter.simulate_many(self, *call)
-
     def compute(self, method: Callable[..., Any], case: Case, model: str, *rest: Any) -> Any:
         """Call a method of the engine."""
         return method(case, model, *rest)

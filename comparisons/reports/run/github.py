@@ -101,7 +101,6 @@ def workflow_commands(outcome: Report) -> list[str]:
             "error" if run.strict_known else "warning",
             f"{use.entry.place}, {use.entry.id}: {use.why}; remove it",
             file=run.known_file or "",
-            line=str(use.entry.line or 1),
             title="stale known deviation",
         )
         for use in run.stale

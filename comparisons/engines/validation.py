@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Mapping, Sequence
-from copy import copy
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
 
-from ....reference import get_scene
-from ....reference.amplification import AMPLIFICATION
-from ....reference.errors import EngineError, UnknownNameError, UsageError
-from ....reference.scene import Array, Case
-from ....reference.solve.schemes import SCHEMES
-from ..equations import invariants_of, scene_equations
-from ..protocol import Engine, Method, Motion, Option, OwnModel, System
-from ..run import VIOLATIONS, grid_indices
+from ...reference import get_scene
+from ...reference.amplification import AMPLIFICATION
+from ...reference.errors import EngineError, UnknownNameError, UsageError
+from ...reference.scene import Array, Case, EquationsOfMotion
+from ...reference.solve.schemes import SCHEMES
+from .equations import invariants_of, scene_equations
+from .protocol import Engine, Method, Motion, Option, OwnModel, System
+from .run import VIOLATIONS, grid_indices
 
 PRECISIONS = ("float64", "float32")
 CLOSURES = ("rigid", "mjcf", "soft")
@@ -159,23 +158,6 @@ def refuse_step_across_end(system: System, step: float, times: Array) -> None:
         raise UsageError(f"the drive ends between two steps: {error}") from None
 
 
-def answers_of(motions: Any, number: int) -> Sequence[Any]:
-    """Return what an engine tells of so many systems.
-
-    Raises
-    ------
-    EngineError
-        ``returned``, if it is no sequence of as many.
-    """
-    if not isinstance(motions, Sequence) or len(motions) != number:
-        raise EngineError(
-            "returned",
-            f"simulate_many must return an answer for each of {number} systems, not "
-            f"{in_short(motions)}",
-        )
-    return motions
-
-
 def options_of(answer: Any) -> tuple[Option, ...]:
     """Return the options that an engine tells.
 
@@ -244,49 +226,44 @@ def optional_count(name: str, value: Any) -> int | None:
 
 
 def declared(name: str, author: Any) -> Engine:
-    """Return an object that follows the protocol as an `Engine`, whatever its class.
+    """Return an object that follows the protocol as an `Engine`.
 
     Raises
     ------
     UsageError
         If it does not; says in what.
     """
-    for attribute in ("name", "version", "methods", "simulate"):
+    if not isinstance(author, Engine):
+        raise UsageError(f"engine {name} is no mbcheck.Engine: inherit from it")
+    for attribute in ("name", "version", "methods"):
         if not hasattr(author, attribute):
             raise UsageError(f"engine {name} has no {attribute}; see docs/engines.md")
     refuse_name(f"engine {name} calls itself", author.name)
-    if not (
-        isinstance(author.version, str)
-        and author.version.isprintable()
-        and 0 < len(author.version) <= LONGEST_VERSION
-    ):
-        raise UsageError(
-            f"engine {name}: version must be text of at most {LONGEST_VERSION} characters, "
-            f"not {in_short(author.version)}"
-        )
-    methods = author.methods
-    if not isinstance(methods, tuple | list) or not 0 < len(methods) <= MAX_NAMES:
-        raise UsageError(
-            f"engine {name}: methods must be a tuple of mbcheck.Method, of {MAX_NAMES} at most"
-        )
+    version, methods, table = author.version, author.methods, attributes(author)
+    text = isinstance(version, str) and version.isprintable()
+    listed = isinstance(methods, tuple | list) and 0 < len(methods) <= MAX_NAMES
+    needs: dict[str, tuple[bool, str]] = {
+        "version": (
+            text and 0 < len(version) <= LONGEST_VERSION,
+            f"text of at most {LONGEST_VERSION} characters",
+        ),
+        "methods": (listed, f"a tuple of mbcheck.Method, of {MAX_NAMES} at most"),
+        **{flag: (isinstance(table[flag], bool | np.bool_), "True or False") for flag in FLAGS},
+        **{one: (is_size(table[one]), "a number") for one in NUMBERS},
+    }
+    refuse_unfit(f"engine {name}", table, needs)
     for method in methods:
         refuse_method(name, method)
     names = [method.name for method in methods]
     if len(set(names)) < len(names):
         raise UsageError(f"engine {name}: two methods have the same name: {', '.join(names)}")
-    engine = as_engine(author)
-    for flag in FLAGS:
-        if not isinstance(attributes(engine)[flag], bool | np.bool_):
-            value = in_short(attributes(engine)[flag])
-            raise UsageError(f"engine {name}: {flag} must be True or False, not {value}")
     for function, arguments in CALLS.items():
-        if not (function == "models" and engine.reads_mjcf):
-            refuse_signature(name, function, getattr(author, function, None), arguments)
-    if engine.reads_mjcf and engine.closure != "soft" and "own_model" in own_functions(engine):
+        refuse_signature(name, function, getattr(author, function), arguments)
+    if author.reads_mjcf and author.closure != "soft" and "own_model" in own_functions(author):
         raise UsageError(
             f'engine {name}: own_model needs reads_mjcf = False, or closure = "soft"; {RENAME}'
         )
-    words = [("precision", engine.precision, PRECISIONS), ("closure", engine.closure, CLOSURES)]
+    words = [("precision", author.precision, PRECISIONS), ("closure", author.closure, CLOSURES)]
     words += [
         ("precision", one.precision, PRECISIONS) for one in methods if one.precision is not None
     ]
@@ -295,34 +272,26 @@ def declared(name: str, author: Any) -> Engine:
             raise UnknownNameError(
                 f"{attribute} of engine {name}", str(word)[:LONGEST_NAME], allowed
             )
-    for attribute in NUMBERS:
-        value = attributes(engine)[attribute]
-        if not (isinstance(value, int | float) and value >= 0):
-            raise UsageError(f"engine {name}: {attribute} must be a number, not {in_short(value)}")
-    return engine
+    return author
 
 
-def as_engine(author: Any) -> Engine:
-    """Return an object as an `Engine`, what it has not got as in the base class."""
-    if isinstance(author, Engine):
-        return author
-    return Followed(author)
+def is_size(value: Any) -> bool:
+    """Return whether a value is a number that is not negative."""
+    return isinstance(value, int | float) and value >= 0
 
 
-class Followed(Engine):
-    """An engine of a class that follows the protocol without inheriting from `Engine`."""
+def refuse_unfit(
+    where: str, values: Mapping[str, Any], needs: Mapping[str, tuple[bool, str]]
+) -> None:
+    """Refuse the first of some values that is not what it must be.
 
-    def __init__(self, author: Any) -> None:
-        self.author = author
-        for name in (*ATTRIBUTES, *CALLS):
-            if getattr(author, name, None) is not None:
-                setattr(self, name, getattr(author, name))
-
-    def with_option(self, name: str, value: float) -> Followed:
-        """Return a copy of the author's object with the attribute of this name set."""
-        other = copy(self.author)
-        setattr(other, name, value)
-        return Followed(other)
+    Raises
+    ------
+    UsageError
+    """
+    for name, (right, need) in needs.items():
+        if not right:
+            raise UsageError(f"{where}: {name} must be {need}, not {in_short(values[name])}")
 
 
 def attributes(author: Engine) -> dict[str, Any]:
@@ -335,8 +304,7 @@ def own_functions(author: Engine) -> frozenset[str]:
     return frozenset(
         name
         for name in CALLS
-        if callable(getattr(author, name))
-        and (name in vars(author) or getattr(type(author), name) is not vars(Engine)[name])
+        if name in vars(author) or getattr(type(author), name) is not vars(Engine)[name]
     )
 
 
@@ -353,28 +321,12 @@ CALLS = {
     "why_not": 2,
     "models": 1,
     "own_model": 1,
-    "session": 1,
-    "simulate_many": 4,
     "inverse_dynamics": 5,
     "reactions": 4,
     "options": 2,
     "with_option": 2,
 }
 """Functions of the protocol, and how many arguments each is called with."""
-
-
-MEANT: dict[str, tuple[type, ...]] = {
-    "why_not": (str,),
-    "models": (str,),
-    "own_model": (OwnModel,),
-    "session": (),
-    "simulate_many": (bool,),
-    "inverse_dynamics": (bool,),
-    "reactions": (),
-    "options": (Option,),
-}
-"""What may be meant as a declaration under the names of optional functions, and is none: what else
-stands there and cannot be called, as a table or a list of an author's own, is left alone."""
 
 
 def refuse_signature(name: str, function: str, call: Any, arguments: int) -> None:
@@ -384,12 +336,7 @@ def refuse_signature(name: str, function: str, call: Any, arguments: int) -> Non
     ------
     UsageError
     """
-    if call is None:
-        return
     if not callable(call):
-        parts = call if isinstance(call, tuple | list) else (call,)
-        if function in MEANT and not any(isinstance(one, MEANT[function]) for one in parts):
-            return
         raise UsageError(
             f"engine {name}: {function} must be a function, not {in_short(call)}; {RENAME}"
         )
@@ -433,22 +380,13 @@ def refuse_method(name: str, method: Any) -> None:
     if not isinstance(method, Method):
         raise UsageError(f"engine {name}: {in_short(method)} is no mbcheck.Method")
     refuse_name(f"engine {name} calls a method", method.name)
-    if not (type(method.order) is int and method.order >= 1):
-        raise UsageError(
-            f"engine {name}: method {method.name} must have an order of 1 or more, "
-            f"not {method.order!r}"
-        )
     work = method.evaluations
-    if work is not None and not (type(work) is int and work >= 1):
-        raise UsageError(
-            f"engine {name}: method {method.name} must evaluate forces once a step or more often, "
-            f"not {work!r} times"
-        )
-    if not isinstance(method.scheme_with_loops, bool):
-        raise UsageError(
-            f"engine {name}: method {method.name}: scheme_with_loops must be True or False, "
-            f"not {method.scheme_with_loops!r}"
-        )
+    needs = {
+        "order": (type(method.order) is int and method.order >= 1, "1 or more"),
+        "evaluations": (work is None or (type(work) is int and work >= 1), "1 or more"),
+        "scheme_with_loops": (isinstance(method.scheme_with_loops, bool), "True or False"),
+    }
+    refuse_unfit(f"engine {name}: method {method.name}", vars(method), needs)
     for what, scheme, known in (
         ("scheme", method.scheme, SCHEMES),
         ("linear scheme", method.linear, AMPLIFICATION),
@@ -457,3 +395,75 @@ def refuse_method(name: str, method: Any) -> None:
             raise UnknownNameError(
                 f"{what} of {name} {method.name}", str(scheme)[:LONGEST_NAME], known
             )
+
+
+def names_of(answer: Any) -> tuple[str, ...]:
+    """Return the names of models that an engine tells.
+
+    Raises
+    ------
+    EngineError
+        ``returned``, if they are no names, or too many.
+    UsageError
+        If they cannot stand in ids of results.
+    """
+    if not isinstance(answer, tuple | list) or len(answer) > MAX_NAMES:
+        raise EngineError(
+            "returned",
+            f"models must return a tuple of names, {MAX_NAMES} at most, not {in_short(answer)}",
+        )
+    for model in answer:
+        refuse_name("it calls a model", model)
+    if len(set(answer)) < len(answer):
+        raise EngineError("returned", f"two models have the same name: {', '.join(answer)}")
+    return tuple(answer)
+
+
+def own_model_of(answer: Any, outputs: Collection[str]) -> OwnModel:
+    """Return what an engine tells of a model of a scene with these outputs.
+
+    Raises
+    ------
+    EngineError
+        ``returned``, if it has no sense; says in what.
+    """
+    if not isinstance(answer, OwnModel):
+        raise EngineError("returned", f"own_model must return an OwnModel, not {in_short(answer)}")
+    equations, order = answer.equations, answer.element_order
+    pair = isinstance(equations, tuple) and len(equations) == 2
+    whole = equations is None or (
+        pair
+        and isinstance(equations[0], EquationsOfMotion)
+        and isinstance(equations[1], equations[0].parameters)
+    )
+    elements = answer.elements is None or isinstance(answer.elements, EquationsOfMotion)
+    named = isinstance(answer.reactions, tuple | list) and set(answer.reactions) <= set(outputs)
+    placed = isinstance(answer.why_not_placed, str | None)
+    needs = {
+        "constrained": (isinstance(answer.constrained, bool), "True or False"),
+        "reactions": (named, f"a tuple of names among {', '.join(outputs)}"),
+        "equations": (whole, "None or (EquationsOfMotion, its parameters)"),
+        "elements": (elements, "None or an EquationsOfMotion"),
+        "element_order": (type(order) is int and order >= 0, "an order of 0 or more"),
+        "why_not_placed": (placed, "None or a reason"),
+    }
+    for field, (right, need) in needs.items():
+        if not right:
+            value = in_short(vars(answer)[field])
+            raise EngineError("returned", f"OwnModel.{field} must be {need}, not {value}")
+    return answer
+
+
+def reason_of(answer: Any) -> str | None:
+    """Return why an engine cannot run something, None where it gives no reason.
+
+    Raises
+    ------
+    EngineError
+        ``returned``, if it is no text.
+    """
+    if not isinstance(answer, str | None):
+        raise EngineError(
+            "returned", f"why_not must return a reason or None, not {in_short(answer)}"
+        )
+    return answer or None

@@ -5,15 +5,19 @@ from __future__ import annotations
 import copy
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
+from math import inf
 from time import monotonic, thread_time
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ....reference.errors import UsageError
-from ....reference.scene import Array
-from ..mujoco.facts import integrator, integrators
-from ..mujoco.model import Loaded, State
+from ...reference.errors import UsageError
+from ...reference.scene import Array
+from ..inspect.mujoco.facts import integrator, integrators
+from ..inspect.mujoco.model import Loaded, State
+from ..inspect.mujoco.trial import edited
+from ..inspect.views import state_views, step_limits
 
 LONGEST, FINEST = 8, 8
 """Steps reach from so many times the file's own to its so manyth part."""
@@ -165,6 +169,7 @@ class Bench:
             )
         self.count = max(1, round(horizon / self.period))
         self.sites, self.dofs = observables(loaded, observed)
+        self.limits: dict[float | None, dict[str, float]] = {}
 
     @property
     def file(self) -> Setting:
@@ -175,6 +180,17 @@ class Bench:
     def late(self) -> bool:
         """Whether the time is up."""
         return monotonic() > self.deadline
+
+    def limit(self, setting: Setting) -> float:
+        """Return the largest stable step of small motions [s]; infinite if there is none."""
+        closure, loaded = setting.closure, self.loaded
+        if closure not in self.limits:
+            if closure is not None:
+                loaded = edited(loaded, partial(harden, constant=closure))
+            limits = step_limits(loaded, state_views(loaded, None, None))
+            self.limits[closure] = {one.integrator: one.limit for one in limits}
+        limit = self.limits[closure].get(setting.integrator, inf)
+        return limit if limit > 0 else inf
 
     def starts(self, seed: int, draws: Sequence[int]) -> Iterator[Start]:
         """Yield the states of the file with controls of these draws; 0 is those that are held."""

@@ -12,9 +12,8 @@ import pytest
 import mbcheck
 from mbcheck.comparisons.checks.suite import checks_of
 from mbcheck.comparisons.engines import registry as engines
+from mbcheck.comparisons.engines.adapter import OwnModelsAdapter, adapt
 from mbcheck.comparisons.engines.equations import invariants_of, scene_equations
-from mbcheck.comparisons.engines.plugin.adapter import adapt
-from mbcheck.comparisons.engines.plugin.own import OwnModelsAdapter
 from mbcheck.comparisons.engines.registry import remote_plugin
 from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.setup import Setup

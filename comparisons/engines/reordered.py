@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from contextlib import AbstractContextManager
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
-from ....models.system import System
-from ....reference.errors import Unsupported
-from ....reference.scene import Array
-from ..protocol import Engine, Method, Motion
+from ...models.system import System
+from ...reference.errors import Unsupported
+from ...reference.scene import Array
+from .protocol import Engine, Method, Motion
 from .validation import ATTRIBUTES
 
 
@@ -65,13 +62,3 @@ class Reordered(Engine):
         """Return the mass matrix (n, n) in order."""
         answer = self.inner.mass_matrix(self.put(system), q[self.order])
         return np.asarray(answer)[np.ix_(self.back, self.back)]
-
-    def session(self, system: System) -> AbstractContextManager[Any]:
-        """Return that of the engine."""
-        return self.inner.session(self.put(system))
-
-    def simulate_many(
-        self, systems: Sequence[System], method: Method, steps: Array, times: Array
-    ) -> Sequence[Motion | Exception | None]:
-        """Return that each is to be asked for alone."""
-        return [None for _ in systems]

@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.inspect.advice.advice import Advice
-from mbcheck.comparisons.inspect.advice.outcome import MARGIN, Question
-from mbcheck.comparisons.inspect.advice.pages import HEADS, figure, rows
-from mbcheck.comparisons.inspect.advice.runs import Bench
-from mbcheck.comparisons.inspect.advice.store import RunStore
 from mbcheck.comparisons.inspect.inspection import inspect
 from mbcheck.comparisons.inspect.mujoco.model import load
+from mbcheck.comparisons.tradeoff.bench import Bench
+from mbcheck.comparisons.tradeoff.draw import figure_of_model
+from mbcheck.comparisons.tradeoff.model import MARGIN, ModelTradeoff, Question, setting_of
+from mbcheck.comparisons.tradeoff.pages import RUNS, page_of
+from mbcheck.comparisons.tradeoff.table import Cost, Trial
 from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import invoke, refusal, succeeds
 from mbcheck.tests.support.documents import validated
@@ -54,10 +54,10 @@ def written(folder: Path, **changes: str) -> str:
     return str(path)
 
 
-def advised(file: str, **options: object) -> Advice:
+def advised(file: str, **options: object) -> ModelTradeoff:
     """Return the advice on a file, all of it worked out."""
     options = {"budget": 1e4} | options
-    advice = Advice(file, Question(**options))  # type: ignore[arg-type]
+    advice = ModelTradeoff(file, Question(**options))  # type: ignore[arg-type]
     for _ in advice.work():
         pass
     return advice
@@ -69,10 +69,10 @@ def test_the_recommended_setting_meets_its_target_with_other_controls(tmp_path: 
     choice = advice.choice
     assert choice is not None
     listed = {limit.integrator for limit in inspect(file).steps}
-    assert {trial.integrator for trial in advice.trials} == listed
+    assert {trial.series.method for trial in advice.trials} == listed
     assert choice.error <= MARGIN * 0.01
     other = advised(file, horizon=0.25, seed=7)
-    (again,) = [one for one in other.trials if one.setting == choice.setting]
+    (again,) = [one for one in other.trials if setting_of(one) == setting_of(choice)]
     assert again.error <= 0.01
 
 
@@ -93,19 +93,26 @@ def test_what_fails_from_another_start_is_not_recommended(tmp_path: Path) -> Non
     assert all(abs(one.state.position[0]) < 0.81 * math.pi / 3 for one in starts)
     assert set(starts[2].controls.ravel().tolist()) <= {-1.0, 1.0}
     longest = max(advice.missed, key=lambda setting: setting.step)
-    assert next(one.error for one in advice.trials if one.setting == longest) < 0.005
+    assert next(one.error for one in advice.trials if setting_of(one) == longest) < 0.005
     assert advice.missed[longest] > 0.1
     assert advice.choice is not None
     assert advice.proved
-    assert advice.choice.step < longest.step
+    setting = setting_of(advice.choice)
+    assert setting.step < longest.step
     for start in starts:  # against a run with a 64th of the step, by another clock
         exact, own = (
-            bench.run(start, one, sharp=True)
-            for one in (advice.choice.setting._replace(step=0.01 / 64), advice.choice.setting)
+            bench.run(start, one, sharp=True) for one in (setting._replace(step=0.01 / 64), setting)
         )
         assert exact is not None
         assert own is not None
         assert bench.apart(own, exact, bench.sizes(exact)).max() < 0.01
+
+
+def slowed(trial: Trial, factor: float) -> Trial:
+    """Return a run that took a factor longer."""
+    assert isinstance(trial.point.cost, Cost)
+    cost = replace(trial.point.cost, seconds=factor * trial.seconds)
+    return trial._replace(point=replace(trial.point, cost=cost))
 
 
 def test_what_is_said_does_not_hang_on_times(tmp_path: Path) -> None:
@@ -113,9 +120,7 @@ def test_what_is_said_does_not_hang_on_times(tmp_path: Path) -> None:
     advice = advised(written(tmp_path), horizon=0.2)
     said, generator = advice.sentence, np.random.default_rng(0)
     for _ in range(20):
-        advice.trials = [
-            replace(one, seconds=one.seconds * generator.uniform(0.2, 5)) for one in advice.trials
-        ]
+        advice.trials = [slowed(one, generator.uniform(0.2, 5)) for one in advice.trials]
         assert advice.sentence == said
 
 
@@ -124,7 +129,7 @@ def test_a_sharper_target_asks_for_more(tmp_path: Path) -> None:
     rough, sharp = (advised(file, horizon=0.25, target=target) for target in (0.05, 1e-5))
     assert rough.choice is not None
     assert sharp.choice is not None
-    assert sharp.choice.integrator == "RK4"
+    assert sharp.choice.series.method == "RK4"
     assert sharp.choice.error < rough.choice.error
     assert sharp.truths[0].smooth
     assert max(float(one.error.max()) for one in sharp.truths) < 1e-6
@@ -132,13 +137,13 @@ def test_a_sharper_target_asks_for_more(tmp_path: Path) -> None:
 
 def test_a_step_that_the_limit_calls_unstable_is_not_recommended(tmp_path: Path) -> None:
     advice = advised(written(tmp_path, kp="20000"), horizon=0.2)
-    lost = [one for one in advice.trials if one.failed]
+    lost = [one for one in advice.trials if one.point.reason]
     assert lost
     assert all(one.error == float("inf") for one in lost)
-    violations = {row[HEADS.index("violation")] for row in rows(advice)}
-    assert violations == {None}
-    if advice.choice is not None:
-        assert advice.choice.step <= 1.02 * advice.choice.limit
+    ((_, _, rows),) = page_of(advice).tables
+    assert {row[RUNS.index("violation")] for row in rows} == {None}
+    if advice.choice is not None and advice.choice.series.stable_step:
+        assert setting_of(advice.choice).step <= 1.02 * advice.choice.series.stable_step
 
 
 @pytest.mark.slow
@@ -183,7 +188,9 @@ def test_its_documents(tmp_path: Path) -> None:
     printed = succeeds(f"tradeoff {file} --horizon 0.2 --json a.json --plot a.png")
     answer = validated("tradeoff_model", json.loads(Path("a.json").read_text()))
     assert answer["met"]
-    assert answer["recommendation"] in answer["settings"]
+    assert answer["recommendation"]["step"] in [
+        point["step"] for one in answer["series"] for point in one["points"]
+    ]
     assert " ".join(answer["sentence"].split()) in " ".join(printed.split())
     assert Path("a.png").stat().st_size > 10_000
     assert "**" in succeeds(f"tradeoff {file} --horizon 0.2 --markdown -")
@@ -254,11 +261,12 @@ def test_soft_closures_are_told_and_hardened(tmp_path: Path) -> None:
     own, exact = (advised(file, horizon=0.1, target=5e-3, exact=exact) for exact in (False, True))
     assert any("--exact-closures compares" in note for note in own.notes)
     assert own.largest("softness") == pytest.approx(exact.largest("softness"), rel=0.1)
-    assert {one.setting.closure for one in own.trials} == {None}
+    assert {setting_of(one).closure for one in own.trials} == {None}
     # as soft as in the file a short step does not meet the target; with hard closures it does
-    shortest = [one for one in exact.trials if one.integrator == "RK4" and one.step <= 0.002]
+    errors = {setting_of(one): one.error for one in exact.trials}
+    short = {one: errors[one] for one in errors if one.integrator == "RK4" and one.step <= 0.002}
     soft, hard = (
-        min(one.error for one in shortest if (one.setting.closure is None) == own)
+        min(error for one, error in short.items() if (one.closure is None) == own)
         for own in (True, False)
     )
     assert hard < MARGIN * exact.asked.target < exact.asked.target < soft
@@ -270,11 +278,9 @@ def test_a_solver_with_few_iterations_is_told(tmp_path: Path) -> None:
     path = Path(loop(tmp_path, iterations=1))
     path.write_text(path.read_text().replace("iterations", 'solver="PGS" iterations'))
     advice = advised(str(path), horizon=0.1, target=1e-3)
-    counts = {one.setting.iterations for one in advice.trials}
-    assert counts == {None, 2, 8, 32, 128}
-    one, many = (
-        min(t.error for t in advice.trials if t.setting.iterations == n) for n in (None, 128)
-    )
+    errors = [(setting_of(one).iterations, one.error) for one in advice.trials]
+    assert {count for count, _ in errors} == {None, 2, 8, 32, 128}
+    one, many = (min(error for n, error in errors if n == count) for count in (None, 128))
     assert many < one
 
 
@@ -288,15 +294,8 @@ def test_a_stiff_arm_has_a_converged_run_of_shorter_steps(tmp_path: Path) -> Non
 @pytest.mark.usefixtures("own_folder")
 def test_runs_go_on_where_they_ended(tmp_path: Path) -> None:
     file = written(tmp_path)
-    store = RunStore("runs.json", b"", target=1)
-    store.put("one", "nothing moves")
-    store.write()
-    assert RunStore("runs.json", b"", target=1).entries == {"one": "nothing moves"}
-    with pytest.raises(UsageError, match="is of another target: 1, not 2"):
-        RunStore("runs.json", b"", target=2)
-    Path("runs.json").unlink()
     options = f"tradeoff {file} --horizon 0.05 --seed 0 --resume runs.json"
-    advice = Advice(file, Question(horizon=0.05, seed=0, resume="runs.json"))
+    advice = ModelTradeoff(file, Question(horizon=0.05, seed=0, resume="runs.json"))
     work = advice.work()
     for done, total, _ in work:
         if done > total // 2:  # as if interrupted
@@ -316,7 +315,9 @@ def test_runs_go_on_where_they_ended(tmp_path: Path) -> None:
     ):
         assert said in refusal(f"{options} {change}")
     assert "is of another model" in refusal(options.replace(file, loop(tmp_path)))
-    broken = json.dumps(json.loads(Path("runs.json").read_text()) | {"entries": {"one": {}}})
+    broken = json.dumps(
+        json.loads(Path("runs.json").read_text()) | {"entries": {key: {} for key in whole}}
+    )
     for text in ("[]", broken):
         Path("runs.json").write_text(text)
         assert "holds no runs" in refusal(options)
@@ -324,10 +325,10 @@ def test_runs_go_on_where_they_ended(tmp_path: Path) -> None:
 
 
 def test_its_picture_says_what_it_shows(tmp_path: Path) -> None:
-    drawn = figure(advised(written(tmp_path, kp="20000"), horizon=0.05))
-    (axes,) = drawn.axes
+    drawn = figure_of_model(advised(written(tmp_path, kp="20000"), horizon=0.05))
+    axes = drawn.axes[0]
     labels = axes.get_legend_handles_labels()[1]
-    assert "state lost" in labels
+    assert any(line.get_marker() == "x" and len(line.get_xdata()) for line in axes.lines)
     assert any(text.startswith("as in the file: Euler at 2 ms") for text in labels)
     assert axes.get_title(loc="left").startswith("arm.xml: ")
     assert "target 1 %" in {text.get_text() for text in axes.texts}

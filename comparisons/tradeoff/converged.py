@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from math import inf
 from time import monotonic
 
 import numpy as np
 
-from ....reference.scene import Array
-from .runs import CONVERGED, Bench, SampledRun, Setting, Start, time_constants
+from ...reference.scene import Array
+from .bench import CONVERGED, Bench, SampledRun, Setting, Start, time_constants
+from .table import percent
 
 SHARPEST = ("RK4", "implicitfast")
 """Integrators of the converged run: the second where the first loses the state, as it does where
@@ -187,8 +187,3 @@ def known(errors: Array, most: float) -> int:
     """Return the number of periods before an error first exceeds a bound."""
     above = np.flatnonzero(~(errors <= most))
     return int(above[0]) if len(above) else len(errors)
-
-
-def percent(value: float) -> str:
-    """Return a share in per cent."""
-    return f"{100 * value:.2g} %" if value < inf else "lost"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,10 +12,9 @@ import pytest
 
 import mbcheck
 from mbcheck.comparisons.engines import protocol
-from mbcheck.comparisons.engines.plugin.adapter import CLOSURE_TIME, adapt
+from mbcheck.comparisons.engines.adapter import CLOSURE_TIME, adapt
 from mbcheck.comparisons.engines.registry import remote_plugin
-from mbcheck.comparisons.engines.run import run, run_many
-from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.setup import Setup, run
 from mbcheck.examples.mujoco_engine import MujocoPlugin
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineError
@@ -31,37 +29,6 @@ HOOPS = [Case("hula_hoop", "test", HulaHoop(), {"theta": angle}) for angle in (0
 ROTATION = get_scene("speed_regulator").case("rotation")
 RK4 = MujocoPlugin.methods[0]
 TIMES = np.array([0.25, 0.5])
-
-
-# Batches ------------------------------------------------------------------------------------
-
-
-class Batched(MujocoPlugin):
-    """An engine with batches: one run of three succeeds, one raises, one is left to be asked."""
-
-    name = "batched"
-    together: tuple[int, ...] = ()
-
-    def simulate_many(
-        self, systems: Sequence[Any], method: Any, steps: Any, times: Any
-    ) -> list[Any]:
-        self.together = (*self.together, len(systems))
-        first = self.simulate(systems[0], method, steps[0], times[0])
-        return [first, ValueError("the second is one too many"), None]
-
-
-def test_batches_are_asked_for_and_completed() -> None:
-    author = Batched()
-    engine = adapt("batched", author)
-    setup = Setup(engine, HOOPS[0], "tree", RK4)
-    many = run_many(setup, HOOPS, np.full(3, 2.0**-6), np.tile(TIMES, (3, 1)))
-    assert author.together == (3,)
-    assert isinstance(many[1], EngineError)
-    assert "one too many" in many[1].message
-    for case, each in ((HOOPS[0], many[0]), (HOOPS[2], many[2])):
-        alone = run(replace(setup, case=case, step=2.0**-6), TIMES)
-        assert not isinstance(each, EngineError)
-        assert np.array_equal(each.values["theta"], alone.values["theta"])
 
 
 # Options ------------------------------------------------------------------------------------
@@ -124,43 +91,11 @@ def test_options_reach_an_engine_in_another_process(
     assert 0 < np.max(np.abs(fine.values["y"] - coarse.values["y"])) < 1e-3
 
 
-class Follower:
-    """What has the attributes of an engine, and does not inherit from it."""
-
-    name, version, digits = "follower", "1", 12.0
-    methods = (RK4,)
-
-    def simulate(self, *call: Any) -> Any:
-        return self.digits
-
-    def options(self, system: Any, method: Any) -> tuple[mbcheck.Option, ...]:
-        return (mbcheck.Option("digits", "1", 12.0, (3.0, 12.0), "digits"),)
-
-
-class Setter(Follower):
-    """The same with a function of its own."""
-
-    def with_option(self, name: str, value: float) -> Any:
-        other = type(self)()
-        setattr(other, name, value)
-        return other
-
-
-@pytest.mark.parametrize("kind", [Follower, Setter])
-def test_options_are_set_of_what_does_not_inherit(kind: Any) -> None:
-    inner = adapt("follower", kind()).with_option("digits", 3.0).with_option("seen", 1.0).inner
-    call: Any = inner.simulate
-    assert call(*[None] * 4) == (3.0 if kind is Follower else 12.0)
-
-
-class Babbling(Follower):
+class Babbling(MujocoPlugin):
     """An engine whose answers are no answers."""
 
     def options(self, system: Any, method: Any) -> Any:
         return (("digits", 12.0),)
-
-    def simulate_many(self, systems: Any, method: Any, steps: Any, times: Any) -> Any:
-        return [None]
 
     def why_not(self, system: Any, method: Any) -> Any:
         return False
@@ -170,9 +105,7 @@ def test_answers_that_have_no_sense_are_refused() -> None:
     engine = adapt("babbling", Babbling())
     with pytest.raises(EngineError, match=r"tuple of mbcheck\.Option, not"):
         engine.options(HOOPS[0], "tree", RK4)
-    with pytest.raises(EngineError, match="an answer for each of 3 systems"):
-        engine.simulate_many(HOOPS, "tree", RK4, np.full(3, 2.0**-6), np.tile(TIMES, (3, 1)))
-    with pytest.raises(mbcheck.UsageError, match="engine follower: why_not: why_not must return"):
+    with pytest.raises(mbcheck.UsageError, match="why_not: why_not must return"):
         engine.why_not(HOOPS[0], "tree", RK4)
 
 
@@ -195,20 +128,16 @@ def test_states_that_are_one_buffer_are_refused() -> None:
             run(setup, TIMES)
 
 
-TABLES: dict[str, Any] = {
-    **{name: {} for name in ("options", "reactions", "inverse_dynamics", "own_model")},
-    **{"simulate_many": [], "why_not": [], "models": ["body.xml"], "session": 3},
-}
+@pytest.mark.parametrize("name", ["options", "reactions", "own_model", "why_not"])
+def test_a_table_under_the_name_of_a_function_is_refused(name: str) -> None:
+    with pytest.raises(mbcheck.UsageError, match=f"{name} must be a function.*rename it"):
+        adapt("tables", type("Tables", (MujocoPlugin,), {name: {}}))
 
 
-@pytest.mark.parametrize("base", [Follower, MujocoPlugin])
-def test_tables_of_an_author_under_other_names_of_the_page_are_left_alone(base: Any) -> None:
-    engine = adapt("tables", type("Tables", (base,), TABLES))
-    assert not set(TABLES) & engine.functions
-    assert engine.why_not(ROTATION, "connect", RK4) is None
-    assert engine.models("hula_hoop") == ("tree", "forced")
-    assert engine.reaction_names(ROTATION, "connect") == ()
-    assert engine.options(ROTATION, "connect", RK4) == ()
+def test_what_does_not_inherit_is_refused() -> None:
+    follower = type("Follower", (), {"name": "follower", "version": "1", "methods": (RK4,)})
+    with pytest.raises(mbcheck.UsageError, match=r"no mbcheck\.Engine: inherit from it"):
+        adapt("follower", follower)
 
 
 def test_observables_at_which_nobody_looks_are_refused() -> None:
@@ -221,7 +150,7 @@ def test_observables_at_which_nobody_looks_are_refused() -> None:
         adapt("chatty", Chatty).simulate(HOOPS[0], "tree", RK4, 2.0**-6, TIMES)
 
 
-class Refusing(Follower):
+class Refusing(MujocoPlugin):
     """An engine that raises where it should return a reason."""
 
     def why_not(self, system: Any, method: Any) -> Any:
