@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
 from functools import partial
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +35,9 @@ WORSE = 1.1
 
 MODES, STEPS, LOOPS = "modes", "largest stable steps", "loads of closures"
 """Parts of an inspection that take time, beside its rules."""
+
+NEEDS = ("model", "states", "modes", "runs")
+"""What rules need, in the order in which they are asked."""
 
 
 @dataclass(frozen=True)
@@ -244,9 +248,8 @@ def inspect_in_parts(
     loaded, hits, untried = load(path), list[tuple[str, Hit]](), None
     rules = {f"rule {name}": RULES[name] for name in RULES if name in selection.rules}
     repeated = [part for part in rules if part == "rule repeated_default"]
-    quick = [part for part, rule in rules.items() if rule.needs == "model"]
-    others = [p for p, rule in rules.items() if rule.needs in ("states", "modes", "runs")]
-    parts = [*quick, MODES, STEPS, LOOPS, *others, *repeated]
+    quick, *slow = ([p for p, rule in rules.items() if rule.needs == need] for need in NEEDS)
+    parts = [*quick, MODES, STEPS, LOOPS, *chain(*slow), *repeated]
     s = InspectedModel(loaded, facts(loaded), strict)
     with quiet(loaded.mujoco), np.errstate(all="ignore"):
         for number, part in enumerate(parts):
@@ -259,8 +262,8 @@ def inspect_in_parts(
             elif part == LOOPS:
                 s = replace(s, closures=all_closures(loaded))
             elif part in repeated:  # what no other rule has found
-                found, untried = repeated_default(s, [hit for _, hit in hits])
-                hits += [("repeated_default", hit) for hit in found]
+                repeated_hits, untried = repeated_default(s, [hit for _, hit in hits])
+                hits += [("repeated_default", hit) for hit in repeated_hits]
             else:
                 hits += [(part.removeprefix("rule "), hit) for hit in rules[part].find(s)]
         yield (), partial(report_of, path, s, selection, hits, (), untried)
