@@ -139,7 +139,7 @@ def record(kind: Any, is_root: bool = False) -> type[msgspec.Struct]:
     known: dict[str, Any] = {item.name: item for item in fields(kind)} if is_dataclass(kind) else {}
     parts: list[Any] = []
     for name, hint in (hints | hints_of(kind)).items():
-        part = (name, described(resolved(hint), meanings.get(name, "")))
+        part: tuple[Any, ...] = (name, described(resolved(hint), meanings.get(name, "")))
         item = known.get(name)
         if item is not None and item.default is not MISSING:
             part = (*part, item.default)
