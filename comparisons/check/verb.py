@@ -128,7 +128,8 @@ def check_verb(
     from ..reports.run.markdown import run_summary
 
     asked = CheckRun(**options)
-    lent = in_this_process(asked.engines) if in_process else nullcontext(asked.engines)
+    names = options["engines"]
+    lent = in_this_process(names) if in_process else nullcontext(names)
     with lent as engines:
         asked = replace(asked, engines=engines)
         with (

@@ -69,9 +69,7 @@ class CheckRequest:
     parameters: Annotated[Mapping[str, float | str], OptionMark("NAME=VALUE", flags=("--set",))] = (
         field(default_factory=dict)
     )
-    state: Annotated[Mapping[str, float | str], OptionMark("NAME=VALUE")] = field(
-        default_factory=dict
-    )
+    state: Annotated[Mapping[str, float], OptionMark("NAME=VALUE")] = field(default_factory=dict)
     horizon: Annotated[float | None, OptionMark("T")] = None
     source: Annotated[str, OptionMark("SOURCE")] = SOURCES[0]
     quick: Annotated[bool, OptionMark()] = False

@@ -10,7 +10,7 @@ from typing import Any, Literal
 from ...reference.errors import EngineError
 from ...reference.scene import Array
 from ..documents.core import hints_of
-from ..documents.fields import HIDDEN, documented
+from ..documents.fields import HIDDEN, Number, documented
 
 Verdict = Literal["pass", "deviation", "known", "skipped", "error"]
 
@@ -169,7 +169,7 @@ class Result:
     reference: float | None = None
     error: float | None = None
     tolerance: float | None = None
-    work: Mapping[str, float] = field(default_factory=dict)
+    work: Mapping[str, Number] = field(default_factory=dict)
     series: Series | None = field(default=None, compare=False, repr=False, metadata=HIDDEN)
     known: str | None = None
     traceback: str | None = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from functools import cache
 from types import GenericAlias, UnionType
 from typing import (
@@ -130,14 +130,23 @@ def hints_of(kind: Any) -> dict[str, Any]:
 
 @cache
 def record(kind: Any, is_root: bool = False) -> type[msgspec.Struct]:
-    """Return the type of the objects that documents hold of a class."""
+    """Return the type of the objects that documents hold of a class.
+
+    What an earlier release of the same schema did not write takes its default as it is read.
+    """
     meanings = COMMON | descriptions(kind)
     hints: dict[str, Any] = {"schema": Literal[2]} if is_root else {}
-    parts = [
-        (name, described(resolved(hint), meanings.get(name, "")))
-        for name, hint in (hints | hints_of(kind)).items()
-    ]
-    return msgspec.defstruct(kind.__name__, parts)
+    known: dict[str, Any] = {item.name: item for item in fields(kind)} if is_dataclass(kind) else {}
+    parts: list[Any] = []
+    for name, hint in (hints | hints_of(kind)).items():
+        part: tuple[Any, ...] = (name, described(resolved(hint), meanings.get(name, "")))
+        item = known.get(name)
+        if item is not None and item.default is not MISSING:
+            part = (*part, item.default)
+        elif item is not None and item.default_factory is not MISSING:
+            part = (*part, msgspec.field(default_factory=item.default_factory))
+        parts.append(part)
+    return msgspec.defstruct(kind.__name__, parts, kw_only=True)
 
 
 def described(hint: Any, meaning: str) -> Any:
@@ -176,9 +185,15 @@ def schema_of(kind: Any) -> dict[str, Any]:
     """Return the JSON Schema of a type of document, its objects in the order of their use."""
     root = record(kind, is_root=True)
     (reference,), parts = msgspec.json.schema_components([root], ref_template="#/$defs/{name}")
-    objects = {
-        one.__name__: parts[one.__name__] | {"additionalProperties": False} for one in records(root)
-    }
+    objects = {}
+    for one in records(root):
+        properties = parts[one.__name__]["properties"]
+        for item in properties.values():
+            item.pop("default", None)
+        objects[one.__name__] = parts[one.__name__] | {
+            "required": list(properties),
+            "additionalProperties": False,
+        }
     return {"$schema": DRAFT, **reference, "$defs": objects}
 
 

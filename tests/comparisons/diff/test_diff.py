@@ -312,6 +312,15 @@ def test_standard_output_is_pure() -> None:
     assert invoke(f"diff {old} {old} --markdown -").stdout.startswith("## mbcheck diff: NO CHANGE")
 
 
+def test_a_document_of_an_earlier_release() -> None:
+    found = json.loads(Path(write("new.json", [one("RK4", "pass")])).read_text())
+    del found["selection"]["extremes"]
+    for item in found["results"]:
+        del item["noticed_by"]
+    Path("old.json").write_text(json.dumps(found))
+    assert invoke("diff old.json new.json").exit_code == 0
+
+
 GOOD = Report((ANCHOR,), VERSIONS).as_json()
 
 
