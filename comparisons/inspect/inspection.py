@@ -264,8 +264,8 @@ def inspect_in_parts(
             elif part == LOOPS:
                 s = replace(s, closures=all_closures(loaded))
             elif part in repeated:  # what no other rule has found
-                found, untried = repeated_default(s, [hit for _, hit in hits])
-                hits += [("repeated_default", hit) for hit in found]
+                repeats, untried = repeated_default(s, [hit for _, hit in hits])
+                hits += [("repeated_default", hit) for hit in repeats]
             else:
                 hits += [(part.removeprefix("rule "), hit) for hit in rules[part].find(s)]
         yield (), partial(report_of, path, s, selection, hits, (), untried)
