@@ -17,8 +17,6 @@ import math
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from functools import partial
-from importlib.util import find_spec
-from itertools import product
 from time import process_time
 from typing import Any
 

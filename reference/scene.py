@@ -240,7 +240,7 @@ class Dynamics:
     energy : callable ``(q, v, c) -> E``
         Kinetic plus potential energy [J].
     powers : callable ``(u, q, v, c) -> dict``
-        Of each non-conservative force [W]; they add up to dE/dt.
+        Of each non-conservative force [W], none by default; they add up to dE/dt.
     drive : callable ``(t, c, xp) -> u``, or None
         The external input, harmonic with the circular frequency ``c.omega``.
     drive_end_time : callable ``(parameters) -> t`` [s]
@@ -270,7 +270,7 @@ class Dynamics:
     accelerations: Callable[..., Any]
     damping_matrix: Callable[[Any], Array]
     energy: Callable[..., Any]
-    powers: Callable[..., dict[str, Any]]
+    powers: Callable[..., dict[str, Any]] = lambda u, q, v, c: {}
     drive: Callable[..., Any] | None = None
     drive_end_time: Callable[[Any], Any] = lambda p: 0.0
     outputs: Callable[..., dict[str, Any]] = no_outputs

@@ -221,6 +221,14 @@ def truth(equations: ModelEquations, case: Case, times: Any, names: tuple[str, .
     return _truth(equations, state, case.start_time, times, permitted_horizon(case)[0], names)
 
 
+def truth_to_the_end(
+    equations: ModelEquations, state: Array, start: float, times: Array, names: tuple[str, ...]
+) -> Truth:
+    """Return the solution from a state, however errors grow in it: its bound tells."""
+    span = float(times[-1] - start)
+    return _truth(equations, tuple(state.tolist()), start, tuple(times.tolist()), span, names)
+
+
 def sizes(equations: ModelEquations, case: Case, times: Array, names: tuple[str, ...]) -> Array:
     """Return the sizes (k,) of states of a case, of a continuum roughly: its solution is dear."""
     if not equations.scene.discretisation_coordinates:

@@ -91,7 +91,8 @@ def check_plan(config: pytest.Config) -> CheckPlan:
     UsageError
     """
     if PLAN not in config.stash:
-        from ..check.request import CheckRequest
+        from ..check.request import plan_checks
+        from ..checks.request import CheckRequest
 
         lists: dict[str, Any] = {
             f"{name}s": option(config, f"mbcheck_{name}") or [] for name in SEVERAL
@@ -99,13 +100,14 @@ def check_plan(config: pytest.Config) -> CheckPlan:
         known = option(config, "mbcheck_known")
         if isinstance(known, list):
             known = str(known[0]) if known else None
-        config.stash[PLAN] = CheckRequest(
+        request = CheckRequest(
             **lists,
             profile=option(config, "mbcheck_profile") or "default",
             full=bool(option(config, "mbcheck_full")),
             known=known,
             strict_known=bool(option(config, "mbcheck_strict_known")),
-        ).plan()
+        )
+        config.stash[PLAN] = plan_checks(request)
     return config.stash[PLAN]
 
 
@@ -190,7 +192,7 @@ def run_test(check: Check, node: pytest.Item) -> None:
     bad = (*FAILURES, *(("known",) if as_if_unknown else ()))
     failed = [result for result in results if result.verdict in bad]
     if failed:
-        run = Run(selection=plan.request.selection)
+        run = Run(selection=plan.request)
         lines = []
         for block in blocks(
             [replace(r, verdict="deviation") if r.verdict == "known" else r for r in failed]
@@ -213,9 +215,10 @@ def pytest_runtest_makereport(
     """Send results along with the report, which may cross processes."""
     made = yield
     if call.when == "call" and RESULTS in item.stash:
-        from ..reports.run.outcome import json_result
+        from ..documents.core import as_plain
+        from ..reports.run.outcome import with_lost_numbers
 
-        made.mbcheck = [json_result(result) for result in item.stash[RESULTS]]  # type: ignore[attr-defined]
+        made.mbcheck = [as_plain(with_lost_numbers(result)) for result in item.stash[RESULTS]]  # type: ignore[attr-defined]
     return made
 
 

@@ -10,12 +10,11 @@ from scipy.linalg import eig
 
 from ...reference.amplification import (
     AMPLIFICATION,
-    GROWTH,
     ComplexArray,
     Vibrations,
     amplification_factors,
-    first_beyond,
     first_order,
+    largest_stable_step,
     rates,
     surpluses,
     vibrations,
@@ -178,23 +177,25 @@ def longest_step(
 
     own = reduced(motion)
     fixed = vibrations(*own[:4]) if whole and not np.any(own.late_stiffness) else None
-    fastest = float(np.max(np.abs(rates(own.vibrations(0.0)))))
-    horizon = LONG / fastest
+    whole_motion = own.vibrations(0.0)
+    horizon = LONG / float(np.max(np.abs(rates(whole_motion))))
+
+    def reduced_at(step: float) -> LinearMotion:
+        return reduced(at(step)) if step > raised_from else own
+
+    def seen(step: float) -> tuple[Vibrations, ComplexArray]:
+        of = reduced_at(step)
+        late = fixed if fixed and of is own else of.vibrations(step)
+        return late, rates(of.vibrations(0.0))
 
     def over(factors: ComplexArray, of: LinearMotion, step: float) -> Array:
         return surpluses(factors, rates(of.vibrations(0.0)), step, horizon, FOLDS)
 
-    def beyond(step: float) -> float:
-        of = reduced(at(step)) if step > raised_from else own
-        late = fixed if fixed and of is own else of.vibrations(step)
-        most = np.max(over(amplification_factors(scheme, late, step), of, step))
-        return max(-1.0, float(most - np.log(GROWTH)))
-
-    limit = first_beyond(beyond, fastest, horizon, TRIED)
+    limit = largest_stable_step(scheme, whole_motion, horizon, at=seen, folds=FOLDS, scan=TRIED)
     if not 0 < limit < np.inf:
         return limit, None
     step = 1.001 * limit
-    own = reduced(at(step)) if step > raised_from else own
+    own = reduced_at(step)
     if whole:
         values, vectors = np.linalg.eig(AMPLIFICATION[scheme](own.vibrations(step), step))
         worst = np.argmax(over(values, own, step))

@@ -96,11 +96,6 @@ def energy(q: Any, v: Any, c: Any) -> Any:
     return rotation_energy(q, v, c)
 
 
-def powers(u: Any, q: Any, v: Any, c: Any) -> dict[str, Any]:
-    """Return nothing: all forces are conservative."""
-    return {}
-
-
 def outputs(q: Any, v: Any, c: Any, xp: Any = np) -> dict[str, Any]:
     """Return attitude, body rates, angular momentum in the world, energy, length of q."""
     return rotation_outputs(q, v, momentum_of(q, v, c), energy(q, v, c), xp)

@@ -56,7 +56,7 @@ CASES = (
             methods="best",
         )
         for end, speed in (("rest", 1.0), ("rotation", 5.0))
-    ),  # fmt: skip
+    ),
     case("weighed", WEIGHED, ROTATING, 0.5, "algebra", "trajectory", methods="best"),
     case("swinging", SWINGING, ROTATING, 0.5, "energy", methods="best"),
     case("heavy_rod", HEAVY_ROD, ROTATING, 2.0, *FREE_RUN, full_only=True),

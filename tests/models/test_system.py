@@ -72,7 +72,7 @@ def test_its_accelerations_are_those_of_the_reference(scene: str, model: str) ->
 @pytest.mark.parametrize(("scene", "model"), MODELS)
 def test_its_parts_add_up_to_what_mujoco_has(scene: str, model: str) -> None:
     mujoco: Any = pytest.importorskip("mujoco")
-    text = Reader().text(get_scene(scene).cases[0], model)
+    text = adapt("reader", Reader).text(get_scene(scene).cases[0], model)
     whole, compiled = mechanism.mechanism(text), mujoco.MjModel.from_xml_string(text)
     data, random = mujoco.MjData(compiled), np.random.default_rng(8)
     data.qpos[:] = compiled.qpos0 + random.normal(size=compiled.nq)
@@ -95,7 +95,7 @@ def test_its_parts_add_up_to_what_mujoco_has(scene: str, model: str) -> None:
 
 
 def test_weight_is_the_slope_of_the_potential() -> None:
-    text = Reader().text(get_scene("speed_regulator").cases[0], "connect")
+    text = adapt("reader", Reader).text(get_scene("speed_regulator").cases[0], "connect")
     whole, gravity = mechanism.mechanism(text), np.array([0.3, -9.81, 2.0])
 
     def potential(q: Array) -> Any:
@@ -138,7 +138,7 @@ def test_what_it_does_not_understand_is_refused(text: str, said: str | None) -> 
 
 @pytest.mark.parametrize("time", [0.4, 1.5, 1.6])
 def test_terms_add_up_to_the_force_while_they_last(time: float) -> None:
-    reader, case = Reader(), get_scene("rotating_beam").case("pulse_quick")
+    reader, case = adapt("reader", Reader), get_scene("rotating_beam").case("pulse_quick")
     states = np.random.default_rng(9).normal(size=(1, 2 * len(reader.coordinates(case, "forced"))))
     system, (q,), (v,) = reader.joint_states(case, "forced", np.array([time]), states)
     assert [term.until for term in system.terms if term.amplitude] == [1.5]

@@ -197,21 +197,3 @@ class Controlled(MujocoAdapter):
             rows = np.array(states)
             motion = recorded(mujoco, compiled, system.start_time, data, rows, before)
         return self.trajectory(system, step, times, motion)
-
-
-def raw(case: Case, model: str, **options: Any) -> tuple[Any, Any, Any]:
-    """Return MuJoCo, and the compiled model and data of a case at its start.
-
-    Parameters
-    ----------
-    case, model
-    options : mapping
-        Of the compiled model, ``opt.NAME``.
-    """
-    engine = MuJoCo()
-    system = MujocoAdapter(engine).joint_system(replace(case, inconsistency={}), model)
-    compiled = engine.load(system)
-    compiled.opt.integrator = engine.mujoco.mjtIntegrator.mjINT_EULER
-    for name, value in options.items():
-        setattr(compiled.opt, name, value)
-    return engine.mujoco, compiled, engine.data(compiled, 0.0, system.positions, system.velocities)

@@ -20,9 +20,9 @@ from ....reference.rotor_pendulum.equations import (
 )
 from ....reference.rotor_pendulum.phase import (
     balanced_phase,
-    forced_response,
     mean_phase,
     orbit_guesses,
+    uniform_rotation,
     wrapped,
 )
 from ....reference.scene import Array
@@ -214,7 +214,7 @@ def orbits_of(flow: Flow) -> Orbits:
         missing = _missing(flow, orbits)
         missing = missing[np.isfinite(alpha[missing])]
         if missing.size:
-            starts = _uniform_rotation(p, np.nan_to_num(alpha) + offset)[:, missing]
+            starts = uniform_rotation(p, np.nan_to_num(alpha) + offset)[:, missing]
             more = closed_orbits(flow, missing, starts, turns[missing], steps[missing])
             stable = more.closed & (leading_modulus(more) < 1)
             orbits.put(missing[stable], more.at(stable))
@@ -234,14 +234,6 @@ def _missing(flow: Flow, orbits: Orbits) -> Ints:
     return np.array(
         [i for i in np.flatnonzero(~orbits.closed) if i not in flow.problems], dtype=int
     )
-
-
-def _uniform_rotation(p: RotorPendulum, alpha: Array) -> Array:
-    """Return uniform rotation with the linear response (8, k), at phi_1 = 0."""
-    w = operating_speed(p)
-    x, phi_3 = forced_response(p, alpha)
-    rows = (x.real, 0.0, -alpha % (2 * np.pi), phi_3.real, -w * x.imag, w, w, -w * phi_3.imag)
-    return np.array(np.broadcast_arrays(*rows), dtype=float)
 
 
 def _phases(flow: Flow, which: Ints, states: Array, periods: Array, steps: Ints) -> Array:

@@ -17,6 +17,7 @@ import pytest
 import mbcheck
 from mbcheck.comparisons.check import request
 from mbcheck.comparisons.checks import suite
+from mbcheck.comparisons.checks.request import CheckRequest
 from mbcheck.comparisons.checks.verdict import Result, Series
 from mbcheck.comparisons.reports import drawing
 from mbcheck.comparisons.reports.run import figures, page
@@ -127,7 +128,7 @@ def test_what_was_checked(text: str) -> None:
                  "mbcheck 0.1", "machine x86_64", "everything that is checked by default",
                  ):  # fmt: skip
         assert part in words
-    chosen = {"scenes": ("a",), "ids": (), "profile": "loose", "full": True}
+    chosen = CheckRequest(("a",), profile="loose", full=True)
     assert "scenes a; profile loose; with --full" in seen(text_of(UNDRAWN, selection=chosen)).words
 
 
