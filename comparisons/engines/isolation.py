@@ -22,6 +22,7 @@ from copy import copy
 from functools import partial
 from multiprocessing import forkserver, get_all_start_methods, get_context
 from multiprocessing.connection import Connection, wait
+from multiprocessing.util import get_temp_dir
 from pathlib import Path
 from signal import SIG_DFL, SIGINT, Signals, signal
 from time import monotonic
@@ -30,7 +31,7 @@ from typing import Any, Self, TypeVar
 from ...reference.cost import keep_budget, time_left
 from ...reference.errors import BrokenEngineError, EngineError, MbcheckError, UsageError
 from . import THREADS, use_one_thread
-from .messages import MAX_BYTES, decoded, encoded
+from .messages import encoded, received, sent
 from .protocol import Engine
 from .run import call_engine, describe, engine_error, traceback_of
 from .validation import ATTRIBUTES, CALLS
@@ -250,8 +251,12 @@ class Worker:
         inner = SERVING in os.environ
         paths = {name: os.environ.get(name) for name in PATHS}
         arguments = theirs, lifeline, folder, paths
-        self.process = context.Process(target=serve, args=arguments, daemon=inner)
-        self.process.start()
+        try:
+            self.process = context.Process(target=serve, args=arguments, daemon=inner)
+            self.process.start()
+        except (OSError, EOFError):  # an engine has ended the server, or removed its socket
+            self.process = get_context("spawn").Process(target=serve, args=arguments, daemon=inner)
+            self.process.start()
         self.heard: Callable[[Any], None] = unheard
         atexit.register(self.end)
         theirs.close()
@@ -264,14 +269,13 @@ class Worker:
         self.seconds = min((x for x in (seconds, time_left()) if x is not None), default=math.inf)
         self.deadline = monotonic() + START + self.seconds
         self.megabytes = megabytes
-        with suppress(OSError):  # it has died
-            self.pipe.send_bytes(pickle.dumps((call, seconds, megabytes)))
+        sent(self.pipe, pickle.dumps((call, seconds, megabytes)))
 
     def ended(self) -> bool:
         """Return whether the call has ended, and put into ``outcome`` how."""
         try:
             while self.pipe.poll():
-                done, self.outcome = decoded(self.pipe.recv_bytes(MAX_BYTES), self.plain)
+                done, self.outcome = received(self.pipe, self.plain)
                 if done:
                     return True
                 self.deadline = min(self.deadline, monotonic() + self.seconds)
@@ -313,6 +317,7 @@ class Worker:
         self.process.join()
         self.pipe.close()
         self.lifeline.close()
+        os.makedirs(get_temp_dir(), exist_ok=True)  # which an engine may have removed, as it ends
         atexit.unregister(self.end)
 
 
