@@ -217,12 +217,6 @@ def numerical_modes(scheme: str, of: Vibrations, step: float) -> list[NumericalM
     return [NumericalMode(complex(exact[i]), complex(logs[j])) for i, j in pairs]
 
 
-def spectral_radius(scheme: str, of: Vibrations, step: float) -> float:
-    """Return by how much one step of a scheme may multiply a free vibration."""
-    radius = float(np.max(np.abs(amplification_factors(scheme, of, step))))
-    return radius if np.isfinite(radius) else np.inf
-
-
 def surpluses(
     factors: ComplexArray, own: ComplexArray, step: float, horizon: float, folds: float = np.inf
 ) -> Array:

@@ -492,7 +492,7 @@ def run_check(
         with noting() as notes:
             findings = kind_of(check.kind).measure(setup)
     except CannotJudgeError as error:
-        said = cautioned(setup) if check.extreme else []
+        said = cautioned(setup) if check.step is not None else []
         refused = (ENGINE,) if isinstance(error, Unsupported) else ()
         return check.skipped(str(error), (*refused, *names_of(said)))
     except EngineError as error:

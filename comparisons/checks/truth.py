@@ -225,8 +225,13 @@ def truth_to_the_end(
     equations: ModelEquations, state: Array, start: float, times: Array, names: tuple[str, ...]
 ) -> Truth:
     """Return the solution from a state, however errors grow in it: its bound tells."""
-    span = float(times[-1] - start)
-    return _truth(equations, tuple(state.tolist()), start, tuple(times.tolist()), span, names)
+    begin, when = tuple(state.tolist()), tuple(times.tolist())
+
+    def solved(one: ModelEquations, at: tuple[float, ...]) -> Solution:
+        return _elsewhere(one, at, start, when)
+
+    solution = truth_of(equations, solved(equations, begin), names)
+    return truncated(equations, begin, solution, names, solved)
 
 
 def sizes(equations: ModelEquations, case: Case, times: Array, names: tuple[str, ...]) -> Array:

@@ -35,11 +35,11 @@ DOCUMENTS: Mapping[str, tuple[str, str]] = {
     ),
     "reproduce": ("papers.outcomes.Findings", "What of the papers holds."),
     "tradeoff": (
-        "documents.tradeoff.Tradeoff",
+        "tradeoff.document.TradeoffDocument",
         "What accuracy costs, and which settings to choose.",
     ),
     "tradeoff_model": (
-        "documents.tradeoff.TradeoffModel",
+        "tradeoff.document.TradeoffModelDocument",
         "Which step and integrator an MJCF file needs.",
     ),
     "diff": ("diff.changes.Diff", "What changed between two runs of checks."),

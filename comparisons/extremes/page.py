@@ -96,7 +96,8 @@ def table(results: Sequence[Result]) -> str:
     """Return results as a Markdown table; what methods have in common is one line."""
 
     def key(one: Result) -> tuple[str, ...]:
-        provoked = one.reason.partition(": ")[0] if one.kind not in ("limits", "long") else ""
+        first = one.reason.partition(": ")[0]
+        provoked = first if re.match(r"[\w. ]+=", first) else ""
         noticed = ", ".join(one.noticed_by)
         return one.scene, f"{one.kind}: {one.case}", provoked, outcome(one), noticed
 

@@ -38,7 +38,7 @@ def seconds(point: Point) -> float | None:
 
 def steps(point: Point) -> float | None:
     """Return the steps per simulated second: known of a failed run, too."""
-    return point.cost.steps if point.cost else 1 / point.step
+    return point.cost.steps if point.cost else 1 / (point.step or np.inf)
 
 
 def pictures(result: Tradeoff | ModelTradeoff, path: Path) -> Iterator[tuple[str, Path, Any]]:

@@ -20,7 +20,17 @@ from ..inspect.mujoco.model import ENGINE, load
 from ..inspect.rules.remedies import PREFERRED
 from ..queries.environment import versions
 from ..reports.words import plural
-from .bench import CLOSURE, CONVERGED, PROVED, TRIED, Bench, Setting, Start, TimeUpError
+from .bench import (
+    CLOSURE,
+    CONVERGED,
+    PROVED,
+    TRIED,
+    Bench,
+    SampledRun,
+    Setting,
+    Start,
+    TimeUpError,
+)
 from .converged import DEPARTURE, SHARPEST, Converged, converge
 from .report import trial_document
 from .store import RunStore
@@ -535,7 +545,7 @@ def point_of(bench: Bench, setting: Setting, truth: Converged, count: int) -> Po
     count : int
         Periods over which it is compared.
     """
-    runs, began = [], monotonic()
+    runs, began = list[SampledRun](), monotonic()
     while len(runs) < MEASURED and (not runs or monotonic() - began < BRIEF):
         runs.append(bench.run(truth.start, setting))
     run, n, times = runs[0], min(count, len(runs[0].positions)), [one.seconds for one in runs]

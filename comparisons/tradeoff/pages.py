@@ -36,6 +36,7 @@ RUNS = (
 )  # fmt: skip
 
 Cells = tuple[object, ...]
+Table = tuple[str, tuple[str, ...], list[Cells]]
 
 
 class Page(NamedTuple):
@@ -44,7 +45,7 @@ class Page(NamedTuple):
     heading: str
     sentence: str
     notes: Sequence[str]
-    tables: Sequence[tuple[str, tuple[str, ...], list[Cells]]]
+    tables: Sequence[Table]
     legend: str
 
 
@@ -52,7 +53,7 @@ def page_of(result: Tradeoff | ModelTradeoff) -> Page:
     """Return the page of a result; tables without rows are left out."""
     if isinstance(result, ModelTradeoff):
         ordered = sorted(result.trials, key=lambda trial: trial.seconds)
-        tables = [("", RUNS, [run_cells(result, trial) for trial in ordered])]
+        tables: list[Table] = [("", RUNS, [run_cells(result, trial) for trial in ordered])]
         page = Page(result.file, result.sentence, result.notes, tables, legend(result))
     else:
         choices = [(item.axis == "step", choice_cells(item)) for item in result.choices]
@@ -125,7 +126,11 @@ def shift_cells(one: StepSeries) -> Cells:
 def run_cells(result: ModelTradeoff, trial: Trial) -> Cells:
     """Return a run of a file; ``>`` is the choice, ``*`` the front, ``=`` the file's setting."""
     point, limit = trial.point, trial.series.stable_step
-    marks = {">": [result.choice], "*": result.front, "=": [result.own]}
+    marks: dict[str, list[Trial | None]] = {
+        ">": [result.choice],
+        "*": [*result.front],
+        "=": [result.own],
+    }
     return (
         "".join(mark for mark, of in marks.items() if point in [one and one.point for one in of]),
         trial.series.setting,

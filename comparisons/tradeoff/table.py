@@ -30,11 +30,17 @@ class Cost:
     seconds : float
         Time of the stepping [s/s] on this machine, the median of repeated runs: wall time of a
         scene, processor time of a file.
-    fastest, slowest : float
-        Shortest and longest time of these runs.
+    fastest : float
+        Shortest time of these runs [s/s].
+    slowest : float
+        Longest time of these runs [s/s].
     steps : float
-    rhs_evaluations, newton_iterations : float or None
-        None where the engine does not count them. Counts may be compared across machines.
+        Steps [1/s].
+    rhs_evaluations : float or None
+        Evaluations of the forces [1/s]; None where they are not counted. Counts may be compared
+        across machines.
+    newton_iterations : float or None
+        Newton iterations [1/s]; None likewise.
     """
 
     seconds: float
@@ -59,8 +65,10 @@ class Point:
         Errors by observable. Of a file: ``energy``, the largest difference of the energy over
         the largest kinetic energy, and ``violation``, the largest residual of an equality (m, rad).
     cost : Cost or None
+        Cost per simulated second; None if it was not measured.
     label : str
-        What limits the error: `STEP`, `MODEL`, `ROUND_OFF` or `FAILED`.
+        What limits the error: ``step-limited``, ``model-limited``, ``round-off`` or ``failed``;
+        empty if that is not known.
     limit : str
         The same in words: ``step``, or the name of the plateau.
     wasted : bool
@@ -91,17 +99,29 @@ class StepSeries:
 
     Attributes
     ----------
-    scene, case, engine, model, method : str
-        Of a file its name stands for the scene.
+    scene : str
+        Scene, or name of the file.
+    case : str
+        Case that is run; empty of a file.
+    engine : str
+        Engine.
+    model : str
+        The engine's model of the scene; empty of a file.
+    method : str
+        Integrator.
     order : int
         Declared order of convergence; 0 where none is.
     settings : mapping of str to float
-        Options that are not at their default, and ``segments`` of a continuum.
+        Options that are not at their default, and ``segments`` of a continuum; of a file
+        ``iterations`` of the solver, and ``closure_steps``, the largest time constant of an
+        equality over the step.
     points : tuple of Point
-        The longest step, or the smallest model, first.
-    axis, unit : str
+        Runs, the longest step or the smallest model first.
+    axis : str
         What varies: ``step``, parts of a continuum, an option that closes a loop, what is left
         out (0: it is left out, 1: it is there), or ``steps in a period``.
+    unit : str
+        Unit of the axis; of a shift that of the parameter.
     quantity : str
         What the error is of; empty for all observables.
     slope : float or None
@@ -174,11 +194,18 @@ class Choice:
 
     Attributes
     ----------
-    scene, case, engine : str
+    scene : str
+        Scene.
+    case : str
+        Case.
+    engine : str
+        Engine.
     target : float
         Relative error that is allowed.
-    model, method : str or None
-        None where no setting meets the target.
+    model : str or None
+        The engine's model; None where no setting meets the target.
+    method : str or None
+        Integrator; None where no setting meets the target.
     settings : mapping of str to float
         Options and segments that are not at their default.
     step : float or None
@@ -186,6 +213,7 @@ class Choice:
     error : float or None
         Measured error; where none meets the target the smallest one.
     cost : Cost or None
+        Cost per simulated second; None without a run.
     limit : str
         What limits the error there, or why no setting or model meets the target.
     margin : float or None
@@ -193,10 +221,14 @@ class Choice:
         theory is known.
     longest : float or None
         Longest step of the sweep that this method survived with an error below 1, over the step.
-    axis, unit, quantity : str
-        As of the series.
+    axis : str
+        ``step`` for the cheapest setting; otherwise the axis of the smallest model.
+    unit : str
+        Unit of the axis.
+    quantity : str
+        What the error is of; empty for all observables.
     value : float or None
-        Of the smallest model that meets the target, on its axis.
+        Smallest model from which on all meet the target, on its axis; None if there is none.
     smaller : float or None
         Error of the next smaller model, which misses the target.
     extrapolated : bool

@@ -121,13 +121,13 @@ class MuJoCo(Engine):
             compiled = self.compiled(Order(system, method.name, step))
             data = self.data(compiled, system.start_time, system.positions, system.velocities)
             motion = integrate(self.mujoco, compiled, data, times, system.drive_end)
-            return self.with_sensors(system, compiled, motion)
+            return self.with_sensors(system, compiled, data, motion)
 
-    def with_sensors(self, system: System, compiled: Any, motion: Motion) -> Motion:
-        """Return a motion with what sensors show of it, and how far loops are open."""
+    def with_sensors(self, system: System, compiled: Any, data: Any, motion: Motion) -> Motion:
+        """Return a motion with its sensors' values and the errors of its closed loops."""
         if not (system.observables or system.closures):
             return motion
-        data = self.mujoco.MjData(compiled)
+        self.mujoco.mj_resetData(compiled, data)
         sensed = {name: np.empty(len(motion.positions)) for name in system.observables}
         apart, rates = np.empty((2, len(motion.positions)))
         for i, (q, v) in enumerate(zip(motion.positions, motion.velocities, strict=True)):

@@ -117,7 +117,8 @@ def test_what_is_extrapolated_says_so() -> None:
     """Rods that are too many to run are told by their order, as such, and agree with the law."""
     choice = chosen(get_engine("mujoco"), CHAIN_A, "steady_4", 1e-4)
     assert choice.extrapolated
-    assert choice.error is choice.cost is None
+    assert choice.error is None
+    assert choice.cost is None
     assert choice.value == pytest.approx(96, abs=1)  # found by running up to 128
     assert "extrapolated by order 2" in choice.limit
 

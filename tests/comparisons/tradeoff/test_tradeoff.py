@@ -55,7 +55,8 @@ def header(scene: str, engine: str, model: str, method: str, **settings: float) 
 
 def swept(*words: str, **settings: float) -> StepSeries:
     """Return a series, each run made once."""
-    return sweep(header(*words, **settings), repeats=1).series[0]
+    scene, engine, model, method = words
+    return sweep(header(scene, engine, model, method, **settings), repeats=1).series[0]
 
 
 def series(*points: tuple[float, float, float], engine: str = "mujoco", **words: Any) -> StepSeries:
@@ -258,8 +259,8 @@ def series_of(choice: Choice) -> StepSeries:
     """Return the series of a choice that meets its target."""
     assert choice.model is not None
     assert choice.method is not None
-    words = (choice.scene, choice.engine, choice.model, choice.method)
-    return header(*words, **dict(choice.settings or {}))
+    settings = dict(choice.settings or {})
+    return header(choice.scene, choice.engine, choice.model, choice.method, **settings)
 
 
 @pytest.mark.parametrize(
