@@ -22,7 +22,7 @@ from ..terminal.program import (
     refuse_picture,
     to_stdout,
 )
-from .request import Request, quantities, resolved
+from .request import Request, resolved
 
 if TYPE_CHECKING:
     from .compare import MapComparison
@@ -134,6 +134,7 @@ def print_agreement(console: Any, result: Any, curves: Any) -> None:
     """Print at how many points the classes of a map are those of their region between curves."""
     from ..reports.boundaries import disagreements
     from ..reports.text import print_line
+    from .request import quantities
 
     if not result.about[result.main_variable].classes:
         return

@@ -10,7 +10,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import pytest
 
@@ -20,7 +20,6 @@ from mbcheck.comparisons.checks import known, suite
 from mbcheck.comparisons.checks.execution import Execution, run_checks
 from mbcheck.comparisons.checks.known import Entry, Listing
 from mbcheck.comparisons.checks.verdict import Result, Verdict
-from mbcheck.comparisons.documents import schema
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import invoke, refusal
@@ -328,11 +327,6 @@ def test_python_takes_the_file_too() -> None:
     assert [use.state for use in found.run.stale] == ["stale"]
     with pytest.raises(UsageError, match="needs a file"):
         check(["hula_hoop"], strict_known=True)
-
-
-def test_names_of_states_are_those_of_the_schema() -> None:
-    entry = schema("check")["$defs"]["KnownEntry"]["properties"]
-    assert set(entry["state"]["enum"]) == set(get_args(known.State))
 
 
 @pytest.mark.parametrize("value", ["-1", "0", "true", "nan", '"1"'])

@@ -133,7 +133,7 @@ def test_simulate_json_is_the_api() -> None:
     document = validated("simulate", json.loads(succeeds(line)))
     found = simulate(
         "hula_hoop",
-        "mujoco",
+        engine="mujoco",
         parameters={"rod_length": 0.06},
         state={"theta": 0.5},
         times=[0, 0.05, 0.1],
@@ -328,7 +328,7 @@ def test_an_interrupt_that_ends_as_an_engine_error(monkeypatch: pytest.MonkeyPat
         except KeyboardInterrupt:
             raise EngineError("raised", "SystemError") from None
 
-    monkeypatch.setattr("mbcheck.comparisons.queries.simulate.simulate", stopped)
+    monkeypatch.setattr("mbcheck.comparisons.cli.verbs.run_simulation", stopped)
     assert invoke(SIMULATE).exit_code == 130
 
 
