@@ -195,7 +195,7 @@ def run_test(check: Check, node: pytest.Item) -> None:
         for block in blocks(
             [replace(r, verdict="deviation") if r.verdict == "known" else r for r in failed]
         ):
-            words = [*located(block.failed), block.title, *block.quantities, block.why]
+            words = [*located(block.failed), block.title, *block.quantities, *block.reasons]
             lines.append("\n".join([*words, run.repeat(block.worst.id)]))
         lines += dict.fromkeys(filter(None, (r.traceback for r in failed)))
         pytest.fail("\n\n".join(lines), pytrace=False)
@@ -245,9 +245,9 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     if is_worker(config) or config.option.collectonly or not concerned(config):
         return
     from ..checks.verdict import result_from
+    from ..reports import github
     from ..reports.files import Destination, collect_unwritten
-    from ..reports.run import github
-    from ..reports.run.markdown import run_summary
+    from ..reports.run.sections import run_summary
     from ..terminal.program import json_text
 
     plan = check_plan(config)
@@ -277,24 +277,11 @@ def concerned(config: pytest.Config) -> bool:
 def pytest_terminal_summary(
     terminalreporter: pytest.TerminalReporter, config: pytest.Config
 ) -> None:
-    """Tell how many checks ran, why others did not, and which entries are stale."""
+    """Print the report of `mbcheck check`."""
     if REPORT not in config.stash:
         return
-    from ..reports.run.located import located
-    from ..reports.run.results import skip_reasons
-    from ..reports.words import printable
-
     outcome = config.stash[REPORT]
-    run = outcome.run
     terminalreporter.section("mbcheck")
-    for line in located(outcome.results):
-        terminalreporter.line(printable(line))
-    for (engine, reason), members in skip_reasons(outcome.results).items():
-        terminalreporter.line(printable(f"skipped {len(members)} x {engine}: {reason}"))
-    for use in run.stale:
-        line = printable(run.stale_line(use))
-        terminalreporter.line(line, red=run.strict_known, yellow=True)
-    terminalreporter.line(outcome.counts_line)
-    terminalreporter.line(outcome.summary_line)
+    terminalreporter.write(outcome.text())
     if not outcome.results:
         terminalreporter.line(f"no check ran: add --pyargs {PACKAGE}, or see why above", red=True)

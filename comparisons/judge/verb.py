@@ -74,7 +74,7 @@ def judge_verb(
     """
     if asked["case"] is None:
         raise UsageError("judge needs --case SCENE/CASE; `mbcheck list SCENE` shows them")
-    from ..reports.run.junit import junit
+    from ..reports.run.sections import run_junit
     from . import report
     from .judge import judge_trajectory
 
@@ -90,7 +90,7 @@ def judge_verb(
     if json_file:
         json_file.write(json_text(judgement.as_json()))
     if junit_file:
-        junit_file.write(junit(outcome))
+        junit_file.write(run_junit(outcome))
     if html_file:
         write_page(html_file, outcome)
     report.print_judgement(console(json_file, junit_file), judgement, quiet)

@@ -323,6 +323,7 @@ PROFILE = click.option(
     help="Scales every tolerance.",
 )
 JUNIT = into("junit", "Write JUnit XML to a file, or '-'.")
+SARIF = into("sarif", "Write SARIF, for code scanning, to a file or '-'.")
 QUIET = click.option("-q", "--quiet", is_flag=True, help="Print the summary line only.")
 JSON = into("json", "Write JSON to a file; '-' is standard output, and all else then leaves it.")
 JOBS = click.option(

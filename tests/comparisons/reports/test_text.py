@@ -118,11 +118,6 @@ def test_what_does_not_fit_becomes_records() -> None:
     assert len(printed(heads, rows, width=120).splitlines()) == 5
 
 
-def test_a_row_of_one_value_is_a_title() -> None:
-    lines = printed(("", "order"), [("hula_hoop",), ("  mujoco", "ok 18")]).splitlines()
-    assert lines[2:4] == ["hula_hoop", "  mujoco  ok 18"]
-
-
 @pytest.mark.parametrize(
     ("value", "digits", "text"),
     [
