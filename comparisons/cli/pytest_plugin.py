@@ -178,9 +178,7 @@ def parametrize(metafunc: pytest.Metafunc) -> None:
 def run_test(check: Check, node: pytest.Item) -> None:
     """Run a check as a test: fails, or is skipped or expected to fail, with its reasons."""
     from ..checks import suite
-    from ..reports.run.blocks import blocks
-    from ..reports.run.located import located
-    from ..reports.run.outcome import Run
+    from ..reports.run.outcome import Report, Run
     from ..reports.run.results import FAILURES, why_known
 
     plan = check_plan(node.config)
@@ -190,15 +188,9 @@ def run_test(check: Check, node: pytest.Item) -> None:
     bad = (*FAILURES, *(("known",) if as_if_unknown else ()))
     failed = [result for result in results if result.verdict in bad]
     if failed:
+        shown = [replace(r, verdict="deviation") if r.verdict == "known" else r for r in failed]
         run = Run(selection=plan.request.selection)
-        lines = []
-        for block in blocks(
-            [replace(r, verdict="deviation") if r.verdict == "known" else r for r in failed]
-        ):
-            words = [*located(block.failed), block.title, *block.quantities, *block.reasons]
-            lines.append("\n".join([*words, run.repeat(block.worst.id)]))
-        lines += dict.fromkeys(filter(None, (r.traceback for r in failed)))
-        pytest.fail("\n\n".join(lines), pytrace=False)
+        pytest.fail(Report(tuple(shown), {}, run).text(1), pytrace=False)
     reasons = dict.fromkeys(why_known(r) for r in results if r.verdict == "known")
     if reasons:
         pytest.xfail(f"known deviation: {'; '.join(reasons)}")
