@@ -24,7 +24,7 @@ define libraries
 	  apt-get update -qq && apt-get install -y -qq libgl1 >/dev/null; } || true
 endef
 
-.PHONY: check test test-all test-slow campaigns lint clean install install-test
+.PHONY: check test test-all test-slow foreign campaigns lint clean install install-test
 
 check: install
 	$(BIN)/mbcheck check
@@ -39,6 +39,11 @@ test-all: install-test
 
 test-slow: install-test
 	$(PYTEST) -m slow
+
+# Other engines, older releases and public models: fails where one cannot be had.
+foreign: install-test
+	$(BIN)/python -m pip install --quiet ".[pinocchio,drake,dart]" mujoco-warp "mujoco-mjx" jax
+	$(PYTEST) -m foreign
 
 campaigns: install-test
 	$(PYTEST) -m campaign -s

@@ -14,6 +14,12 @@ settings.register_profile("any speed", deadline=None, suppress_health_check=[Hea
 settings.load_profile("any speed")  # a busy machine fails no test
 
 
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Leave out the tests of other engines, which import them, unless they are called for."""
+    called = config.option.markexpr == "foreign"
+    return True if collection_path.name == "foreign" and not called else None
+
+
 @pytest.fixture(scope="session")
 def clone() -> Path:
     """Return the folder of the clone; the tests import the package that is *installed*."""

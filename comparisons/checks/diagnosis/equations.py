@@ -26,8 +26,7 @@ def accelerations_of(
 
     The model's own by default; all rates are so many times those of the states.
     """
-    case, names = setup.case, setup.coordinates
-    times, states = algebra.random_states(setup.solved_equations, case, names)
+    case, (names, times, states) = setup.case, algebra.measured_states(setup)
     states = states * np.repeat([1.0, factor], len(names))
     answer = call_engine(lambda: setup.engine.accelerations(case, setup.model, times, states))
     equations = equations or setup.solved_equations
@@ -57,7 +56,7 @@ def of_accelerations(setup: Setup) -> str:
 
 def of_softness(setup: Setup, closed: float) -> str:
     """Name the wrong stiffness or damping of a soft loop; closed it has this error."""
-    times, states = algebra.random_states(setup.solved_equations, setup.case, setup.coordinates)
+    _, times, states = algebra.measured_states(setup)
     both = call_engine(lambda: algebra.opened(setup, times, states))
     if both is None:
         return ""

@@ -59,6 +59,13 @@ def random_states(
     return moments, scene.on_unit_quaternions(drawn) if names == scene.coordinates else drawn
 
 
+def measured_states(setup: Setup) -> tuple[tuple[str, ...], Array, Array]:
+    """Return the names of a model's coordinates (n,), random times (k,) and states (k, 2 n)."""
+    equations = setup.solved_equations
+    names = equations.scene.coordinates if setup.discrete else setup.coordinates
+    return names, *random_states(equations, setup.case, names)
+
+
 def expected(
     case: Case,
     equations: ModelEquations,
@@ -157,8 +164,7 @@ def inertias(
 def measure(setup: Setup) -> list[Finding | Inconclusive]:
     """Compare with the closed form of what the model claims to be, and that with the scene."""
     equations = setup.solved_equations
-    names = equations.scene.coordinates if setup.discrete else setup.coordinates
-    times, states = random_states(equations, setup.case, names)
+    names, times, states = measured_states(setup)
     reactions = setup.engine.reaction_names(setup.case, setup.model)
     findings: list[Finding | Inconclusive] = []
     with contained():

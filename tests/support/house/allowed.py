@@ -4,29 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-PUBLIC = "exported by mbcheck: its signature is a contract"
 DOCUMENT = "a field of the JSON document"
 FOREIGN = "runs code of an engine, which raises what it likes"
 
 ALLOWED: Mapping[str, Mapping[str, str]] = {
-    "large_classes": {
-        "reference/scene.py::Dynamics": "solvers must know when its drive ends",
-        "reference/ball_hoop/equations.py::Coefficients": "the entries of two symmetric tensors",
-        "reference/floating_platform/equations.py::Coefficients": "those of a body, and two more",
-        "reference/rigid_body/equations.py::Coefficients": "the entries of two symmetric tensors",
-        "reference/rotor_pendulum/equations.py::RotorPendulum": "the paper's, and a gravity",
-        "reference/rotor_pendulum/equations.py::Coefficients": "the same numbers",
-        "reference/rotating_beam/parameters.py::RotatingBeam": "the parameters of its two papers",
-    },
-    "long_signatures": {
-        "comparisons/check/request.py::check": PUBLIC,
-        "comparisons/judge/judge.py::judge_trajectory": PUBLIC,
-        "comparisons/maps/run.py::compute_map": PUBLIC,
-        "comparisons/papers/reproduce.py::reproduce": PUBLIC,
-        "comparisons/queries/frequencies.py::frequencies": PUBLIC,
-        "comparisons/queries/simulate.py::simulate": PUBLIC,
-        "tests/support/results.py::result": "a factory: what some test sets",
-    },
     "engines_by_name": {
         "comparisons/engines/registry.py::exudyn": "loads it",
         "comparisons/engines/registry.py::mujoco": "loads it",

@@ -20,9 +20,6 @@ from mbcheck.tests.support.house.module import (
 ENGINES: Mapping[str, tuple[str, ...]] = {"mujoco": ("mujoco", "mjcf"), "exudyn": ("exudyn",)}
 """Engine -> the words one of which a module's path has if it may know that engine."""
 
-LARGEST = {"modules": 12, "lines": 500, "fields": 15, "parameters": 6}
-"""How much a folder, a module, a class and a function may hold."""
-
 DOWN = ("cli", "", "terminal", "reports", "scenes", "queries", "checks", "engines", "documents")
 """Folders of `comparisons` from the highest layer down; features, all others, stand for ""."""
 
@@ -52,59 +49,6 @@ MUTATORS = frozenset({
 })
 # fmt: on
 """Methods that change a container."""
-
-
-# Sizes ----------------------------------------------------------------------------------------
-
-
-def crowded_folders(house: Sequence[Module]) -> Iterator[str]:
-    """Yield folders with too many modules, `__init__` not counted."""
-    inside: dict[str, int] = defaultdict(int)
-    for module in house:
-        folder, _, name = module.path.rpartition("/")
-        inside[folder] += name != "__init__.py"
-    yield from (folder for folder, count in inside.items() if count > LARGEST["modules"])
-
-
-def long_modules(house: Sequence[Module]) -> Iterator[str]:
-    """Yield modules with too many lines."""
-    for module in house:
-        if len(module.source.splitlines()) > LARGEST["lines"]:
-            yield module.path
-
-
-def large_classes(house: Sequence[Module]) -> Iterator[str]:
-    """Yield classes with too many fields: those that are declared, and those set on `self`."""
-    for module in house:
-        for name, node in module.classes:
-            fields = {
-                item.target.id
-                for item in node.body
-                if isinstance(item, ast.AnnAssign) and isinstance(item.target, ast.Name)
-            } | {
-                item.attr
-                for item in ast.walk(node)
-                if isinstance(item, ast.Attribute)
-                and isinstance(item.ctx, ast.Store)
-                and isinstance(item.value, ast.Name)
-                and item.value.id == "self"
-            }
-            if len(fields) > LARGEST["fields"]:
-                yield f"{module.path}::{name}"
-
-
-def long_signatures(house: Sequence[Module]) -> Iterator[str]:
-    """Yield functions with too many parameters; tests and verbs name fixtures and options."""
-    for module in house:
-        if module.folders[:1] == ("tests",) and "support" not in module.folders:
-            continue
-        for name, node, method in module.functions:
-            arguments = node.args
-            count = sum(map(len, (arguments.posonlyargs, arguments.args, arguments.kwonlyargs)))
-            count += bool(arguments.vararg) + bool(arguments.kwarg)
-            count -= method and "staticmethod" not in decorators(node)
-            if count > LARGEST["parameters"] and not decorators(node) & {"command", "verb"}:
-                yield f"{module.path}::{name}"
 
 
 # Who knows whom -------------------------------------------------------------------------------
@@ -267,7 +211,7 @@ def patched_constants(house: Sequence[Module]) -> Iterator[str]:
 def tests_without_a_place(house: Sequence[Module]) -> Iterator[str]:
     """Yield tests whose folder mirrors none of the package's."""
     places = {module.folders for module in house}
-    own = ("house", "support", "conformance")
+    own = ("house", "support", "conformance", "foreign")
     for module in house:
         top, *below = module.folders or ("",)
         if top == "tests" and tuple(below) not in places and below[0] not in own:
@@ -325,10 +269,6 @@ def private_words(house: Sequence[Module]) -> Iterator[str]:
 RULES: Mapping[str, Callable[[Sequence[Module]], Iterator[str]]] = {
     rule.__name__: rule
     for rule in (
-        crowded_folders,
-        long_modules,
-        large_classes,
-        long_signatures,
         loose_modules,
         scenes_by_name,
         engines_by_name,

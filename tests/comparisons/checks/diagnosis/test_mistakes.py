@@ -118,7 +118,7 @@ def test_orbits_and_energy_name_it_too(kind: str, case: str) -> None:
 
 @pytest.mark.parametrize("kind", ["algebra", *MOTIONS])
 def test_a_constraint_without_its_drift_is_named_as_the_loops(kind: str) -> None:
-    """MuJoCo up to 3.6; `test_versions` runs that itself."""
+    """MuJoCo up to 3.6; `test_releases` runs that itself."""
     found = told_of(LOOP, kind, Mistaken(ENGINES["mujoco"]()), "rotation")
     assert causes(found) == {NO_DRIFT}
     assert located(found)[1:] == [f"  {NO_DRIFT} (speed_regulator)"]

@@ -7,14 +7,13 @@ import pytest
 
 from mbcheck.comparisons.engines.plugin.adapter import PluginAdapter, adapt
 from mbcheck.comparisons.reports.run.located import located
-from mbcheck.tests.support.engines.examples import QUICK, TOO_FINE, results
-
-pytest.importorskip("dartpy", reason="pip install 'mbcheck[dart]'")
-
 from mbcheck.examples import dart_engine
 from mbcheck.examples.dart_engine import DartEngine
+from mbcheck.tests.support.engines.examples import QUICK, TOO_FINE, results
 
 TREES = ("hula_hoop", "rotor_pendulum", "ball_hoop")
+
+pytestmark = pytest.mark.foreign
 
 
 def engine() -> PluginAdapter:
@@ -28,7 +27,6 @@ def test_it_is_right_on_every_level(scene: str) -> None:
     assert {item.kind for item in found} >= {"algebra", "parts", "step", "frequency"}
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("scene", TREES)
 def test_its_runs_are_right(scene: str) -> None:
     found = results(engine(), scene, ("trajectory", "order"))

@@ -10,16 +10,15 @@ import pytest
 
 from mbcheck.comparisons.engines.plugin.adapter import PluginAdapter, adapt
 from mbcheck.comparisons.reports.run.located import located
+from mbcheck.examples import pinocchio_engine
+from mbcheck.examples.pinocchio_engine import PinocchioEngine
 from mbcheck.reference import get_scene
 from mbcheck.tests.support.engines.examples import PLACES, QUICK, TOO_FINE, results
 
-pytest.importorskip("pinocchio", reason="pip install 'mbcheck[pinocchio]'")
-
-from mbcheck.examples import pinocchio_engine
-from mbcheck.examples.pinocchio_engine import PinocchioEngine
-
 FREE = ("floating_platform", "floating_beam")
 SERVED = tuple(scene for scene in PLACES if scene not in FREE)
+
+pytestmark = pytest.mark.foreign
 
 
 def engine(kind: type = PinocchioEngine) -> PluginAdapter:
@@ -35,7 +34,6 @@ def test_it_is_right_on_every_level(scene: str) -> None:
     assert "frequency" in ran
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("scene", SERVED)
 def test_its_runs_are_right(scene: str) -> None:
     found = results(engine(), scene, ("trajectory", "order", "energy"))

@@ -7,21 +7,19 @@ import re
 from typing import Any
 
 import numpy as np
+import pydrake.all as drake
 import pytest
 
 from mbcheck.comparisons.engines.plugin.adapter import PluginAdapter, adapt
 from mbcheck.comparisons.reports.run.located import located
+from mbcheck.examples.drake_engine import DrakeEngine
 from mbcheck.reference import get_scene
 from mbcheck.tests.support.engines.examples import PLACES, QUICK, TOO_FINE, results
 
-pytest.importorskip("pydrake", reason="pip install 'mbcheck[drake]'")
-
-import pydrake.all as drake
-
-from mbcheck.examples.drake_engine import DrakeEngine
-
 TREES = ("hula_hoop", "rotor_pendulum")
 CHAIN = pytest.param("rotating_beam", marks=pytest.mark.slow)
+
+pytestmark = pytest.mark.foreign
 
 
 def engine(kind: type = DrakeEngine) -> PluginAdapter:
@@ -47,7 +45,6 @@ def test_it_is_right_on_every_level(scene: str) -> None:
     assert {item.kind for item in found if item.verdict == "pass"} >= {"algebra", "parts"}
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("scene", [*TREES, CHAIN])
 def test_its_runs_are_right(scene: str) -> None:
     found = results(engine(), scene, ("trajectory", "order", "energy"))

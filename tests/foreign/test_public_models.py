@@ -27,7 +27,7 @@ PACKAGES = ("gymnasium", "playground")
 PATIENCE = 120
 """Seconds that a download may take."""
 
-SLOW = pytest.mark.slow
+pytestmark = pytest.mark.foreign
 
 
 @pytest.fixture(scope="module")
@@ -35,14 +35,7 @@ def inspected(tmp_path_factory: pytest.TempPathFactory) -> list[Inspection]:
     """Return what is found in all files that compile alone."""
     folder = tmp_path_factory.mktemp("wheels")
     command = [sys.executable, "-m", "pip", "download", "-q", "--no-deps", "-d", str(folder)]
-    try:
-        done = subprocess.run(
-            [*command, *PACKAGES], capture_output=True, text=True, timeout=PATIENCE, check=False
-        )
-    except subprocess.TimeoutExpired:
-        pytest.skip(f"no download within {PATIENCE} s")
-    if done.returncode:
-        pytest.skip(f"no download: {done.stderr.strip().splitlines()[-1:]}")
+    subprocess.run([*command, *PACKAGES], timeout=PATIENCE, check=True)
     for wheel in folder.glob("*.whl"):
         with zipfile.ZipFile(wheel) as content:
             content.extractall(folder / wheel.stem)
@@ -58,14 +51,12 @@ def reports(folder: Path) -> Iterator[Inspection]:
                 continue
 
 
-@SLOW
 def test_good_models_are_left_in_peace(inspected: list[Inspection]) -> None:
     assert len(inspected) > 30
     assert statistics.median(one.summary["warning"] for one in inspected) <= 1
     assert [one.file for one in inspected if one.exit_code] == []
 
 
-@SLOW
 def test_reports_are_short(inspected: list[Inspection]) -> None:
     lengths = []
     for one in inspected:
@@ -98,7 +89,6 @@ def grows(view: View, integrator: str, step: float, steps: int) -> bool:
     return False
 
 
-@SLOW
 def test_limits_are_those_of_runs(inspected: list[Inspection]) -> None:
     """No run blows up 2 % below a limit, and 95 % do 2 % above it, where the state is smooth.
 
@@ -125,18 +115,13 @@ def test_limits_are_those_of_runs(inspected: list[Inspection]) -> None:
 SEEDS = (1, 9)
 
 
-@pytest.mark.parametrize(
-    "fewest", [pytest.param(2, marks=SLOW), pytest.param(8, marks=pytest.mark.campaign)]
-)
-def test_what_is_recommended_meets_its_target_again(
-    inspected: list[Inspection], fewest: int
-) -> None:
+def test_what_is_recommended_meets_its_target_again(inspected: list[Inspection]) -> None:
     """With other controls; of models in which something moves, the smallest first."""
     moving = sorted(
         (one for one in inspected if 0 < one.model.nv <= 12), key=lambda one: one.model.nv
     )
     answers = []
-    for one in moving[: 2 * fewest]:
+    for one in moving[:16]:
         first, second = (
             Advice(str(one.loaded.path), Question(horizon=0.2, budget=1e4, seed=seed))
             for seed in SEEDS
@@ -148,5 +133,5 @@ def test_what_is_recommended_meets_its_target_again(
             continue
         again = [item for item in second.trials if item.setting == first.choice.setting]
         answers += [(one.file, item.setting.name, item.error) for item in again]
-    assert len(answers) >= fewest
+    assert len(answers) >= 8
     assert [answer for answer in answers if answer[2] > first.asked.target] == []
