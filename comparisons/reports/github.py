@@ -70,10 +70,10 @@ def annotations(items: Sequence[ReportItem]) -> list[str]:
     for level in LEVELS:
         same = [annotation(item, level) for item in items if item.severity == level]
         if len(same) > MOST_ANNOTATIONS:
-            kept = MOST_ANNOTATIONS - 1
-            more = f"{len(same) - kept} more; the summary and the log have all of them"
+            room = MOST_ANNOTATIONS - 1
+            more = f"{len(same) - room} more; the summary and the log have all of them"
             last = ReportItem("", "", "", "failure", level, more, title="mbcheck")
-            same = [*same[:kept], annotation(last, level)]
+            same = [*same[:room], annotation(last, level)]
         lines += same
     return lines
 

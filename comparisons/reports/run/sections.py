@@ -101,8 +101,8 @@ def failure_sections(report: Report, most: int | None) -> Iterator[Section]:
     if where := located(report.results):
         yield Section("Located:", lines=where)
     failures = blocks(report.results)
-    shown = len(failures) if most is None else most
-    for block in failures[:shown]:
+    limit = len(failures) if most is None else most
+    for block in failures[:limit]:
         yield Section(
             block.title,
             HEADS,
@@ -111,7 +111,7 @@ def failure_sections(report: Report, most: int | None) -> Iterator[Section]:
             [report.run.repeat(block.worst.id)],
             verdict=block.worst.verdict,
         )
-    if more := len(failures[shown:]):
+    if more := len(failures[limit:]):
         yield Section(
             lines=[f"and {plural(more, 'more check')} that fail otherwise: -v shows them"]
         )
