@@ -188,7 +188,9 @@ def run_test(check: Check, node: pytest.Item) -> None:
     bad = (*FAILURES, *(("known",) if as_if_unknown else ()))
     failed = [result for result in results if result.verdict in bad]
     if failed:
-        as_failures = [replace(r, verdict="deviation") if r.verdict == "known" else r for r in failed]
+        as_failures = [
+            replace(r, verdict="deviation") if r.verdict == "known" else r for r in failed
+        ]
         run = Run(selection=plan.request.selection)
         pytest.fail(Report(tuple(as_failures), {}, run).text(1), pytrace=False)
     reasons = dict.fromkeys(why_known(r) for r in results if r.verdict == "known")

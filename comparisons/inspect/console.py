@@ -99,7 +99,7 @@ def finding_sections(items: Sequence[ReportItem], full: bool) -> Iterator[Sectio
         yield Section(lines=[f"mbcheck inspect --explain {first} tells why that matters"])
 
 
-def table_of(items: Sequence[ReportItem]) -> Section:
+def findings_table(items: Sequence[ReportItem]) -> Section:
     """Return the findings as a table."""
     heads = ("severity", "rule", "where", "what")
     rows = [
@@ -217,7 +217,7 @@ def steps_section(inspection: Inspection) -> Iterator[Section]:
     step, period = inspection.facts.options.timestep, inspection.shortest_period
     heads = ["integrator", "largest stable step [s]", "timestep / it", "set by [1/s]", "in"]
     heads += ["state"] if len(inspection.views) > 1 else []
-    rows: list[list[object]] = [
+    rows = [
         [
             f"{one.integrator}{' (file)' if one.of_file else ''}",
             "no limit" if math.isinf(one.limit) else number(one.limit, 4),

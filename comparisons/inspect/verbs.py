@@ -173,7 +173,7 @@ def inspect_all(
     from ..reports.sections import markdown_sections
     from ..reports.text import in_encoding
     from .batch import files_of, named_once
-    from .console import print_lines, table_of
+    from .console import findings_table, print_lines
     from .sandbox import inspect_file, inspect_files
 
     files, fail_on = files_of(models, options["whole_models"]), options["fail_on"]
@@ -203,7 +203,7 @@ def inspect_all(
     for file, why in every.unreadable.items():
         complain(named_once(file, why), MISUSED)
     title = f"mbcheck inspect: {every.verdict(fail_on)}"
-    append_step_summary(markdown_sections(title, [table_of(items)]))
+    append_step_summary(markdown_sections(title, [findings_table(items)]))
     return every.exit_code(fail_on)
 
 

@@ -57,11 +57,11 @@ def annotated(
         yield
     finally:
         click.echo(f"::{token}::", err=err)
-    for line in annotations(items()):
+    for line in workflow_commands(items()):
         click.echo(line, err=err)
 
 
-def annotations(items: Sequence[ReportItem]) -> list[str]:
+def workflow_commands(items: Sequence[ReportItem]) -> list[str]:
     """Return workflow commands of GitHub, no more of each level than it shows.
 
     The last one of a level tells how many are left out.

@@ -146,7 +146,7 @@ def cell(value: object, digits: int, console: Console) -> Text:
     return Text(encodable(number(value, digits, missing="-"), console), style)
 
 
-def matrix(cells: Mapping[tuple[str, ...], object]) -> tuple[list[str], list[list[object]]]:
+def matrix_by_kind(cells: Mapping[tuple[str, ...], object]) -> tuple[list[str], list[list[object]]]:
     """Return a table of values by (scene, engine, kind): heads, and rows.
 
     Kinds stand side by side, engines below their scene.

@@ -15,7 +15,7 @@ from ..item import Outcome, ReportItem
 from ..junit import junit
 from ..sarif import sarif
 from ..sections import Section, markdown_sections, print_sections
-from ..text import STYLES, Cell, matrix, print_line, print_wrapped
+from ..text import STYLES, Cell, matrix_by_kind, print_line, print_wrapped
 from ..words import number, plural, with_unit
 from .blocks import HEADS, blocks
 from .located import LEVELS, located
@@ -154,7 +154,9 @@ def closing_sections(report: Report) -> Iterator[Section]:
     results, run = report.results, report.run
     cells = grouped(ran(results), lambda r: (r.scene, r.engine, r.kind))
     if cells:
-        table = matrix({key: verdict_cell(own, "-".join(key)) for key, own in cells.items()})
+        table = matrix_by_kind(
+            {key: verdict_cell(own, "-".join(key)) for key, own in cells.items()}
+        )
         yield Section("Verdicts", *table, anchor="verdicts")
     if lines := list(accuracy(results)):
         yield Section("Accuracy", lines=lines)

@@ -59,7 +59,7 @@ def outcome(results: list[Result], strict: bool = False, **run: Any) -> Report:
 
 def workflow_commands(report: Report) -> list[str]:
     """Return the annotations of a run."""
-    return github.annotations(run_annotations(report))
+    return github.workflow_commands(run_annotations(report))
 
 
 # What every report tells

@@ -171,7 +171,7 @@ def test_hostile_text_survives(verdict: Verdict) -> None:
 
 def test_sarif_has_what_failed_and_what_is_stale() -> None:
     stale = Use(Entry(2, 9, "*/RK9/*", "gone"), 0, "stale", "no check has such an id")
-    run = {"known_file": "ci/known list.toml", "uses": (stale,)}
+    run: dict[str, Any] = {"known_file": "ci/known list.toml", "uses": (stale,)}
     deviation, error, last = results_of_sarif(run_sarif(outcome(MIXED, **run)))
     assert [one["ruleId"] for one in (deviation, error, last)] == [
         "trajectory", "order", "stale_known"
