@@ -1,8 +1,8 @@
 """mbcheck: a validation suite for multibody engines.
 
 `check`, `simulate`, `orbit`, `frequencies` and `reproduce` return, typed, what the command line
-prints; `compute_map`, `read_map` and `compare_maps` are for maps, `tradeoff` and `extremes` for
-what accuracy costs and where engines break, `judge_trajectory` for runs of other simulators.
+prints; `compute_map`, `read_map` and `compare_maps` are for maps, `tradeoff` is for what accuracy
+costs, `judge_trajectory` for runs of other simulators.
 `check_engine` is `check` of an engine that is given as an object. `budget` limits the time of all
 that is called within it.
 `Engine`, `Method`, `Option`, `OwnModel`, `System`, `Motion`, `Unsupported`, `EngineError`,
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
         import_library,
         refuse_older,
     )
-    from .comparisons.extremes.run import extremes
     from .comparisons.inspect.inspection import inspect
     from .comparisons.judge.judge import judge_trajectory
     from .comparisons.maps.compare import compare as compare_maps
@@ -62,7 +61,6 @@ PLACES = {
     "check_engine": ("comparisons.check.request", "check_engine"),
     "compare_maps": ("comparisons.maps.compare", "compare"),
     "compute_map": ("comparisons.maps.run", "compute_map"),
-    "extremes": ("comparisons.extremes.run", "extremes"),
     "frequencies": ("comparisons.queries.frequencies", "frequencies"),
     "import_library": ("comparisons.engines.protocol", "import_library"),
     "inspect": ("comparisons.inspect.inspection", "inspect"),
@@ -93,7 +91,6 @@ __all__ = [
     "check_engine",
     "compare_maps",
     "compute_map",
-    "extremes",
     "frequencies",
     "import_library",
     "inspect",

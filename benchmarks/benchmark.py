@@ -5,8 +5,6 @@
    suite's right-hand side and once with one of plain floats, the fastest that Python allows.
 2. An engine through `mbcheck.comparisons.engines.protocol.run` (container, model building, guard,
    100 samples) against the engine's own step loop on a model that is built already.
-3. MuJoCo's `simulate_many` on one thread against `run` of each case: points of a map, 9 rows of
-   each point with other starts, over one period; the first time, and once models are kept.
 
 Times are CPU times of this process. What is compared runs in turn, and each turn gives one
 ratio; printed are the median and the range.
@@ -16,12 +14,9 @@ from __future__ import annotations
 
 import argparse
 import math
-import os
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from functools import partial
-from importlib.util import find_spec
-from itertools import product
 from time import process_time
 from typing import Any
 
@@ -34,16 +29,14 @@ from scipy.integrate import solve_ivp
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.exudyn.engine import EXPLICIT, place_initial, quiet
 from mbcheck.comparisons.engines.mujoco.engine import Order
-from mbcheck.comparisons.engines.mujoco.runs import THREADS
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.engines.run import contained, run, run_many
-from mbcheck.comparisons.engines.setup import Setup
-from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
+from mbcheck.comparisons.engines.run import contained
+from mbcheck.comparisons.engines.setup import Setup, run
 from mbcheck.reference.errors import EngineUnavailableError
 from mbcheck.reference.hula_hoop.equations import SCENE, HulaHoop
 from mbcheck.reference.scene import Case
-from mbcheck.reference.solve.batched import BatchMethod, solve_many
+from mbcheck.reference.solve.batched import solve_many
 
 Array = NDArray[np.float64]
 Run = Callable[[], Any]
@@ -161,31 +154,27 @@ def rtol_of_error(parameters: Any, times: Array, truth: Array, wanted: float) ->
 def reference_table(counts: tuple[int, ...], sampled: int, turns: int) -> Table:
     """Run part 1."""
     table = Table(title=f"loop of solve_ivp / solve_many, equal error, {PERIODS} periods")
-    for heading in ("backend", "points", "error", "of the loop", "suite's f", "f of floats"):
+    for heading in ("points", "error", "of the loop", "suite's f", "f of floats"):
         table.add_column(heading, justify="right", no_wrap=True)
-    backends = ["numpy", *(["heyoka"] if find_spec("heyoka") else [])]
     for count in counts:
         parameters, times = points(count)
         chosen = np.linspace(0, count - 1, sampled).astype(int)
         few, few_times = at(parameters, chosen), times[:, chosen]
-        truth = solve_many(SCENE, few, START, few_times, 0.0, BatchMethod(TRUTH, "numpy")).states
-        for backend in backends:
-            fast = partial(
-                solve_many, SCENE, parameters, START, times, 0.0, BatchMethod(TOLERANCE, backend)
-            )
-            error = typical_error(fast().states[:, chosen], truth)  # also compiles
-            rtol = rtol_of_error(few, few_times, truth, error)
-            slow = partial(loop, few, few_times, rtol)
-            works: dict[str, Run] = {
-                "fast": fast,
-                "suite": partial(slow, SCENE.right_hand_side),
-                "floats": partial(slow, plain_right_hand_side),
-            }
-            seconds = interleaved(works, turns)
-            reached = typical_error(slow(plain_right_hand_side), truth)
-            share = count / sampled
-            ratios = (spread(share * seconds[n] / seconds["fast"]) for n in ("suite", "floats"))
-            table.add_row(backend, str(count), f"{error:.1e}", f"{reached:.1e}", *ratios)
+        truth = solve_many(SCENE, few, START, few_times, 0.0, TRUTH).states
+        fast = partial(solve_many, SCENE, parameters, START, times, 0.0, TOLERANCE)
+        error = typical_error(fast().states[:, chosen], truth)
+        rtol = rtol_of_error(few, few_times, truth, error)
+        slow = partial(loop, few, few_times, rtol)
+        works: dict[str, Run] = {
+            "fast": fast,
+            "suite": partial(slow, SCENE.right_hand_side),
+            "floats": partial(slow, plain_right_hand_side),
+        }
+        seconds = interleaved(works, turns)
+        reached = typical_error(slow(plain_right_hand_side), truth)
+        share = count / sampled
+        ratios = (spread(share * seconds[n] / seconds["fast"]) for n in ("suite", "floats"))
+        table.add_row(str(count), f"{error:.1e}", f"{reached:.1e}", *ratios)
     return table
 
 
@@ -252,44 +241,6 @@ def engine_table(counts: tuple[int, ...], turns: int) -> Table:
     return table
 
 
-# --- many runs
-
-
-class OneByOne(MujocoAdapter):
-    """MuJoCo that runs cases one after the other."""
-
-    simulate_many = Adapter.simulate_many
-
-
-def many_table(counts: tuple[int, ...], turns: int) -> Table:
-    """Run part 3."""
-    table = Table(title="runs one by one / together, mujoco tree RK4")
-    for heading in ("points", "steps", "first", "again"):
-        table.add_column(heading, justify="right", no_wrap=True)
-    os.environ[THREADS] = "1"
-    for count, steps in product(counts, (64, 1024)):
-        frequencies = np.repeat(np.linspace(2.5, 4.0, count), 9)
-        cases = [
-            Case("hula_hoop", "", HulaHoop().replace(force_frequency=float(f)), {"theta": i / 9e3})
-            for i, f in enumerate(frequencies)
-        ]
-        lengths = 1 / (frequencies * steps)
-        times = lengths[:, None] * steps
-        pairs = []
-        for _ in range(turns):
-            engine = MujocoAdapter()
-            method = next(item for item in engine.methods if item.name == "RK4")
-            alone, first, again = (
-                cpu_time(
-                    partial(run_many, Setup(each, cases[0], "tree", method), cases, lengths, times)
-                )
-                for each in (OneByOne(), engine, engine)
-            )
-            pairs.append((alone / first, alone / again))
-        table.add_row(str(count), str(steps), *map(spread, np.transpose(pairs)))
-    return table
-
-
 def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
@@ -299,11 +250,9 @@ def main() -> None:
     if quick:
         console.print(reference_table((1024,), sampled=6, turns=2))
         console.print(engine_table((10_000,), turns=3))
-        console.print(many_table((16,), turns=2))
     else:
         console.print(reference_table((1024, 4096), sampled=32, turns=5))
         console.print(engine_table((10_000, 100_000), turns=5))
-        console.print(many_table((16, 128), turns=3))
 
 
 if __name__ == "__main__":

@@ -10,8 +10,7 @@ import numpy as np
 
 from mbcheck.comparisons.checks.kinds import elements
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.engines.run import run
-from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.setup import Setup, run
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import UsageError
 from mbcheck.reference.scene import Array, Case

@@ -239,22 +239,26 @@ def joint_places(text: str) -> Mapping[str, float | None]:
 
     None of ball and free joints.
     """
-    root = ET.fromstring(text)
-    defaults, places = default_classes(root), dict[str, float | None]()
-
-    def visit(element: ET.Element, inherited: str) -> None:
-        here = element.get("childclass", inherited)
-        for item in element:
-            if item.tag in ("joint", "freejoint"):
-                said = settings(item, defaults, here)
-                spatial = item.tag == "freejoint" or said.get("type") in SPATIAL
-                places[item.get("name", "")] = None if spatial else float(said.get("ref", 0))
-        for item in element.findall("body"):
-            visit(item, here)
-
+    root, places = ET.fromstring(text), dict[str, float | None]()
     for world in root.findall("worldbody"):
-        visit(world, "main")
+        for item, said in each_joint(world, default_classes(root)):
+            spatial = said.get("type") in SPATIAL
+            places[item.get("name", "")] = None if spatial else float(said.get("ref", 0))
     return MappingProxyType(places)
+
+
+def each_joint(
+    element: ET.Element, defaults: Mapping[tuple[str, str], dict[str, str]], inherited: str = "main"
+) -> Iterator[tuple[ET.Element, dict[str, str]]]:
+    """Yield the joints below an element, each with what its default class says of it."""
+    here = element.get("childclass", inherited)
+    for item in element:
+        if item.tag == "joint":
+            yield item, settings(item, defaults, here)
+        elif item.tag == "freejoint":
+            yield item, {"type": "free"}
+    for item in element.findall("body"):
+        yield from each_joint(item, defaults, here)
 
 
 KNOWN = {

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import cache
 
 import numpy as np
@@ -21,7 +21,7 @@ from ..reference.errors import UsageError
 from ..reference.quaternions import product
 from ..reference.scene import Array
 from .joints import SIZES, SPATIAL
-from .mechanism import default_classes, orientation, refuse_unknown, settings, vector
+from .mechanism import default_classes, each_joint, orientation, refuse_unknown, vector
 from .mjcf import Motion, attribute_text
 
 FORM = re.compile(r"(turned|mirrored):([0-9]{1,9})")
@@ -141,20 +141,6 @@ def why_not_placed(text: str, placement: str) -> str | None:
     if spatial and np.linalg.det(world_axes(placement)) < 0:
         return f"its {min(spatial)} joint has a quaternion, which is another one in a mirror"
     return None
-
-
-def each_joint(
-    element: ET.Element, defaults: Mapping[tuple[str, str], dict[str, str]], inherited: str = "main"
-) -> Iterator[tuple[ET.Element, dict[str, str]]]:
-    """Yield the joints below an element, each with what its default class says of it."""
-    here = element.get("childclass", inherited)
-    for item in element:
-        if item.tag == "joint":
-            yield item, settings(item, defaults, here)
-        elif item.tag == "freejoint":
-            yield item, {"type": "free"}
-        elif item.tag == "body":
-            yield from each_joint(item, defaults, here)
 
 
 def axis_of(attributes: Mapping[str, str]) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -145,9 +145,4 @@ def term_force(
     term: Term, system: System, time: float, positions: Array, velocities: Array
 ) -> Array:
     """Return the generalised force (n,) of one term of a system at a time [s]."""
-    factors = factors_of(term, system.joints, system.layout)
-    if term.until is not None and time >= term.until:
-        return np.zeros(factors.shape[1])
-    length = factors @ scalar_positions(system.layout, positions)
-    passive = term.constant + term.per_length * length + term.per_rate * (factors @ velocities)
-    return np.asarray((passive + term.control(time)) @ factors)
+    return replace(system, terms=(term,)).force(time, positions, velocities)

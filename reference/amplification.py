@@ -252,21 +252,42 @@ def surpluses(
 
 
 def excess(
-    scheme: str, of: Vibrations, step: float, horizon: float, growth: float = GROWTH
+    scheme: str,
+    of: Vibrations,
+    step: float,
+    horizon: float,
+    growth: float = GROWTH,
+    own: ComplexArray | None = None,
+    folds: float = np.inf,
 ) -> float:
     """Return the logarithm of what an amplitude grows by over a run, beyond what it may.
 
-    What the motion grows by of itself, about an unstable state of rest, does not count; see
-    `surpluses`.
+    What the motion grows by of itself, about an unstable state of rest, does not count: by its
+    eigenvalues ``own``, those of the vibrations by default; see `surpluses`.
     """
-    over = surpluses(amplification_factors(scheme, of, step), rates(of), step, horizon)
+    own = rates(of) if own is None else own
+    over = surpluses(amplification_factors(scheme, of, step), own, step, horizon, folds)
     return max(-1.0, float(np.max(over)) - float(np.log(growth)))
 
 
+StepVibrations = Callable[[float], tuple[Vibrations, ComplexArray]]
+"""From a step [s] to the vibrations that a method sees with it, and to their eigenvalues [1/s]."""
+
+
 def largest_stable_step(
-    scheme: str, of: Vibrations, horizon: float, growth: float = GROWTH
+    scheme: str,
+    of: Vibrations,
+    horizon: float,
+    growth: float = GROWTH,
+    *,
+    at: StepVibrations | None = None,
+    folds: float = np.inf,
+    scan: int = SCAN,
 ) -> float:
     """Return the step [s] up to which no amplitude grows by more than ``growth`` over a run.
+
+    Every largest stable step of mbcheck is computed here: those of MJCF files (`mbcheck inspect`)
+    too, whose vibrations depend on the step.
 
     Parameters
     ----------
@@ -276,33 +297,27 @@ def largest_stable_step(
     horizon : float
         Length of the run [s].
     growth : float
+    at : callable, optional
+        Gives the vibrations at each step; by default they are ``of`` at all steps.
+    folds : float
+        See `surpluses`.
+    scan : int
+        See `SCAN`.
 
     Returns
     -------
     float
         Infinity where every step is stable, or where nothing is faster than the run.
     """
-    fastest = float(np.max(np.abs(rates(of)), initial=0.0))
+    own = rates(of)
+    fastest = float(np.max(np.abs(own), initial=0.0))
     if not fastest * horizon > 0:
         return np.inf
-    return first_beyond(lambda step: excess(scheme, of, step, horizon, growth), fastest, horizon)
 
+    def beyond(step: float) -> float:
+        seen, exact = (of, own) if at is None else at(step)
+        return excess(scheme, seen, step, horizon, growth, exact, folds)
 
-def first_beyond(
-    beyond: Callable[[float], float], fastest: float, horizon: float, scan: int = SCAN
-) -> float:
-    """Return the first step [s] at which a function of the step, here `excess`, turns positive.
-
-    Parameters
-    ----------
-    beyond : callable
-    fastest : float
-        Modulus of the fastest eigenvalue [1/s].
-    horizon : float
-        Length of the run [s].
-    scan : int
-        See `SCAN`.
-    """
     tried = np.geomspace(SHORTEST, min(LONGEST, fastest * horizon), scan) / fastest
     bad = next((i for i, step in enumerate(tried) if beyond(step) > 0), None)
     if bad is None:

@@ -426,21 +426,6 @@ def _most_stable(
     return _accurate(scene, parameters, coarse.states[:, best], coarse.periods[best])
 
 
-def follow_orbit(scene: EquationsOfMotion, parameters: Any, near: Orbit) -> Orbit:
-    """Return the orbit that one of slightly other parameters goes over into.
-
-    Raises
-    ------
-    NoOrbitError
-        If it does not.
-    """
-    period = None if scene.orbit.section_coordinate is None else near.period
-    orbit = _accurate(scene, parameters, near.state, period)
-    if orbit is None:
-        raise NoOrbitError(f"the periodic orbit of {scene.name} does not continue")
-    return orbit
-
-
 def _accurate(scene: EquationsOfMotion, parameters: Any, start: Array, guess: Any) -> Orbit | None:
     """The orbit that Newton's method finds from a state, at full accuracy.
 

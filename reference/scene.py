@@ -95,6 +95,22 @@ class Case:
         return f"{self.name}+{self.placement.replace(':', '-')}" if self.placement else self.name
 
 
+def case_maker(scene: str) -> Callable[..., Case]:
+    """Return the function that makes cases of a scene, with their kinds last."""
+
+    def case(
+        name: str,
+        parameters: Any,
+        state: Mapping[str, float],
+        horizon: float,
+        *kinds: str,
+        **others: Any,
+    ) -> Case:
+        return Case(scene, name, parameters, state, horizon, kinds, **others)
+
+    return case
+
+
 def with_placements(case: Case, *kinds: str) -> tuple[Case, ...]:
     """Return a case for models that are turned, and for mirror images, by the best method.
 
@@ -224,7 +240,7 @@ class Dynamics:
     energy : callable ``(q, v, c) -> E``
         Kinetic plus potential energy [J].
     powers : callable ``(u, q, v, c) -> dict``
-        Of each non-conservative force [W]; they add up to dE/dt.
+        Of each non-conservative force [W], none by default; they add up to dE/dt.
     drive : callable ``(t, c, xp) -> u``, or None
         The external input, harmonic with the circular frequency ``c.omega``.
     drive_end_time : callable ``(parameters) -> t`` [s]
@@ -254,7 +270,7 @@ class Dynamics:
     accelerations: Callable[..., Any]
     damping_matrix: Callable[[Any], Array]
     energy: Callable[..., Any]
-    powers: Callable[..., dict[str, Any]]
+    powers: Callable[..., dict[str, Any]] = lambda u, q, v, c: {}
     drive: Callable[..., Any] | None = None
     drive_end_time: Callable[[Any], Any] = lambda p: 0.0
     outputs: Callable[..., dict[str, Any]] = no_outputs

@@ -69,6 +69,8 @@ class CheckRequest:
     placement : str
         How all models are placed in the world, see `world_axes`; ``none``: as they stand, those
         apart that the default set has placed otherwise; empty: these too.
+    extremes : bool
+        Checks at extremes, in place of the usual ones; so is a kind or an id of an extreme.
     """
 
     scenes: Sequence[str] = ()
@@ -86,6 +88,13 @@ class CheckRequest:
     source: str = SOURCES[0]
     quick: bool = False
     placement: str = ""
+    extremes: bool = False
+
+    @property
+    def of_extremes(self) -> bool:
+        """Whether checks at extremes are asked for: so, by their kind, or by an id with one."""
+        named = any(f"/{kind}/" in name for kind in suite.EXTREMES for name in self.ids)
+        return self.extremes or named or any(kind in suite.EXTREMES for kind in self.kinds)
 
     @property
     def is_custom(self) -> bool:
@@ -109,6 +118,8 @@ class CheckRequest:
             selection["quick"] = True
         if self.placement:
             selection["placement"] = self.placement
+        if self.extremes:
+            selection["extremes"] = True
         if self.is_custom:
             own = {"parameters": dict(self.parameters), "state": dict(self.state)}
             selection |= {**own, "horizon": self.horizon}
@@ -127,6 +138,16 @@ class CheckRequest:
         if self.quick and (self.full or self.source != SOURCES[0]):
             raise UsageError("--quick is of engines, and contradicts --full")
         world_axes(self.axes)  # which refuses what is none
+        if self.of_extremes:
+            if self.quick or self.is_custom or self.placement or self.source != SOURCES[0]:
+                raise UsageError(
+                    "--quick, --set, --state, --horizon, --placement and --source choose among "
+                    "usual checks, not among those of extremes"
+                )
+            from ..scenes.extremes import extreme_checks
+
+            names = (self.kinds, self.methods, self.ids, self.full)
+            return extreme_checks(self.scenes, self.engines, *names)
         if self.source == SOURCES[0]:
             checks = matching_checks(self, custom)
             return quick_checks(self, custom, checks) if self.quick and checks else checks
@@ -235,7 +256,9 @@ class CheckPlan:
         @cache
         def ids(full: bool) -> list[str]:
             names = engines if request.source == SOURCES[0] else ()
-            every = CheckRequest(engines=names, full=full, source=request.source)
+            every = CheckRequest(
+                engines=names, full=full, source=request.source, extremes=request.of_extremes
+            )
             return [name for one in every.select(self.custom) for name in one.ids]
 
         every = partial(ids, request.full), partial(ids, True)
@@ -286,6 +309,7 @@ def check(
     source: str = SOURCES[0],
     quick: bool = False,
     placement: str = "",
+    extremes: bool = False,
 ) -> Report:
     """Check engines against the reference; empty sequences mean all.
 
@@ -326,6 +350,8 @@ def check(
     placement : str
         Place all models in the world by a rotation, ``turned:SEED``, or mirrored and turned,
         ``mirrored:SEED``; ``none``: as they stand only.
+    extremes : bool
+        Check engines at extremes, in place of the usual cases.
 
     Raises
     ------
@@ -338,7 +364,7 @@ def check(
     with lent(engines) as names:
         request = CheckRequest(
             scenes, names, kinds, methods, ids, profile, full, known, strict_known,
-            parameters or {}, state or {}, horizon, source, quick, placement,
+            parameters or {}, state or {}, horizon, source, quick, placement, extremes,
         )  # fmt: skip
         with execution.limited():
             plan = request.plan()

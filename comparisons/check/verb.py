@@ -133,6 +133,11 @@ def new_file(
     help="Place all models in the world by a random rotation (turned:SEED) or as mirror images "
     "(mirrored:SEED); none leaves those out that the default set has placed so.",
 )
+@click.option(
+    "--extremes",
+    is_flag=True,
+    help="Check engines at extremes, in place of the usual cases; see mbcheck extremes.",
+)
 @click.option("--full", is_flag=True, help="Include the cases left out of the default set.")
 @click.option("--fail-fast", is_flag=True, help="Stop at the first deviation or error.")
 @JOBS

@@ -132,8 +132,8 @@ def unavailable(asked: Sequence[str] = (), source: str = "verification") -> list
 
 
 def foreign(checks: Sequence[Task]) -> bool:
-    """Return whether an engine is not ours: one that ends its process must not end this one."""
-    return any(check.engine not in ENGINES for check in checks)
+    """Return whether an engine is not ours, or at an extreme: its end must not be this one's."""
+    return any(check.engine not in ENGINES or check.extreme for check in checks)
 
 
 Group = tuple[str, str, str, bool]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -155,18 +156,16 @@ def extended(matrix: Array, value: float) -> Array:
     return larger
 
 
-def step_limit(scheme: str, at: Place, horizon: float) -> float:
-    """Return the longest stable step [s] about a place."""
-    return largest_stable_step(scheme, at.modes, horizon)
+def stable_step(setup: Setup, horizon: float, among: Sequence[Place] | None = None) -> Limit | None:
+    """Return the largest step that keeps free vibrations bounded over a horizon [s], if any.
 
-
-def stable_step(setup: Setup, horizon: float) -> Limit | None:
-    """Return the longest step that keeps free vibrations bounded over a horizon [s], if any."""
+    About the places ``among``, by default those of `places`.
+    """
     scheme = setup.linear_scheme
     if scheme is None:
         return None
-    looked = places(setup, scheme)
-    limits = [step_limit(scheme, at, horizon) for at in looked]
+    looked = among or places(setup, scheme)
+    limits = [largest_stable_step(scheme, at.modes, horizon) for at in looked]
     least = int(np.argmin(limits))
     if not np.isfinite(limits[least]):
         return None

@@ -21,15 +21,13 @@ from ..documents.reading import read_document
 from .verdict import Result
 
 TODO = "TODO: why does it deviate?"
-"""What a drafted file has in place of a reason."""
+"""Stands in a drafted file in place of each reason."""
 
-KEYS = ("id", "reason", "verdict", "max_error")
-"""What an entry may say; the first two it must."""
+KEYS = ("id", "reason", "max_error")
+"""Keys of an entry; the first two are required."""
 
-COVERED = ("deviation", "error")
-"""What `verdict` may be; an entry that does not say covers deviations."""
-
-HEADER = re.compile(r"^[ \t]*\[\[[ \t]*known[ \t]*\]\]", re.MULTILINE)
+FAILED = ("deviation", "error")
+"""Verdicts that an entry covers."""
 
 State = Literal["used", "stale", "open"]
 
@@ -42,34 +40,32 @@ class Entry:
     ----------
     number : int
         Its place among the entries, from 1.
-    line : int or None
-        Of the file, from 1; None where the entries are not written as ``[[known]]``.
     id : str
         Shell pattern for ids, as `mbcheck check --id` takes it.
     reason : str
-    verdict : {"deviation", "error"}
-        What it covers.
     max_error : float or None
-        Largest error that it covers, in the unit of the result.
+        Largest error that it covers, in the unit of the result; None: any, and what has none.
     """
 
     number: int
-    line: int | None
     id: str
     reason: str
-    verdict: str = "deviation"
     max_error: float | None = None
 
     @property
     def place(self) -> str:
         """Where it stands, for messages."""
-        return f"entry {self.number}" + ("" if self.line is None else f" (line {self.line})")
+        return f"entry {self.number}"
 
-    def has_room_for(self, result: Result) -> bool:
-        """Return whether the error of a result is not larger than it covers."""
-        if self.max_error is None:
-            return True
-        return result.error is not None and result.error <= self.max_error
+    def covers(self, result: Result) -> bool:
+        """Return whether it covers a result that fails, or would if it were not known."""
+        if result.verdict not in (*FAILED, "known") or not fnmatchcase(result.id, self.id):
+            return False
+        return self.max_error is None or (
+            result.verdict != "error"
+            and result.error is not None
+            and result.error <= self.max_error
+        )
 
 
 @dataclass(frozen=True)
@@ -108,16 +104,16 @@ class Listing:
     entries: tuple[Entry, ...] = ()
 
     def settle(self, result: Result) -> Result:
-        """Return a result, `known` if an entry covers it; of several the first tells why."""
-        about = [one for one in self.entries if is_about(one, result)]
-        entry = next((one for one in about if one.has_room_for(result)), None)
-        if result.verdict not in COVERED or not about:
+        """Return a result, `known` if an entry covers it; of several the first gives the reason."""
+        about = [one for one in self.entries if fnmatchcase(result.id, one.id)]
+        if result.verdict not in FAILED or not about:
             return result
-        if entry is None:
-            largest = max(one.max_error or 0.0 for one in about)
-            reason = f"known, but not with an error above {largest:g}: {result.reason}"
-            return replace(result, reason=reason)
-        return replace(result, verdict="known", known=entry.reason)
+        entry = next((one for one in about if one.covers(result)), None)
+        if entry is not None:
+            return replace(result, verdict="known", known=entry.reason)
+        largest = max(one.max_error or 0.0 for one in about)
+        reason = f"known, but not with an error above {largest:g}: {result.reason}"
+        return replace(result, reason=reason)
 
     def uses(
         self,
@@ -139,55 +135,24 @@ class Listing:
         others : collection of str
             Names of engines that took no part.
         """
-        return tuple(self._use(entry, results, usual, every, others) for entry in self.entries)
-
-    def _use(
-        self,
-        entry: Entry,
-        results: Sequence[Result],
-        usual: Callable[[], Collection[str]],
-        every: Callable[[], Collection[str]],
-        others: Collection[str],
-    ) -> Use:
-        covered = sum(is_about(entry, one) and entry.has_room_for(one) for one in results)
-        if covered:
-            return Use(entry, covered, "used")
-        mine = {id for id in usual() if fnmatchcase(id, entry.id)}
-        if not mine and any(fnmatchcase(id, entry.id) for id in every()):
-            return Use(entry, 0, "open", "its checks run with --full only")
-        absent = [name for name in entry.id.split("/") if name in others]
-        if not mine:
-            why = f"engine {absent[0]} took no part" if absent else "no check has such an id"
-            return Use(entry, 0, "open" if absent else "stale", why)
-        here = {result.id: result for result in results if result.id in mine}
-        ran = [result for result in here.values() if result.verdict != "skipped"]
-        if len(here) < len(mine):
-            left = len(mine) - len(here)
-            return Use(entry, 0, "open", f"{left} of its {len(mine)} results are not in this run")
-        if not ran:
-            return Use(entry, 0, "open", f"all its {len(mine)} results were skipped")
-        if all(result.verdict == "pass" for result in ran):
-            return Use(entry, 0, "stale", f"what it covers passes now ({len(ran)} results)")
-        return Use(entry, 0, "stale", f"none of its {len(ran)} results is now: {entry.verdict}")
-
-
-def is_about(entry: Entry, result: Result) -> bool:
-    """Return True if an entry covers a result, whatever the size of its error."""
-    return original_verdict(result) == entry.verdict and fnmatchcase(result.id, entry.id)
-
-
-def original_verdict(result: Result) -> str:
-    """Return the verdict of a result before it was `known`.
-
-    A deviation is the only one of the two that has a finite error and a finite tolerance.
-    """
-    if result.verdict != "known":
-        return result.verdict
-    numbers = (result.error, result.tolerance)
-    return "deviation" if all(x is not None and math.isfinite(x) for x in numbers) else "error"
-
-
-# Reading
+        uses = []
+        for entry in self.entries:
+            covered = sum(entry.covers(one) for one in results)
+            if covered:
+                uses.append(Use(entry, covered, "used"))
+                continue
+            mine = {id for id in usual() if fnmatchcase(id, entry.id)}
+            ran = [one for one in results if one.id in mine]
+            elsewhere = any(fnmatchcase(id, entry.id) for id in every())
+            if not mine and not elsewhere and not {*entry.id.split("/")} & {*others}:
+                uses.append(Use(entry, 0, "stale", "no check has such an id"))
+            elif len({one.id for one in ran}) < len(mine) or all(
+                one.verdict == "skipped" for one in ran
+            ):
+                uses.append(Use(entry, 0, "open", "not all of its checks ran"))
+            else:
+                uses.append(Use(entry, 0, "stale", "nothing that it covers fails any more"))
+        return tuple(uses)
 
 
 def read(file: str) -> Listing:
@@ -196,48 +161,39 @@ def read(file: str) -> Listing:
     Raises
     ------
     UsageError
-        If it cannot be read, is not TOML, or an entry is not what docs/ci.md tells; the message
-        names the entry.
+        If it cannot be read, is not TOML, or an entry is not as docs/ci.md describes it; the
+        message names the entry.
     """
-    text, document = read_document(file, "TOML", tomllib.loads, "--known: ")
+    _, document = read_document(file, "TOML", tomllib.loads, "--known: ")
     for key in document:
         if key != "known":
             raise UsageError(f"--known: {file!r}: unknown key {key!r}; entries are [[known]]")
     tables = document.get("known", [])
     if not isinstance(tables, list) or not all(isinstance(item, dict) for item in tables):
         raise UsageError(f"--known: {file!r}: entries are written as [[known]], two brackets")
-    lines: list[int | None] = [
-        text.count("\n", 0, match.start()) + 1 for match in HEADER.finditer(text)
-    ]
-    if len(lines) != len(tables):
-        lines = [None] * len(tables)
     entries = []
-    for number, (line, table) in enumerate(zip(lines, tables, strict=True), 1):
-        where = Entry(number, line, "", "").place
+    for number, table in enumerate(tables, 1):
         try:
-            entries.append(entry(number, line, table))
+            refuse_mistakes(table)
         except UsageError as error:
-            raise UsageError(f"--known: {file!r}, {where}: {error}") from None
+            raise UsageError(f"--known: {file!r}, entry {number}: {error}") from None
+        entries.append(Entry(number, **table))
     return Listing(file, tuple(entries))
 
 
-def entry(number: int, line: int | None, table: Mapping[str, Any]) -> Entry:
-    """Return an entry from its table.
+def refuse_mistakes(table: Mapping[str, Any]) -> None:
+    """Refuse an entry with an unknown or missing key, or a value that makes no sense.
 
     Raises
     ------
     UsageError
-        For an unknown or missing key, or a value that makes no sense.
     """
     for key, value in table.items():
         if key not in KEYS:
             raise UnknownNameError("key", key, KEYS)
         if key == "max_error":
-            valid = type(value) in (int, float) and 0 < value < math.inf
-            if not valid or table.get("verdict") == "error":
-                raise UsageError(
-                    f"max_error must be a positive number, of deviations only, not {value!r}"
-                )
+            if not (type(value) in (int, float) and 0 < value < math.inf):
+                raise UsageError(f"max_error must be a positive number, not {value!r}")
         elif not isinstance(value, str) or not value.strip():
             raise UsageError(f"{key} must be a string with something in it, not {value!r}")
     for key in KEYS[:2]:
@@ -247,40 +203,24 @@ def entry(number: int, line: int | None, table: Mapping[str, Any]) -> Entry:
         raise UsageError(
             f"the reason is still {TODO!r}: write why it deviates, or remove the entry"
         )
-    entry = Entry(number, line, **table)
-    if entry.verdict not in COVERED:
-        raise UnknownNameError("verdict", entry.verdict, COVERED)
-    return entry
-
-
-# Writing
 
 
 def draft(results: Iterable[Result]) -> str:
-    """Return a file of known deviations: an entry for each result that fails, to be completed."""
-    head = "# Known deviations: give each a reason, and remove what is to be repaired instead.\n"
-    return head + "".join(table(result) for result in results if result.verdict in COVERED)
+    """Return a file of known deviations: an entry for each result that fails, to be completed.
+
+    A deviation may double before it is news; an error has no size.
+    """
+    lines = ["# Known deviations: give each a reason, and remove what is to be repaired instead."]
+    for result in results:
+        if result.verdict in FAILED:
+            about = f"# {result.quantity}: {result.reason}"
+            id = json.dumps(re.sub(r"([*?[])", r"[\1]", result.id), ensure_ascii=False)
+            lines += ["", "[[known]]", about, f"id = {id}", f'reason = "{TODO}"']
+            if result.verdict == "deviation":
+                lines.append(f"max_error = {2 * (result.error or 0.0):.3g}")
+    return "".join(f"{plain_line(line)}\n" for line in lines)
 
 
-def table(result: Result) -> str:
-    """Return the entry of a result that fails, with what was seen as a comment."""
-    lines = ["", "[[known]]", f"# {result.quantity}: {result.reason}"]
-    lines += [f"id = {quoted(literal(result.id))}", f'reason = "{TODO}"']
-    if result.verdict != "deviation":
-        lines.append(f"verdict = {quoted(result.verdict)}")
-    return "".join(f"{one_line(line)}\n" for line in lines)
-
-
-def literal(id: str) -> str:
-    """Return a pattern that matches an id and nothing else."""
-    return re.sub(r"([*?[])", r"[\1]", id)
-
-
-def quoted(text: str) -> str:
-    """Return a TOML string."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
-
-
-def one_line(text: str) -> str:
-    """Return text without what a TOML comment must not hold."""
+def plain_line(text: str) -> str:
+    """Return text without the characters that a TOML file must not hold."""
     return re.sub(r"[\x00-\x08\x0a-\x1f\x7f\ud800-\udfff]+", " ", text)

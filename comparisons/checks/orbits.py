@@ -30,8 +30,7 @@ from ...reference.orbits import (
     wrapped_rotations,
 )
 from ...reference.scene import Array, Case
-from ..engines.run import run_many
-from ..engines.setup import Setup, shortest_period
+from ..engines.setup import Setup, run_many, shortest_period
 from .tolerances import ORBIT_STEPS
 
 EFFORT = Effort(jacobians=20)

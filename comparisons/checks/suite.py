@@ -15,6 +15,7 @@ from ...reference.errors import (
     EngineError,
     MbcheckError,
     UnknownNameError,
+    Unsupported,
 )
 from ...reference.scene import Case
 from ..engines.adapter import Adapter
@@ -28,16 +29,33 @@ from ..engines.registry import (
 )
 from ..engines.run import describe, excerpt, noting, traceback_of
 from ..engines.setup import Setup
+from ..engines.variants.catalogue import Variant
 from .diagnosis.cause import cause
-from .kinds import algebra, energy, frequency, one_step, order, parts, stability, trajectory
+from .kinds import (
+    algebra,
+    energy,
+    frequency,
+    limits,
+    long_runs,
+    one_step,
+    order,
+    parts,
+    pushed,
+    stability,
+    trajectory,
+)
 from .refusals import narrowed, refuse_undriven, refuse_unstable
-from .rules.cautions import cautions, explained
+from .rules.cautions import Caution, cautions, explained
 from .verdict import (
+    ENGINE,
     PROFILES,
+    REFERENCE,
+    RULE,
     Finding,
     Inconclusive,
     Result,
     Subject,
+    detected_by,
     judge,
 )
 
@@ -65,6 +83,20 @@ KINDS = {
     "stability": Kind(stability.quantities, stability.measure, True, runs_free=True),
     "energy": Kind(energy.quantities, energy.measure, True, runs_free=True),
 }
+
+EXTREMES = {
+    "limits": Kind(limits.quantities, limits.measure, True),
+    "parameters": Kind(pushed.quantities, pushed.measure, True),
+    "starts": Kind(pushed.quantities, pushed.measure, True),
+    "long": Kind(long_runs.quantities, long_runs.measure, True),
+    "failures": Kind(pushed.quantities, pushed.measure, True),
+}
+"""Kinds of checks at extremes; see `scenes.extremes`."""
+
+
+def kind_of(name: str) -> Kind:
+    """Return the kind of check of a name."""
+    return EXTREMES.get(name) or KINDS[name]
 
 
 class Task(ABC):
@@ -131,11 +163,26 @@ class Task(ABC):
         """Ids of its results."""
         return tuple(f"{self.prefix}/{name}" for name in self.quantities)
 
-    def failed(self, reason: str, traceback: str = "") -> list[Result]:
-        """Return an error for each quantity, and where foreign code raised it."""
+    @property
+    def extreme(self) -> bool:
+        """Whether it is of an extreme: the engine may crash or hang."""
+        return False
+
+    def failed(
+        self, reason: str, traceback: str = "", noticed_by: tuple[str, ...] = (ENGINE,)
+    ) -> list[Result]:
+        """Return an error for each quantity, where foreign code raised it, and who noticed."""
         where = excerpt(traceback) or None
         return [
-            Result(self.subject, name, "error", reason, traceback=where) for name in self.quantities
+            Result(self.subject, name, "error", reason, traceback=where, noticed_by=noticed_by)
+            for name in self.quantities
+        ]
+
+    def skipped(self, reason: str, noticed_by: tuple[str, ...] = ()) -> list[Result]:
+        """Return that no quantity is judged, why, and who noticed."""
+        return [
+            Result(self.subject, name, "skipped", reason, noticed_by=noticed_by)
+            for name in self.quantities
         ]
 
 
@@ -158,6 +205,12 @@ class Check(Task):
         Why it cannot run; then it is skipped.
     loaded_as : str or None
         ``package.module:Class`` of an engine that was given so.
+    step : float or None
+        Step of a run at an extreme [s].
+    variant : Variant or None
+        What is run in place of the engine of this name.
+    provoked_by : str
+        What an extreme changes, in words.
     """
 
     kind: str
@@ -170,11 +223,21 @@ class Check(Task):
     full_only: bool = False
     why_not: str | None = None
     loaded_as: str | None = None
+    step: float | None = None
+    variant: Variant | None = None
+    provoked_by: str = ""
 
     def setup(self, engine: Adapter | None = None) -> Setup:
         """Return what is checked, of the engine of this name or of another one."""
+        if engine is None and self.variant is not None:
+            engine = self.variant.make()
         engine = engine or get_engine(self.loaded_as or self.engine)
-        return Setup(engine, self.case, self.model, self.method)
+        return Setup(engine, self.case, self.model, self.method, self.step)
+
+    @property
+    def extreme(self) -> bool:
+        """Whether it is of an extreme."""
+        return self.kind in EXTREMES
 
     @property
     def subject(self) -> Subject:
@@ -198,17 +261,20 @@ class Check(Task):
     @property
     def integrates(self) -> bool:
         """Whether its kind integrates."""
-        return KINDS[self.kind].integrates
+        return kind_of(self.kind).integrates
 
     @property
     def takes_long(self) -> bool:
         """Whether it follows an orbit, or the motion of a stiff scene."""
         stiff = get_scene(self.case.scene).stiff is not None
-        return self.kind == "stability" or (stiff and self.kind == "trajectory")
+        return self.kind in ("stability", "long") or (stiff and self.kind == "trajectory")
 
     def run(self, profile: str) -> list[Result]:
-        """Return its results, see `run_check`."""
-        return run_check(self, profile)
+        """Return its results, see `run_check`, and what provoked them."""
+        results = run_check(self, profile)
+        if not self.provoked_by:
+            return results
+        return [replace(one, reason=f"{self.provoked_by}: {one.reason}") for one in results]
 
 
 def plan(
@@ -252,10 +318,6 @@ def plan_cases(
     for name in kinds:
         if name not in KINDS:
             raise UnknownNameError("kind of check", name, tuple(KINDS))
-    every = [method.name for engine in engines for method in get_engine(engine).methods]
-    for name in methods:
-        if name not in every:
-            raise UnknownNameError("method", name, every)
     checks = [
         check
         for case in cases
@@ -263,10 +325,29 @@ def plan_cases(
         if not kinds or kind in kinds
         for engine in engines
         for check in planned(kind, case, engine)
-        if not methods or (check.method is not None and check.method.name in methods)
     ]
+    return matching(checks, engines, methods, ids, full)
+
+
+def matching(
+    checks: Sequence[Check],
+    engines: Sequence[str],
+    methods: Sequence[str],
+    ids: Sequence[str],
+    full: bool,
+) -> list[Check]:
+    """Return those of some checks of engines that match; see `plan`."""
+    every = [method.name for engine in engines for method in get_engine(engine).methods]
+    for name in methods:
+        if name not in every:
+            raise UnknownNameError("method", name, every)
     failed = broken_engines(engines)
-    checks = [check for check in checks if (check.loaded_as or check.engine) not in failed]
+    checks = [
+        check
+        for check in checks
+        if (check.loaded_as or check.engine) not in failed
+        and (not methods or (check.method is not None and check.method.name in methods))
+    ]
     if failed or not engines:
         checks = [check for check in checks if full or not check.full_only]
         return [check for check in checks if not ids or matches(check, ids)]
@@ -399,22 +480,25 @@ def run_check(
     With ``explain`` they say where deviations may come from, which runs the engine again.
     """
     if check.why_not is not None:
-        return [Result(check.subject, name, "skipped", check.why_not) for name in check.quantities]
+        return check.skipped(check.why_not, (ENGINE,))
     begin = perf_counter()
     setup: Setup | None = None
     try:
         setup = check.setup(engine)
         if check.model in setup.engine.twins(check.case.scene):
             refuse_undriven(setup)
-        if KINDS[check.kind].runs_free:
+        if kind_of(check.kind).runs_free:
             refuse_unstable(setup)
         with noting() as notes:
-            findings = KINDS[check.kind].measure(setup)
+            findings = kind_of(check.kind).measure(setup)
     except CannotJudgeError as error:
-        return [Result(check.subject, name, "skipped", str(error)) for name in check.quantities]
+        said = cautioned(setup) if check.extreme else []
+        refused = (ENGINE,) if isinstance(error, Unsupported) else ()
+        return check.skipped(str(error), (*refused, *names_of(said)))
     except EngineError as error:
-        reason = with_rules(setup if explain else None, f"{error.kind}: {error.message}")
-        return check.failed(reason, error.traceback)
+        said = cautioned(setup if explain else None)
+        reason = explained(f"{error.kind}: {error.message}", said)
+        return check.failed(reason, error.traceback, (detected_by(error), *names_of(said)))
     except MbcheckError as error:
         return check.failed(str(error), error.traceback)
     except (Exception, SystemExit) as error:  # must not take the other checks along
@@ -427,9 +511,9 @@ def run_check(
         if isinstance(item, Finding)
     }
     verdicts = {name: verdict for name, (verdict, _) in judgements.items()}
-    where = (
-        cause(setup, check.kind, verdicts) if explain and "deviation" in verdicts.values() else ""
-    )
+    explain = explain and not check.extreme and "deviation" in verdicts.values()
+    where = cause(setup, check.kind, verdicts) if explain else ""
+    said = cautioned(setup) if explain else []
     results = []
     for finding in findings:
         if isinstance(finding, Inconclusive):
@@ -438,8 +522,9 @@ def run_check(
         verdict, reason = judgements[finding.quantity]
         deviates = verdict == "deviation"
         reason = "; ".join(filter(None, (reason, *(f"note: {text}" for text in notes))))
+        noticed = finding.noticed_by or (*names_of(said), REFERENCE)
         if deviates and explain:
-            reason = with_rules(setup, "; ".join(filter(None, (reason, where))))
+            reason = explained("; ".join(filter(None, (reason, where))), said)
         results.append(
             Result(
                 check.subject,
@@ -454,6 +539,7 @@ def run_check(
                 work,
                 finding.series,
                 cause=(where or None) if deviates else None,
+                noticed_by=() if verdict == "pass" else noticed,
             )
         )
     lost = set(check.quantities) - {finding.quantity for finding in findings}
@@ -475,11 +561,16 @@ def origin(setup: Setup | None, error: BaseException) -> str:
     return ""
 
 
-def with_rules(setup: Setup | None, reason: str) -> str:
-    """Append to a reason what rules say of the run with the method's default step."""
+def cautioned(setup: Setup | None) -> list[Caution]:
+    """Return what rules say of a run with the setup's step."""
     if setup is None or setup.method is None:
-        return reason
+        return []
     try:
-        return explained(reason, cautions(setup, setup.case.horizon))
+        return cautions(setup, setup.case.horizon)
     except (EngineError, CannotJudgeError):  # of an engine that fails in this too
-        return reason
+        return []
+
+
+def names_of(cautions: Iterable[Caution]) -> tuple[str, ...]:
+    """Return who notices where rules say something."""
+    return tuple(dict.fromkeys(f"{RULE}{one.rule}" for one in cautions))

@@ -13,7 +13,7 @@ from ...reference import get_scene
 from ...reference.differences import by_complex_step
 from ...reference.errors import CannotJudgeError, MbcheckError
 from ...reference.scene import Array, Case, Scene
-from ...reference.solve.batched import BatchMethod, solve_many
+from ...reference.solve.batched import solve_many
 from ...reference.solve.flow import growths
 from ...reference.solve.single import solve
 from ...reference.solve.solution import Solution, state_size
@@ -221,6 +221,14 @@ def truth(equations: ModelEquations, case: Case, times: Any, names: tuple[str, .
     return _truth(equations, state, case.start_time, times, permitted_horizon(case)[0], names)
 
 
+def truth_to_the_end(
+    equations: ModelEquations, state: Array, start: float, times: Array, names: tuple[str, ...]
+) -> Truth:
+    """Return the solution from a state, however errors grow in it: its bound tells."""
+    span = float(times[-1] - start)
+    return _truth(equations, tuple(state.tolist()), start, tuple(times.tolist()), span, names)
+
+
 def sizes(equations: ModelEquations, case: Case, times: Array, names: tuple[str, ...]) -> Array:
     """Return the sizes (k,) of states of a case, of a continuum roughly: its solution is dear."""
     if not equations.scene.discretisation_coordinates:
@@ -268,9 +276,7 @@ def _sharp(
 ) -> tuple[Truth, ...]:
     states, begins, times = (np.array(values).T for values in zip(*each, strict=True))
     start = begins if len(each) > 1 else float(begins[0])
-    solution = solve_many(
-        equations.scene, equations.parameters, states, times, start, BatchMethod(1e-14)
-    )
+    solution = solve_many(equations.scene, equations.parameters, states, times, start, 1e-14)
     return tuple(
         truth_of(
             equations,

@@ -7,12 +7,28 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any, Literal
 
+from ...reference.errors import EngineError
 from ...reference.scene import Array
 
 Verdict = Literal["pass", "deviation", "known", "skipped", "error"]
 
 NOT_APPLICABLE = "-"
 """What documents have in place of a scene, a case, ... of an engine that is not there."""
+
+ENGINE, GUARD, HALVING, REFERENCE = "engine", "guard", "halving", "reference"
+RULE = "rule:"
+"""Who notices that something is wrong: the engine itself or its adapter, mbcheck's guard of every
+run, a rule known before the run (``rule:<name>``), a run with half the step, or the reference."""
+
+OWN_KINDS = ("raised", "solver", "warning", "step", "start", "model")
+"""Kinds of `EngineError` that the engine, or its adapter, raises by itself; the guard finds the
+others."""
+
+
+def detected_by(error: EngineError) -> str:
+    """Return who notices a failed run: the engine, or the guard."""
+    return ENGINE if error.kind in OWN_KINDS else GUARD
+
 
 PROFILES: Mapping[str, float] = {"strict": 0.875, "default": 1.0, "loose": 3.0}
 """Factor on every tolerance. A right engine needs 1/1.2 = 0.83 of a tolerance whose error
@@ -53,6 +69,8 @@ class Finding:
         Where the tolerance comes from, and what was seen.
     series : Series, optional
         What it was found in, for pictures.
+    noticed_by : tuple of str, optional
+        Who notices, if it is wrong; by default rules of the run, and the reference.
     """
 
     quantity: str
@@ -63,6 +81,7 @@ class Finding:
     tolerance: float
     reason: str = ""
     series: Series | None = field(default=None, compare=False, repr=False)
+    noticed_by: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -119,6 +138,8 @@ class Result:
         Where foreign code raised, with its message, in many lines.
     cause : str or None
         Where a deviation comes from, see `diagnosis`.
+    noticed_by : tuple of str
+        Who notices a deviation, a failure or a refusal, the first to do so first.
     """
 
     subject: Subject
@@ -135,6 +156,7 @@ class Result:
     known: str | None = None
     traceback: str | None = None
     cause: str | None = None
+    noticed_by: tuple[str, ...] = ()
 
     @property
     def id(self) -> str:
@@ -194,14 +216,14 @@ class Result:
 RESULT_FIELDS = (
     "id", "scene", "case", "kind", "source", "engine", "model", "method", "quantity", "unit",
     "value", "reference", "error", "tolerance", "verdict", "reason", "work", "known", "traceback",
-    "cause",
+    "cause", "noticed_by",
 )  # fmt: skip
 """Fields of a result in documents, in their order."""
 
 
 def result_from(document: Mapping[str, Any]) -> Result:
     """Return the result that a document holds, see `Result.as_dict`."""
-    rest = dict(document)
+    rest = {**document, "noticed_by": tuple(document.get("noticed_by", ()))}
     prefix = rest.pop("id").removesuffix(f"/{rest['quantity']}")
     about = {
         item.name: rest.pop(item.name)

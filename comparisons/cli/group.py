@@ -8,7 +8,7 @@ from ...reference.errors import UsageError
 from ..boundary.verb import boundary
 from ..check.verb import check_verb
 from ..diff.verb import diff
-from ..extremes.verbs import extremes
+from ..extremes.verb import extremes
 from ..inspect.verbs import inspect
 from ..judge.verb import judge_verb
 from ..maps.verbs import compare_maps, map_

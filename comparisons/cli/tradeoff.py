@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,9 +28,10 @@ from ..terminal.program import (
     several,
     to_stdout,
 )
-from ..tradeoff.series import TARGETS
+from ..tradeoff.table import TARGETS
 
 if TYPE_CHECKING:
+    from ..tradeoff.model import ModelTradeoff
     from ..tradeoff.report import Tradeoff
 
 
@@ -78,7 +78,7 @@ if TYPE_CHECKING:
 @click.option(
     "--resume",
     metavar="FILE",
-    help="Of a model: keep runs in FILE, and go on from those that an earlier call kept there.",
+    help="Keep runs in FILE, and go on from those that an earlier call kept there.",
 )
 @JSON
 @MARKDOWN
@@ -108,30 +108,34 @@ def tradeoff(
     state that it opens in, controls held and moving, against its own converged run. Exit code 1
     if nothing meets the target.
     """
-    from ..tradeoff import pages, report
-
     has_store = resume is not None and resume != STDOUT
     runs = Destination("--resume", str(resume)) if has_store else None
     refuse_conflicts(json_file, markdown_file, plot, runs)
     refuse_picture(plot)
     own: dict[str, Any] = {"horizon": horizon, "budget": budget, "observed": observes}
-    own |= {"seed": seed, "exact": exact or None, "resume": resume}
+    own |= {"seed": seed, "exact": exact or None}
     settings: dict[str, Any] = {
         name: value for name, value in own.items() if value is not None and value != ()
     }
+    result: ModelTradeoff | Tradeoff
     if any(is_file(name) for name in scenes):
+        from ..tradeoff.model import ModelTradeoff, Question
+
         refuse_more(scenes, targets, engines)
         settings |= {"target": targets[0]} if targets else {}
-        return advise(scenes[0], settings, (json_file, markdown_file, plot))
-    if settings:
-        options = "--horizon, --budget, --observe, --seed, --exact-closures and --resume"
+        result = ModelTradeoff(scenes[0], Question(**settings, resume=resume))
+    elif settings:
+        options = "--horizon, --budget, --observe, --seed and --exact-closures"
         raise UsageError(f"{options} are of a model: MODEL.xml")
-    result = report.Tradeoff.asked(scenes, engines, targets or TARGETS)
-    ended = finished(result.work(), "series")
-    write(result, pages, partial(draw_all, result), (json_file, markdown_file, plot))
+    else:
+        from ..tradeoff.report import Tradeoff
+
+        result = Tradeoff.asked(scenes, engines, targets or TARGETS, resume)
+    ended = finished(result.work(), "runs")
+    write(result, json_file, markdown_file, plot)
     if not ended:
         return complain("interrupted", INTERRUPTED)
-    return FAILED if result.failures else 0
+    return FAILED if result.failed else 0
 
 
 def is_file(name: str) -> bool:
@@ -155,78 +159,37 @@ def refuse_more(scenes: Sequence[str], targets: Sequence[float], engines: Sequen
         raise UsageError("of a model: " + "; ".join(words for words in wrong if wrong[words]))
 
 
-def advise(
-    file: str,
-    settings: dict[str, Any],
-    files: tuple[Destination | None, ...],
-) -> int:
-    """Tell which step and integrator a model needs; return the exit code."""
-    from ..inspect.advice import pages
-    from ..inspect.advice.advice import Advice
-    from ..inspect.advice.outcome import Question
-    from ..reports.drawing import save
-
-    result = Advice(file, Question(**settings))
-    ended = finished(result.work(), "settings")
-
-    def draw(path: Path) -> Pictures:
-        if result.trials:
-            save(pages.figure(result), path)
-        return []
-
-    write(result, pages, draw, files)
-    if not ended:
-        return complain("interrupted", INTERRUPTED)
-    return 0 if result.choice is not None else FAILED
-
-
-Pictures = list[tuple[str, Path]]
-"""Under which title of a page a picture belongs."""
-
-
 def write(
-    result: Any, pages: Any, draw: Callable[[Path], Pictures], files: tuple[Destination | None, ...]
+    result: ModelTradeoff | Tradeoff,
+    json_file: Destination | None,
+    markdown_file: Destination | None,
+    plot: Destination | None,
 ) -> None:
     """Write the document, the page and the pictures that are asked for, or print the tables."""
-    json_file, markdown_file, plot = files
+    from ..tradeoff import pages
+
     if json_file:
         json_file.write(json_text(result.as_json()))
-    pictures: Pictures = []
+    drawn: list[tuple[str, Path]] = []
     try:
-        pictures = draw(plot.path) if plot else []
+        if plot:
+            from ..reports.drawing import save
+            from ..tradeoff.draw import pictures
+
+            for title, path, figure in pictures(result, plot.path):
+                save(figure, path)
+                drawn.append((title, path))
     finally:
         if markdown_file:
-            markdown_file.write(with_pictures(pages.markdown(result), pictures, markdown_file))
+            markdown_file.write(with_pictures(pages.markdown(result), drawn, markdown_file))
     if not to_stdout(json_file, markdown_file):
         pages.show(console(), result)
 
 
-def with_pictures(page: str, pictures: Pictures, place: Destination) -> str:
+def with_pictures(page: str, pictures: Sequence[tuple[str, Path]], place: Destination) -> str:
     """Return a page that shows pictures, each under its title."""
     for title, path in reversed(pictures):
         name = os.path.relpath(path, place.path.parent).replace(os.sep, "/")
         heading = f"\n## {title}\n"
         page = page.replace(heading, f"{heading}\n![{title}]({name})\n")
     return page
-
-
-def draw_all(result: Tradeoff, path: Path) -> Pictures:
-    """Write a figure for each scene, and one of its stability, if any."""
-    from ..reports.drawing import save
-    from ..tradeoff.draw import figure_stability, figure_work_precision
-    from ..tradeoff.pages import LIMITS, SHIFTS
-    from ..tradeoff.report import pareto
-
-    pictures: Pictures = []
-    for scene in result.scenes:
-        series = result.of(scene)
-        name = path if len(result.scenes) == 1 else path.with_stem(f"{path.stem}_{scene}")
-        front = [point for _, point in pareto(series)]
-        figures = [(LIMITS, name, figure_work_precision(series, front))]
-        if shifts := [one for one in result.stability if one.scene == scene]:
-            place = name.with_stem(f"{name.stem}_stability")
-            figures.append((SHIFTS, place, figure_stability(shifts)))
-        for title, place, figure in figures:
-            save(figure, place)
-            pictures.append((title, place))
-    return pictures

@@ -26,7 +26,6 @@ DOCUMENTS: Mapping[str, tuple[str, str]] = {
     "reproduce": ("features.Reproduce", "What of the papers holds."),
     "tradeoff": ("tradeoff.Tradeoff", "What accuracy costs, and which settings to choose."),
     "tradeoff_model": ("tradeoff.TradeoffModel", "Which step and integrator an MJCF file needs."),
-    "extremes": ("features.Extremes", "How far engines can be pushed, and who notices."),
     "diff": ("check.Diff", "What changed between two runs of checks."),
     "inspect": ("inspect.Inspect", "What is in an MJCF file, and what it could do without."),
     "inspections": ("inspect.Inspections", "What is found in several MJCF files."),

@@ -125,6 +125,16 @@ Result = TypedDict(
                 means("where a deviation comes from, if one mistake alone explains it; else null"),
             ]
         ],
+        "noticed_by": NotRequired[
+            Annotated[
+                list[str],
+                means(
+                    "who notices a deviation, a failure or a refusal: `engine`, the engine itself "
+                    "or its adapter; `guard`, what mbcheck asks of every run; `rule:NAME`, a rule "
+                    "known before the run; `halving`, a run with half the step; `reference`"
+                ),
+            ]
+        ],
     },
 )
 
@@ -177,6 +187,7 @@ Selection = TypedDict(
         "full": Annotated[bool, means("whether what the default set leaves out was included")],
         "quick": Annotated[bool, means("where all but a quick answer was left out")],
         "placement": Annotated[str, means("how models were placed in the world, if told")],
+        "extremes": Annotated[bool, means("where engines are checked at extremes only")],
         "source": Annotated[Literal["validation"], means("where papers are checked, not engines")],
         "parameters": Annotated[
             Parameters, means("of a run at a user's own: those that differ from the defaults")
@@ -211,14 +222,8 @@ KnownEntry = TypedDict(
     "KnownEntry",
     {
         "number": Annotated[Ordinal, means("its place in the file")],
-        "line": Annotated[
-            Ordinal | None, means("where it begins; null if not written as `[[known]]`")
-        ],
         "id": Annotated[Name, means("pattern for ids")],
         "reason": Annotated[Name, means("as the user gave it")],
-        "engine": Annotated[str | None, means("null: an entry holds for all that its id matches")],
-        "versions": Annotated[str | None, means("null: an entry holds for all versions")],
-        "verdict": Annotated[Literal["deviation", "error"], means("what it covers")],
         "max_error": Annotated[
             float | None,
             means("largest error that it covers, in the unit of a result; null for any"),

@@ -1,4 +1,4 @@
-"""The documents of ``compare-maps``, ``reproduce`` and ``extremes``."""
+"""The documents of ``compare-maps`` and ``reproduce``."""
 
 from __future__ import annotations
 
@@ -227,78 +227,5 @@ Reproduce = TypedDict(
             list[Cause], means("what several rows that do not hold as printed have in common")
         ],
         "runs": Annotated[list[PaperRun], means("the ways in which figures and rows were made")],
-    },
-)
-
-# extremes -------------------------------------------------------------------------------------
-
-Outcomes = TypedDict(
-    "Outcomes",
-    {
-        "right": Annotated[Count, means("rows within the error that is predicted")],
-        "wrong": Annotated[Count, means("finite, and wrong")],
-        "failed": Annotated[Count, means("no result, and the reason is named")],
-        "refused": Annotated[Count, means("not to be had there, and it says so")],
-        "skipped": Annotated[Count, means("cannot be judged, with the reason")],
-    },
-)
-
-ExtremeRow = TypedDict(
-    "ExtremeRow",
-    {
-        "section": Annotated[
-            Literal["limits", "parameters", "starts", "long", "failures"],
-            means("part of the table"),
-        ],
-        "scene": Annotated[str, means("scene")],
-        "name": Annotated[str, means("what was tried")],
-        "engine": Annotated[str, means("engine")],
-        "model": Annotated[str, means("its model of the scene; empty if the task died")],
-        "method": Annotated[str | None, means("integrator; null if the task died")],
-        "step": Annotated[float | None, means("step [s]")],
-        "changed": Annotated[
-            dict[str, float | str | None],
-            means("parameters, initial values and settings that provoke it [SI]"),
-        ],
-        "outcome": Annotated[
-            Literal["right", "wrong", "failed", "refused", "skipped"],
-            means("what came of it"),
-        ],
-        "noticed_by": Annotated[
-            list[str],
-            means(
-                "all who notice: `engine`, `guard`, `rule:<name>`, `halving`, `reference`; empty "
-                "if it is right"
-            ),
-        ],
-        "error": Annotated[
-            float | None,
-            means(
-                "relative, the largest of all observables [1]; in *long* the relative drift of "
-                "the energy, or the phase [rad]; null if there is none"
-            ),
-        ],
-        "predicted": Annotated[
-            float | None, means("what the method and the model leave of it, likewise")
-        ],
-        "reason": Annotated[str, means("one sentence, with its numbers")],
-        "values": Annotated[
-            dict[str, float | None],
-            means(
-                "the section's own numbers: `h_omega`; `borne`, the longest step that was borne; "
-                "drifts with `_predicted` and `_slack`; `asked` periods; `reference_bound`; ..."
-            ),
-        ],
-    },
-)
-
-Extremes = TypedDict(
-    "Extremes",
-    {
-        "schema": Version,
-        "versions": Versions,
-        "full": Annotated[bool, means("whether `--full` was given")],
-        "summary": Annotated[Outcomes, means("number of rows by outcome")],
-        "rows": Annotated[list[ExtremeRow], means("in the order of sections, scenes and tasks")],
     },
 )

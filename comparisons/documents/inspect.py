@@ -259,7 +259,7 @@ Inspect = TypedDict(
             means("why some attributes were not tried for repeated_default; null if all were"),
         ],
         "left_out": Annotated[
-            list[str], means("modes, steps and rules for which `--budget` left no time")
+            list[str], means("modes, steps and rules that were not begun before it was stopped")
         ],
         "versions": Versions,
     },

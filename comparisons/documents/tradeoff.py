@@ -16,7 +16,10 @@ Cost = TypedDict(
     {
         "seconds": Annotated[
             float,
-            means("wall time of the stepping on this machine [s/s], the median of repeated runs"),
+            means(
+                "time of the stepping on this machine [s/s], the median of repeated runs: wall "
+                "time of a scene, processor time of a file"
+            ),
         ],
         "fastest": Annotated[float, means("of these runs [s/s]")],
         "slowest": Annotated[float, means("of these runs [s/s]")],
@@ -33,13 +36,22 @@ Cost = TypedDict(
 Point = TypedDict(
     "Point",
     {
-        "step": Annotated[Positive, means("[s]")],
+        "step": Annotated[Number, means("[s]; null where equations are compared")],
+        "value": Annotated[Number, means("on an axis that is not the step; null otherwise")],
         "error": Annotated[Number, means("largest of all observables; null if the run failed")],
-        "errors": Annotated[dict[str, Number], means("by observable")],
-        "cost": Annotated[Cost | None, means("per simulated second; null if the run failed")],
+        "bound": Annotated[Number, means("uncertainty of the error; null if not known")],
+        "errors": Annotated[
+            dict[str, Number],
+            means(
+                "by observable; a shift with its sign; of a file `energy`, the largest difference "
+                "over the largest kinetic energy [1], and `violation`, the largest residual of an "
+                "equality (m, rad)"
+            ),
+        ],
+        "cost": Annotated[Cost | None, means("per simulated second; null if not measured")],
         "label": Annotated[
-            Literal["step-limited", "model-limited", "round-off", "failed"],
-            means("what limits it"),
+            Literal["step-limited", "model-limited", "round-off", "failed", ""],
+            means("what limits the error; empty if not known"),
         ],
         "limit": Annotated[str, means("the same in words: step, or the name of the floor")],
         "wasted": Annotated[bool, means("whether a longer step has the same error")],
@@ -50,17 +62,32 @@ Point = TypedDict(
 Series = TypedDict(
     "Series",
     {
-        "scene": Annotated[str, means("scene")],
-        "case": Annotated[str, means("case that was run")],
+        "scene": Annotated[str, means("scene, or name of the file")],
+        "case": Annotated[str, means("case that was run; empty of a file")],
         "engine": Annotated[str, means("engine")],
         "model": Annotated[str, means("model")],
         "method": Annotated[str, means("integrator")],
-        "order": Annotated[int, means("declared order")],
+        "order": Annotated[int, means("declared order; 0 where none is")],
         "settings": Annotated[
             Settings,
-            means("options that are not at their default, and `segments` of a continuum"),
+            means(
+                "options that are not at their default, and `segments` of a continuum; of a file "
+                "`iterations` of the solver and `closure_steps`, the largest time constant of an "
+                "equality over the step"
+            ),
         ],
-        "points": Annotated[list[Point], means("runs, the longest step first")],
+        "axis": Annotated[
+            str,
+            means(
+                "what varies: step, parts of a continuum, an option that closes a loop, what is "
+                "left out (0: left out, 1: there), or steps in a period"
+            ),
+        ],
+        "unit": Annotated[str, means("unit of the axis; of a shift that of the parameter")],
+        "quantity": Annotated[str, means("what the error is of; empty for all observables")],
+        "points": Annotated[
+            list[Point], means("runs, the longest step or the smallest model first")
+        ],
         "slope": Annotated[
             Number, means("order fitted above the floor; null of fewer than two points")
         ],
@@ -81,16 +108,16 @@ Series = TypedDict(
 
 # Choices --------------------------------------------------------------------------------------
 
-FrontPoint = TypedDict(
-    "FrontPoint",
+SettingRun = TypedDict(
+    "SettingRun",
     {
         "engine": Annotated[str, means("engine")],
         "model": Annotated[str, means("model")],
         "method": Annotated[str, means("integrator")],
         "settings": Annotated[Settings, means("as of a series")],
-        "step": Annotated[float, means("[s]")],
-        "error": Annotated[float, means("error")],
-        "seconds": Annotated[Number, means("wall time per simulated second [s/s]")],
+        "step": Annotated[Positive, means("[s]")],
+        "error": Annotated[Number, means("error; null if the run failed")],
+        "seconds": Annotated[Number, means("time per simulated second [s/s]")],
     },
 )
 
@@ -101,155 +128,37 @@ Recommendation = TypedDict(
         "case": Annotated[str, means("case")],
         "engine": Annotated[str, means("engine")],
         "target": Annotated[float, means("error allowed")],
+        "axis": Annotated[
+            str, means("step: the cheapest setting; otherwise the smallest model on this axis")
+        ],
+        "unit": Annotated[str, means("unit of the axis")],
+        "quantity": Annotated[str, means("as of a series")],
         "model": Annotated[str | None, means("model; null if no setting meets the target")],
         "method": Annotated[str | None, means("integrator; null likewise")],
         "settings": Annotated[Settings | None, means("as of a series; null likewise")],
-        "step": Annotated[Number, means("[s]; null likewise")],
-        "error": Annotated[
-            Number, means("measured; the least one where no setting meets the target")
+        "value": Annotated[
+            Number,
+            means("smallest model from which on all meet the target [`unit`]; null likewise"),
         ],
-        "cost": Annotated[Cost | None, means("per simulated second; null likewise")],
-        "limit": Annotated[str, means("what limits the error")],
+        "smaller": Annotated[Number, means("error of the next smaller model, which misses it")],
+        "extrapolated": Annotated[
+            bool, means("whether the value follows from the declared order and was not run")
+        ],
+        "step": Annotated[
+            Number, means("longest step with which a run meets the target [s]; null without a run")
+        ],
+        "error": Annotated[
+            Number, means("measured; the smallest one where nothing meets the target")
+        ],
+        "cost": Annotated[Cost | None, means("per simulated second; null without a run")],
+        "limit": Annotated[str, means("what limits the error, or why nothing meets the target")],
         "margin": Annotated[
-            Number, means("longest stable step by theory over the step [1]; null if there is none")
+            Number, means("largest stable step by theory over the step [1]; null if there is none")
         ],
         "longest": Annotated[
             Number, means("longest step that was survived, over the step [1]; null likewise")
         ],
         "met": Annotated[bool, means("whether the target is met")],
-    },
-)
-
-# The least that a scene requires --------------------------------------------------------------
-
-Curve = TypedDict(
-    "Curve",
-    {
-        "engine": Annotated[str, means("engine")],
-        "kind": Annotated[str, means("how the beam is made")],
-        "part": Annotated[str, means("rods, elements or modes")],
-        "case": Annotated[str, means("case")],
-        "quantity": Annotated[str, means("what is compared")],
-        "order": Annotated[int, means("declared order; 0 where none is")],
-        "counts": Annotated[list[int], means("numbers of parts")],
-        "errors": Annotated[list[Number], means("with so many")],
-        "limit": Annotated[Number, means("error extrapolated to parts of no length")],
-        "doubt": Annotated[Number, means("how far the extrapolation moved last")],
-    },
-)
-
-Fewest = TypedDict(
-    "Fewest",
-    {
-        "engine": Annotated[str, means("engine")],
-        "kind": Annotated[str, means("how the beam is made")],
-        "part": Annotated[str, means("rods, elements or modes")],
-        "case": Annotated[str, means("case")],
-        "quantity": Annotated[str, means("what is compared")],
-        "target": Annotated[float, means("error allowed")],
-        "count": Annotated[int | None, means("parts; null where no number meets the target")],
-        "error": Annotated[Number, means("with so many")],
-        "fewer": Annotated[Number, means("error with one less, which misses the target")],
-        "extrapolated": Annotated[
-            bool, means("whether the count follows from the declared order and was not run")
-        ],
-        "limit": Annotated[Number, means("error that no number of parts removes")],
-        "integration": Annotated[Number, means("what halving the step changes")],
-        "stable_step": Annotated[Number, means("longest step that theory grants [s]")],
-        "step": Annotated[
-            Number, means("longest power of two with which a run meets the target [s]")
-        ],
-        "cost": Annotated[Cost | None, means("with that step")],
-        "reason": Annotated[str, means("in one sentence")],
-    },
-)
-
-SoftClosure = TypedDict(
-    "SoftClosure",
-    {
-        "engine": Annotated[str, means("engine")],
-        "model": Annotated[str, means("model")],
-        "method": Annotated[str, means("integrator")],
-        "case": Annotated[str, means("case")],
-        "knob": Annotated[str, means("option that softens it; empty for a model without one")],
-        "unit": Annotated[str, means("its unit")],
-        "target": Annotated[float, means("error allowed")],
-        "value": Annotated[Number, means("the softest [`unit`]; null where none meets it")],
-        "error": Annotated[Number, means("what it leaves, whatever the step")],
-        "softer": Annotated[Number, means("the next softer one, which misses [`unit`]")],
-        "softer_error": Annotated[Number, means("what that leaves")],
-        "claimed": Annotated[bool, means("whether errors are those of the model's equations")],
-        "stable_step": Annotated[Number, means("longest step that theory grants [s]")],
-        "step": Annotated[
-            Number, means("longest power of two with which a run meets the target [s]")
-        ],
-        "measured": Annotated[Number, means("error of that run")],
-        "cost": Annotated[Cost | None, means("of that run")],
-        "reason": Annotated[str, means("in one sentence")],
-    },
-)
-
-LeftOut = TypedDict(
-    "LeftOut",
-    {
-        "scene": Annotated[str, means("scene")],
-        "engine": Annotated[str, means("engine")],
-        "left_out": Annotated[str, means("what it is")],
-        "compared": Annotated[str, means("the two models, the one that has it first")],
-        "case": Annotated[str, means("case")],
-        "error_with": Annotated[Number, means("with it")],
-        "error_without": Annotated[float, means("without it")],
-        "cost_ratio": Annotated[Number, means("cost with it over cost without [1]")],
-        "lowest": Annotated[Number, means("lower quartile of the ratio")],
-        "highest": Annotated[Number, means("upper quartile")],
-        "cost_of": Annotated[str, means("what was compared")],
-        "required": Annotated[
-            dict[str, bool | None],
-            means(
-                "by target: whether it has to be there; null where the model that has it misses too"
-            ),
-        ],
-        "verdict": Annotated[str, means("in one sentence")],
-    },
-)
-
-Minimal = TypedDict(
-    "Minimal",
-    {
-        "curves": Annotated[list[Curve], means("errors over the number of parts of a beam")],
-        "fewest": Annotated[list[Fewest], means("the fewest parts that meet a target")],
-        "closures": Annotated[
-            list[SoftClosure], means("the softest closure of a loop that meets a target")
-        ],
-        "left_out": Annotated[
-            list[LeftOut], means("what may be left out of models, and what that costs or saves")
-        ],
-    },
-)
-
-BoundaryShift = TypedDict(
-    "BoundaryShift",
-    {
-        "scene": Annotated[str, means("scene")],
-        "case": Annotated[str, means("case")],
-        "engine": Annotated[str, means("engine")],
-        "model": Annotated[str, means("model")],
-        "method": Annotated[str, means("integrator")],
-        "order": Annotated[int, means("declared order")],
-        "parameter": Annotated[str, means("at which the orbit loses its stability")],
-        "unit": Annotated[str, means("its unit")],
-        "steps": Annotated[list[int], means("in a period of the orbit")],
-        "shifts": Annotated[
-            list[Number],
-            means("its value less the reference's [`unit`]; null where there is none near"),
-        ],
-        "bounds": Annotated[
-            list[Number], means("what rounding and differences leave of a shift [`unit`]")
-        ],
-        "slope": Annotated[
-            Number, means("order of the last halving above the bounds; null without one")
-        ],
-        "reason": Annotated[str, means("why there is none near")],
     },
 )
 
@@ -261,55 +170,29 @@ Tradeoff = TypedDict(
         "targets": Annotated[
             list[float], means("relative errors that settings are recommended for [1]")
         ],
-        "series": Annotated[list[Series], means("a method of an engine on a model over steps")],
+        "series": Annotated[
+            list[Series],
+            means(
+                "a method of an engine on a model over steps; models from small to large; and by "
+                "how much a method shifts where a periodic orbit loses its stability"
+            ),
+        ],
         "pareto": Annotated[
-            dict[str, list[FrontPoint]],
+            dict[str, list[SettingRun]],
             means("by scene: settings that none beats in both error and time, the cheapest first"),
         ],
         "recommendations": Annotated[
             list[Recommendation],
-            means("for each scene, engine and target: the cheapest setting, or why there is none"),
-        ],
-        "minimal": Annotated[Minimal, means("the least that the scenes require")],
-        "stability": Annotated[
-            list[BoundaryShift],
-            means("by how much a method shifts where a periodic orbit loses its stability"),
+            means(
+                "for each scene, engine and target: the cheapest setting, and the smallest models, "
+                "or why there is none"
+            ),
         ],
         "failures": Annotated[list[str], means("what came to nothing, and why")],
     },
 )
 
 # A user's model -------------------------------------------------------------------------------
-
-ModelSetting = TypedDict(
-    "ModelSetting",
-    {
-        "setting": Annotated[str, means("in words")],
-        "integrator": Annotated[str, means("as MJCF spells it")],
-        "step": Annotated[Positive, means("[s]")],
-        "iterations": Annotated[int | None, means("of the solver; null: as in the file")],
-        "closure": Annotated[
-            Number, means("longest time constant of an equality [s]; null: as in the file")
-        ],
-        "error": Annotated[
-            Number, means("largest, relative to the motion; null if the state was lost")
-        ],
-        "bound": Annotated[
-            Number, means("by how much the converged run changes with half its step; null likewise")
-        ],
-        "energy": Annotated[
-            Number,
-            means("largest difference from the converged run's, in the largest kinetic energy [1]"),
-        ],
-        "violation": Annotated[Number, means("largest residual of an equality (m, rad)")],
-        "seconds": Annotated[
-            float,
-            means("processor time of the stepping on this machine [s/s], the median of the runs"),
-        ],
-        "failed": Annotated[str, means("where the state was lost, and when; empty if it was not")],
-        "limit": Annotated[Number, means("largest stable step of small motions [s]; null: none")],
-    },
-)
 
 ModelStart = TypedDict(
     "ModelStart",
@@ -350,13 +233,12 @@ TradeoffModel = TypedDict(
         "complete": Annotated[bool, means("whether the time was enough")],
         "starts": Annotated[list[ModelStart], means("from where runs are compared")],
         "unknown": Annotated[list[str], means("starts that were left out, with their reasons")],
-        "settings": Annotated[
-            list[ModelSetting], means("all that were tried, the file's own first")
-        ],
+        "series": Annotated[list[Series], means("all that were tried, by integrator and settings")],
         "front": Annotated[
-            list[ModelSetting], means("those that none beats in error and time, the fastest first")
+            list[SettingRun], means("those that none beats in error and time, the fastest first")
         ],
-        "recommendation": Annotated[ModelSetting | None, means("the one to choose")],
+        "own": Annotated[SettingRun | None, means("the file's own setting")],
+        "recommendation": Annotated[SettingRun | None, means("the one to choose")],
         "versions": Versions,
     },
 )

@@ -20,7 +20,6 @@ from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from multiprocessing import forkserver, get_all_start_methods, get_context
 from multiprocessing.connection import Connection, wait
-from multiprocessing.util import get_temp_dir
 from pathlib import Path
 from signal import SIG_DFL, SIGINT, Signals, signal
 from time import monotonic
@@ -29,7 +28,7 @@ from typing import Any, TypeVar
 from ...reference.cost import keep_budget, time_left
 from ...reference.errors import EngineError, UsageError
 from . import THREADS, use_one_thread
-from .messages import encoded, received, sent
+from .messages import MAX_BYTES, decoded, encoded
 from .run import describe, engine_error, traceback_of
 
 try:
@@ -242,12 +241,8 @@ class Worker:
         inner = SERVING in os.environ
         paths = {name: os.environ.get(name) for name in PATHS}
         arguments = theirs, lifeline, folder, paths
-        try:
-            self.process = context.Process(target=serve, args=arguments, daemon=inner)
-            self.process.start()
-        except (OSError, EOFError):  # an engine has ended the server, or removed its socket
-            self.process = get_context("spawn").Process(target=serve, args=arguments, daemon=inner)
-            self.process.start()
+        self.process = context.Process(target=serve, args=arguments, daemon=inner)
+        self.process.start()
         self.heard: Callable[[Any], None] = unheard
         atexit.register(self.end)
         theirs.close()
@@ -260,13 +255,14 @@ class Worker:
         self.seconds = min((x for x in (seconds, time_left()) if x is not None), default=math.inf)
         self.deadline = monotonic() + START + self.seconds
         self.megabytes = megabytes
-        sent(self.pipe, pickle.dumps((call, seconds, megabytes)))
+        with suppress(OSError):  # it has died
+            self.pipe.send_bytes(pickle.dumps((call, seconds, megabytes)))
 
     def ended(self) -> bool:
         """Return whether the call has ended, and put into ``outcome`` how."""
         try:
             while self.pipe.poll():
-                done, self.outcome = received(self.pipe, self.plain)
+                done, self.outcome = decoded(self.pipe.recv_bytes(MAX_BYTES), self.plain)
                 if done:
                     return True
                 self.deadline = min(self.deadline, monotonic() + self.seconds)
@@ -308,7 +304,6 @@ class Worker:
         self.process.join()
         self.pipe.close()
         self.lifeline.close()
-        os.makedirs(get_temp_dir(), exist_ok=True)  # which an engine may have removed, as it ends
         atexit.unregister(self.end)
 
 

@@ -10,10 +10,7 @@ import json
 import pickle
 from base64 import b64decode, b64encode
 from collections.abc import Mapping
-from contextlib import suppress
 from inspect import signature
-from multiprocessing.connection import Connection
-from threading import Thread
 from typing import Any
 
 import numpy as np
@@ -27,9 +24,9 @@ from ...reference.errors import (
     Unsupported,
     UsageError,
 )
-from .plugin.validation import in_short
 from .protocol import Method, Motion, Option, OwnModel
 from .run import describe, engine_error, excerpt, in_sight
+from .validation import in_short
 
 CLASSES: dict[str, type] = {
     one.__name__: one
@@ -43,9 +40,6 @@ CLASSES: dict[str, type] = {
 MAX_BYTES, MAX_VALUES, MAX_TEXT = 1 << 28, 1 << 22, 2000
 """Length of a message, and number of values outside its arrays, above which it is refused before
 memory is taken for it; characters that are kept of a text, of a traceback there are more."""
-
-SECONDS = 20.0
-"""Time in which a message must have come that has begun."""
 
 
 def as_plain(value: Any) -> Any:
@@ -131,37 +125,3 @@ def decoded(data: bytes, plain: bool) -> tuple[bool, Any]:
     except Exception as error:  # whatever broken bytes lead to
         reason = f"what its process sent is no answer: {describe(error, '')}"
         return True, EngineError("returned", reason)
-
-
-def received(pipe: Connection, plain: bool) -> tuple[bool, Any]:
-    """Return the message whose first bytes have come, see `decoded`.
-
-    A thread reads it: nothing makes sure that the rest of it ever comes.
-
-    Raises
-    ------
-    EOFError
-        If the pipe is closed, or the message too long, or not complete in time.
-    """
-    messages: list[bytes] = []
-
-    def read() -> None:
-        with suppress(EOFError, OSError):
-            messages.append(pipe.recv_bytes(MAX_BYTES))
-
-    reader = Thread(target=read, daemon=True)
-    reader.start()
-    reader.join(SECONDS)
-    if not messages:
-        raise EOFError
-    return decoded(messages[0], plain)
-
-
-def sent(pipe: Connection, data: bytes) -> None:
-    """Send bytes; a thread does it, since nothing makes sure that they are ever read."""
-
-    def write() -> None:
-        with suppress(OSError):  # it has died
-            pipe.send_bytes(data)
-
-    Thread(target=write, daemon=True).start()

@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import importlib
 import math
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import dataclass, field
 from typing import Any, Self
@@ -167,8 +166,6 @@ class Motion:
 class Engine:
     """Base class of engines; an engine overrides `simulate`, and of the rest what it supports.
 
-    A class with the same attributes that does not inherit from it is an engine as well.
-
     Attributes
     ----------
     name, version : str
@@ -259,28 +256,6 @@ class Engine:
     def own_model(self, system: System) -> OwnModel:
         """Return what is to be known of a model, of an engine that reads no MJCF."""
         return OwnModel()
-
-    def session(self, system: System) -> AbstractContextManager[Any]:
-        """Return a context in which several calls about one system follow.
-
-        What is made of the system for the first may be kept until the last.
-        """
-        return nullcontext()
-
-    def simulate_many(
-        self, systems: Sequence[System], method: Method, steps: Array, times: Array
-    ) -> Sequence[Motion | Exception | None]:
-        """Return what `simulate` returns of each system, or raises; None where it is to be asked.
-
-        Parameters
-        ----------
-        systems : sequence of System, k of them
-            One model of one scene; parameters and initial states differ.
-        method : Method
-        steps : array (k,) [s]
-        times : array (k, n_t) [s]
-        """
-        return [None for _ in systems]
 
     def inverse_dynamics(
         self,

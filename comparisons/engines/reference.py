@@ -7,17 +7,28 @@ from typing import Any
 import numpy as np
 import scipy
 
+from ...models.system import System
 from ...reference import get_scene
+from ...reference.errors import Unsupported
 from ...reference.linear import linearise
 from ...reference.scene import Array, Case, EquationsOfMotion
 from ...reference.solve.single import solve
 from .adapter import Adapter
 from .equations import ModelEquations
-from .protocol import Method
+from .protocol import Engine, Method
 from .run import Trajectory
 
 EXACT = "exact"
 """The reference's default model; the others are simplifications that it shows beside."""
+
+
+class ExactEngine(Engine):
+    """SciPy's DOP853, as an engine declares itself."""
+
+    name = "reference"
+    version = f"scipy {scipy.__version__}"
+    methods = (Method("DOP853", 8),)
+    reads_mjcf = False
 
 
 class ReferenceEngine(Adapter):
@@ -27,9 +38,8 @@ class ReferenceEngine(Adapter):
     which ``times`` lie.
     """
 
-    name = "reference"
-    version = f"scipy {scipy.__version__}"
-    methods: tuple[Method, ...] = (Method("DOP853", 8),)
+    def __init__(self) -> None:
+        super().__init__(ExactEngine())
 
     def models(self, scene: str) -> tuple[str, ...]:
         """Return the reference's models of a scene, default first."""
@@ -51,6 +61,15 @@ class ReferenceEngine(Adapter):
     def coordinates(self, case: Case, model: str) -> tuple[str, ...]:
         """Return the coordinates of states, the reference's own included."""
         return self.equations(case, model).coordinates
+
+    def joint_system(self, case: Case, model: str) -> System:
+        """Refuse: it has no joints.
+
+        Raises
+        ------
+        Unsupported
+        """
+        raise Unsupported(f"{self.name} has no joints")
 
     def simulate(
         self, case: Case, model: str, method: Method, step: float, times: Array

@@ -21,12 +21,11 @@ from ...reference.errors import (
     UnknownNameError,
     UsageError,
 )
-from .adapter import Adapter
-from .plugin.adapter import PluginAdapter, adapt, adapted
-from .plugin.validation import as_engine, attributes
+from .adapter import Adapter, adapt, adapted
 from .protocol import Engine
 from .remote import RemoteEngine
 from .run import IN_SIGHT, call_engine, captured
+from .validation import attributes
 
 REFERENCE = "reference"
 """What the other engines are checked against."""
@@ -249,7 +248,7 @@ def _load(name: str) -> Adapter:
 
 
 @cache
-def load_plugin(name: str) -> PluginAdapter:
+def load_plugin(name: str) -> Adapter:
     """Return a plugged-in engine that runs in this process; one per process."""
     if ":" not in name:
         return _offered(name)
@@ -257,7 +256,7 @@ def load_plugin(name: str) -> PluginAdapter:
         return adapt(name, _imported(*name.split(":", 1)))
 
 
-def remote_plugin(name: str) -> PluginAdapter:
+def remote_plugin(name: str) -> Adapter:
     """Return a plugged-in engine that runs in a process of its own.
 
     Raises
@@ -284,11 +283,11 @@ def plugin_here(name: str, settings: tuple[tuple[str, float], ...] = ()) -> Engi
     """Return a plugged-in engine of this process, without its adapter, with options set."""
     engine = load_plugin(name).inner
     for option, value in settings:
-        engine = as_engine(engine.with_option(option, value))
+        engine = engine.with_option(option, value)
     return engine
 
 
-def _offered(name: str) -> PluginAdapter:
+def _offered(name: str) -> Adapter:
     """Return an engine of an installed package, which must not stop others from being checked.
 
     Raises
@@ -313,7 +312,7 @@ def _offered(name: str) -> PluginAdapter:
     return engine
 
 
-def _register(engine: PluginAdapter) -> Adapter:
+def _register(engine: Adapter) -> Adapter:
     """Make an engine known by the name that it calls itself.
 
     Raises

@@ -12,9 +12,9 @@ from typing import Any, Self
 
 from ...reference.errors import BrokenEngineError, EngineError, MbcheckError
 from .isolation import SERVING, Worker, await_call
-from .plugin.validation import ATTRIBUTES, CALLS
 from .protocol import Engine
 from .run import call_engine
+from .validation import ATTRIBUTES, CALLS
 
 Local = Callable[[tuple[tuple[str, float], ...]], Engine]
 
@@ -47,7 +47,7 @@ class RemoteEngine(Engine):
         try:
             about = self.call(describe, SECONDS_TO_LOAD)
             vars(self).update({name: about[name] for name in ATTRIBUTES})
-            self.functions = (set(CALLS) - {"session", "with_option"}) & set(about["functions"])
+            self.functions = (set(CALLS) - {"with_option"}) & set(about["functions"])
         except EngineError as error:
             reason = f"it cannot be loaded: {error.message}"
             raise BrokenEngineError(reason, error.traceback) from error

@@ -1,23 +1,40 @@
-"""A setup: an engine's model of a case, with a method and its step, and what follows from these."""
+"""A setup: an engine's model of a case, with a method and its step; its runs, and their guard.
+
+Engines fail silently; what `run` returns has not.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
+from time import perf_counter
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...reference import get_scene
 from ...reference.amplification import AMPLIFICATION
-from ...reference.errors import NoOrbitError, UsageError
+from ...reference.errors import EngineError, MbcheckError, NoOrbitError, UsageError
 from ...reference.linear import linearise, modes
 from ...reference.scene import Array, Case, Scene
 from ...reference.solve import schemes
 from .adapter import Adapter
 from .equations import ModelEquations, scene_equations
 from .protocol import Method
-from .run import VIOLATIONS, Trajectory, run
+from .run import (
+    EPS,
+    NOTES,
+    VIOLATIONS,
+    Console,
+    Trajectory,
+    attempt,
+    call_engine,
+    grid_indices,
+    last_words,
+    noting,
+)
 
 STEPS_PER_PERIOD = {1: 800, 2: 300, 3: 150, 4: 100, 5: 60, 6: 40}
 """Steps in the shortest period of a scene, by order of the method."""
@@ -32,6 +49,16 @@ PLACES = 16
 STIFF = 0.5
 """Longest step times the fastest rate of a model's closure: a quarter of the stability limit of
 explicit methods."""
+
+
+TRIAL = 16
+"""Steps of the two short runs that tell slivers from shorter steps."""
+
+SAME, STILL = 1e-9, 1e-3
+"""Difference of their ends that slivers do not explain, in the size of what is observed, and the
+least of these sizes (SI)."""
+
+SLIVERS = "the engine counts slivers of steps to times that are off its clock by rounding: no fault"
 
 
 @dataclass(frozen=True)
@@ -281,3 +308,222 @@ def stable_step_bound(case: Case, equations: ModelEquations) -> float:
         return np.inf
     matrices = linearise(equations.scene, equations.parameters, equations.start(case))
     return STIFF / max(mode.omega for mode in modes(*matrices))
+
+
+def guard(
+    trajectory: Trajectory, setup: Setup, times: Array, slivers: Callable[[], int] | None = None
+) -> None:
+    """Refuse a run of a setup, with its step, that failed silently.
+
+    ``slivers`` returns how many steps more than were asked for are slivers, at most; by default
+    `most_slivers` finds out.
+
+    Raises
+    ------
+    EngineError
+        Named by its kind: ``shape``, ``names``, ``warning``, ``non_finite``, ``clock``,
+        ``clock_reversed``, ``step_count``, ``work_count``, ``inputs_changed`` or ``branch``.
+    """
+    expected = np.asarray(times, dtype=float)
+    case, step, evaluations = setup.case, setup.step_size, setup.integrator.evaluations
+    if trajectory.times.shape != expected.shape or not np.array_equal(trajectory.times, expected):
+        raise EngineError("shape", "the engine did not return the times that were asked for")
+    for name, values in trajectory.values.items():
+        if np.shape(values) != expected.shape:
+            raise EngineError(
+                "shape", f"{name} has shape {np.shape(values)}, expected {expected.shape}"
+            )
+    for name, count in trajectory.warnings.items():
+        if count:
+            raise EngineError("warning", f"the engine's warning counter {name} stands at {count}")
+    for name, values in trajectory.values.items():
+        bad = np.flatnonzero(~np.isfinite(values))
+        if bad.size:
+            raise EngineError(
+                "non_finite",
+                f"{name} is {values[bad[0]]} at t = {expected[bad[0]]:.6g} s: the run is unstable; "
+                "try a smaller step",
+            )
+    if np.any(np.diff(trajectory.clock) < 0):
+        first = int(np.flatnonzero(np.diff(trajectory.clock) < 0)[0])
+        raise EngineError(
+            "clock_reversed",
+            f"the engine's clock went back from {trajectory.clock[first]:.9g} s to "
+            f"{trajectory.clock[first + 1]:.9g} s: it reset itself",
+        )
+    asked = round((expected[-1] - case.start_time) / step)
+    slack = setup.epsilon * max(asked, 1) * np.maximum(np.abs(expected), step)
+    late = np.flatnonzero(~(np.abs(trajectory.clock - expected) <= slack))
+    if late.size:
+        raise EngineError(
+            "clock",
+            f"the engine's clock shows {trajectory.clock[late[0]]:.17g} s at "
+            f"t = {expected[late[0]]:.17g} s: stop at the times that are asked for",
+        )
+    slivers = slivers or partial(most_slivers, setup, expected)
+    refuse_other_steps(trajectory, asked, evaluations, slivers)
+    if trajectory.changed:
+        raise EngineError(
+            "inputs_changed", f"the engine changed its inputs: {', '.join(trajectory.changed)}"
+        )
+    scene = get_scene(case.scene)
+    missing = set(scene.observables) - set(trajectory.values)
+    if missing:
+        raise EngineError("names", f"the engine returned no {', '.join(sorted(missing))}")
+    if scene.assembled is not None:
+        apart = np.flatnonzero(~scene.assembled(trajectory.values, case.parameters))
+        if apart.size:
+            raise EngineError(
+                "branch",
+                f"at t = {expected[apart[0]]:.6g} s the mechanism is put together the other way "
+                "round: the engine went through a singular position; try a smaller step",
+            )
+
+
+def refuse_other_steps(
+    trajectory: Trajectory, asked: int, evaluations: int | None, slivers: Callable[[], int]
+) -> None:
+    """Refuse a run whose counts tell of other steps than were asked for, slivers apart.
+
+    Raises
+    ------
+    EngineError
+        ``step_count`` or ``work_count``.
+    """
+    more, work = trajectory.steps - asked, trajectory.rhs_evaluations
+    few, beyond = False, 0.0
+    if evaluations is not None and work is not None:
+        few = work < evaluations * (asked - 1)
+        # one to start with, one for each sample
+        beyond = max(0.0, (work - len(trajectory.times)) / evaluations - asked - 1)
+    if not (more or few or beyond):
+        return
+    most = slivers() if more > 0 or beyond else 0
+    if not 0 <= more <= most:
+        raise EngineError(
+            "step_count",
+            f"the engine took {trajectory.steps} steps, {asked} were asked for: count "
+            "those of this run, each of the step that is given, or leave Motion.steps out",
+        )
+    if few or beyond > most:
+        raise EngineError(
+            "work_count",
+            f"the engine evaluated forces {work} times, {(evaluations or 0) * asked} "
+            f"make {asked} steps of {evaluations} each: it takes other steps than asked",
+        )
+    NOTES.get({})[SLIVERS] = None
+
+
+def most_slivers(setup: Setup, times: Array) -> int:
+    """Return how many steps of a run (n_t times) may be slivers; 0 if the engine takes others.
+
+    A clock that adds up its steps misses a sample time by rounding, and what is left takes a step
+    of its own: one for each such time, whatever lies between them. So a run with one sample has
+    one at most, and ends where a run with many ends. An engine that halves its steps, or takes one
+    more from sample to sample, differs in one of these.
+    """
+    most = missed(setup, times)
+    if not most:
+        return 0
+    grid = setup.case.start_time + setup.step_size * np.arange(1, TRIAL + 1)
+    ends = []
+    for samples in (grid[-1:], grid):
+        try:
+            short = short_run(setup, samples)
+        except MbcheckError:
+            return 0
+        values = short.matrix(get_scene(setup.case.scene).observables)
+        ends.append(values[:, -1])
+    sizes = np.maximum(np.max(np.abs(values), axis=1), STILL)
+    alike = max(SAME, 8 * TRIAL * setup.epsilon)
+    return most if np.all(np.abs(ends[1] - ends[0]) <= alike * sizes) else 0
+
+
+def short_run(setup: Setup, times: NDArray[Any]) -> Trajectory:
+    """Return a run that has a sliver at most where a time is missed; nothing is noted of it.
+
+    Raises
+    ------
+    MbcheckError
+        If the engine fails, or the run has other steps.
+    """
+    case, method, step = setup.case, setup.integrator, setup.step_size
+    room = missed(setup, times)
+    short = call_engine(lambda: setup.engine.simulate(case, setup.model, method, step, times))
+    with noting():
+        guard(short, setup, times, lambda: room)
+    return short
+
+
+def missed(setup: Setup, times: NDArray[Any]) -> int:
+    """Return how many times (n_t,) a clock may miss by rounding that adds up steps to each [s]."""
+    if setup.epsilon > EPS:  # its sums are not those of this machine
+        return len(times)
+    start, step = setup.case.start_time, setup.step_size
+    places = [start, *map(float, times)]
+    counts = np.diff(grid_indices(times, start, step), prepend=0)
+    return sum(
+        float(np.cumsum([before, *np.full(count, step)])[-1]) != after
+        for before, after, count in zip(places, places[1:], counts, strict=False)
+    )
+
+
+def run(setup: Setup, times: Array) -> Trajectory:
+    """Simulate with the setup's method and step inside the container, and guard the result.
+
+    Raises
+    ------
+    EngineError
+        If the engine raised, or the guard refused its result.
+    UsageError
+        If times are off the engine's grid.
+    """
+    case, method, step = setup.case, setup.integrator, setup.step_size
+    times = np.asarray(times, dtype=float)
+    grid_indices(times, case.start_time, step)
+
+    def simulate() -> tuple[Trajectory, float]:
+        begin = perf_counter()
+        trajectory = setup.engine.simulate(case, setup.model, method, step, times)
+        return trajectory, perf_counter() - begin
+
+    console = Console()
+    trajectory, seconds = call_engine(simulate, console)
+    try:
+        guard(trajectory, setup.with_step(step), times)
+    except EngineError as error:
+        raise EngineError(error.kind, last_words(error.message, console.text)) from error
+    return trajectory if trajectory.seconds else replace(trajectory, seconds=seconds)
+
+
+def run_many(
+    setup: Setup, cases: Sequence[Case], steps: Array, times: Array
+) -> list[Trajectory | EngineError]:
+    """Simulate many cases of a scene in one container; errors are returned.
+
+    Parameters
+    ----------
+    setup : Setup
+        Its case and its step are not used.
+    cases : sequence of Case, k of them
+    steps : array (k,) [s]
+    times : array (k, n_t) [s]
+        As many steps from one to the next in every case.
+    """
+    for case, step, grid in zip(cases, steps, times, strict=True):
+        grid_indices(grid, case.start_time, float(step))
+
+    def simulate(case: Case, step: float, grid: Array) -> Trajectory:
+        engine, method = setup.engine, setup.integrator
+        return engine.simulate(case, setup.model, method, step, grid)
+
+    rows = zip(cases, steps.tolist(), times, strict=True)
+    results = call_engine(lambda: [attempt(partial(simulate, *row)) for row in rows])
+    for i, result in enumerate(results):
+        if isinstance(result, EngineError):
+            continue
+        try:
+            guard(result, setup.with_case(cases[i]).with_step(float(steps[i])), times[i])
+        except EngineError as error:
+            results[i] = error
+    return results

@@ -1,1 +1,1 @@
-"""How far engines can be pushed, and who notices when they break."""
+"""The verb `extremes`: where engines break, and who notices, from results of checks."""

@@ -20,9 +20,8 @@ from ..documents import document
 from ..documents.reading import read_bytes, read_document
 from ..reports.item import Outcome, ReportItem
 from ..reports.words import plural
-from .findings import Selection
+from .inspection import Selection
 from .mujoco.source import ROOT, OtherRootError, Waiver, read
-from .pace import has_unasked_rules
 from .rules.table import RULES
 from .subject import SEVERITIES, Severity
 
@@ -115,7 +114,7 @@ class InspectRequest:
     waivers : str or None
         File of waivers in place of `BESIDE`.
     baseline : str or None
-        File of findings that were there before.
+        Document of findings that were there before.
     """
 
     strict: bool = False
@@ -167,9 +166,8 @@ class InspectRequest:
         beside = os.path.join(os.path.dirname(file), BESIDE)
         place = self.waivers or (beside if os.path.isfile(beside) else None)
         waivers = waivers_of(Path(place), file) if place else ()
-        old = baseline_of(self.baseline).get(key_of(file), {}) if self.baseline else {}
-        alone = about_alone(waivers, file) if waivers else frozenset()
-        return Selection(self.rules(), waivers, old, alone)
+        old = baseline_of(self.baseline).get(Path(file).as_posix(), {}) if self.baseline else {}
+        return Selection(self.rules(), waivers, old)
 
 
 def matching(patterns: Sequence[str]) -> set[str]:
@@ -208,49 +206,38 @@ def waivers_of(place: Path, file: str) -> tuple[Waiver, ...]:
             raise UnknownNameError("rule", entry["rule"], RULES)
         name = Path(file).name
         if fnmatchcase(name, entry.get("file", "*")) or fnmatchcase(file, entry.get("file", "*")):
-            words = json.dumps(entry)
-            element = entry.get("element")
-            read_from = os.path.relpath(place, Path(file).parent)
-            waivers.append(Waiver(entry["rule"], element, entry["reason"], words, read_from, line))
+            waiver = Waiver(
+                rule=entry["rule"],
+                pattern=entry.get("element"),
+                reason=entry["reason"],
+                text=json.dumps(entry),
+                file=os.path.relpath(place, Path(file).parent),
+                line=line,
+                required=entry.get("file") in (name, file),
+            )
+            waivers.append(waiver)
     return tuple(waivers)
 
 
-def about_alone(waivers: Sequence[Waiver], file: str) -> frozenset[int]:
-    """Return which waivers, about a model, are about no other one in its folder."""
-    folder, own = Path(file).parent, Path(file).resolve()
-    others = whole_models([str(one) for one in folder.glob("*.xml") if one.resolve() != own])
-    patterns = [json.loads(waiver.text).get("file", "*") for waiver in waivers]
-    return frozenset(
-        i
-        for i, pattern in enumerate(patterns)
-        if not any(fnmatchcase(Path(other).name, pattern) for other in others)
-    )
-
-
-def key_of(file: str) -> str:
-    """Return how a file is named in a baseline."""
-    return Path(file).as_posix()
-
-
 def baseline_of(name: str) -> dict[str, dict[tuple[str, str], float | None]]:
-    """Return the findings of a baseline: file -> rule and element -> how bad it was, if known.
+    """Return the findings of a document: file -> rule and element -> how bad it was, if known.
 
     Raises
     ------
     UsageError
-        If it cannot be read.
+        If it cannot be read, or is no document of ``inspect``.
     """
     _, content = read_document(name, "JSON", json.loads, "--baseline: ")
+    found: dict[str, dict[tuple[str, str], float | None]] = {}
     try:
-        return {
-            file: {
-                (str(rule), str(element)): None if measure in ([], [None]) else float(*measure)
-                for rule, element, *measure in entries
-            }
-            for file, entries in content["findings"].items()
-        }
-    except (ArithmeticError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise UsageError(f"{name} is no baseline: {error}") from None
+        for model in content.get("models", [content]):
+            known = found.setdefault(Path(model["file"]).as_posix(), {})
+            for one in unwaived(model):
+                key = one["rule"], one["element"]
+                known[key] = max(known.get(key) or 0.0, one["measure"] or 0.0) or None
+    except (KeyError, TypeError, AttributeError):
+        raise UsageError(f"--baseline: {name} is no document of inspect --json") from None
+    return found
 
 
 # What they come to --------------------------------------------------------------------------
@@ -313,9 +300,9 @@ class Inspections:
         return items
 
     def exit_code(self, fail_on: str) -> int:
-        """Return 2 if a file could not be read, 1 if a finding is to fail or a rule had no time."""
+        """Return 2 if a file could not be read, 1 if a finding fails or parts were left out."""
         fails = any(self.summary[name] for name in FAIL_ON[fail_on])
-        fails |= any(has_unasked_rules(one["left_out"]) for one in self.models)
+        fails |= any(one["left_out"] for one in self.models)
         return 2 if self.unreadable else int(fails)
 
     def verdict(self, fail_on: str) -> str:
@@ -336,17 +323,13 @@ class Inspections:
             unreadable=[{"file": file, "reason": why} for file, why in self.unreadable.items()],
         )
 
-    def baseline(self) -> str:
-        """Return what `baseline_of` reads: all that is found now."""
-        content = {}
-        for one in self.models:
-            worst: dict[tuple[str, str], float | None] = {}
-            for finding in unwaived(one):
-                key, measure = (finding["rule"], finding["element"]), finding["measure"]
-                both = [value for value in (worst.get(key), measure) if value is not None]
-                worst[key] = max(both, default=None)
-            content[key_of(one["file"])] = [[*key, value] for key, value in sorted(worst.items())]
-        return json.dumps({"findings": content}, indent=1) + "\n"
+
+def omissions(left_out: Sequence[str]) -> str:
+    """Return in words what was left out; empty if nothing was."""
+    rules = [part.removeprefix("rule ") for part in left_out if part.startswith("rule ")]
+    others = [part for part in left_out if not part.startswith("rule ")]
+    others += [f"the rules {', '.join(rules)}"] if rules else []
+    return f"it was stopped, and left out are {'; '.join(others)}" if others else ""
 
 
 def unwaived(model: Mapping[str, Any]) -> list[Mapping[str, Any]]:

@@ -11,13 +11,13 @@ from ..reports.item import LEVELS, Level, ReportItem
 from ..reports.sections import Section, print_sections
 from ..reports.text import STYLES, print_line, print_table
 from ..reports.words import number, plural
-from .batch import Inspections
+from .batch import Inspections, omissions
 from .difference import ModelDifference
 from .inspection import Inspection
 from .mujoco.facts import BodyFacts, JointFacts
 from .mujoco.model import ENGINE
-from .pace import omissions
-from .rules.stability import why_untold
+from .mujoco.trial import MOST_STEPS
+from .rules.stability import SLOWEST
 from .rules.table import RULES
 from .subject import View
 
@@ -29,6 +29,12 @@ DEEPEST = 5
 
 REST = 1e-6
 """Largest acceleration [rad/s^2, m/s^2] of a state that is called at rest."""
+
+UNSTABLE = (
+    "what is unstable here is no finding: contacts, limits or constant forces hold this state, it "
+    f"grows by less than {SLOWEST:g} 1/s, or a run of {MOST_STEPS} steps does not show it"
+)
+"""What is said of modes that grow and that no rule speaks of."""
 
 SINGULAR = {"bodies": "body", "equalities": "equality", "meshes": "mesh", "flexes": "flex"}
 
@@ -54,7 +60,7 @@ def print_inspection(
     if more := len(inspection.views) - len(views):
         sections.append(Section(lines=[f"... {more} states more, with --full"]))
     sections += [*steps_section(inspection), *closures_section(inspection, full)]
-    if words := omissions(inspection.pace.left_out):
+    if words := omissions(inspection.left_out):
         sections.append(Section(lines=[words]))
     print_sections(console, sections)
     print_verdict(console, every, fail_on)
@@ -204,8 +210,7 @@ def view_section(inspection: Inspection, view: View, full: bool) -> Section:
     named = (repr(view.state.name) in one.message for one in inspection.findings)
     about_growth = (one.rule.startswith("unstable") for one in inspection.findings)
     if "unstable" in kinds and not (any(named) or any(about_growth)):
-        why = why_untold(view, inspection.facts)
-        lines.append(f"what is unstable here is no finding: {why}")
+        lines.append(UNSTABLE)
     heads = ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "most in", ""]
     return Section(f"state {view.state.name}", heads, rows, lines, digits=6)
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,30 +15,89 @@ import numpy as np
 from ..documents import document
 from ..engines.mujoco.library import quiet
 from ..queries.environment import versions
-from .findings import ModelFinding, Selection, findings, hits_of
 from .mujoco.closures import ClosedLoop, closures
 from .mujoco.facts import facts
 from .mujoco.linear import Linear
 from .mujoco.model import ENGINE, Loaded, NotFiniteError, load
-from .pace import Pace
+from .mujoco.source import Element, Waiver
 from .rules.table import RULES
+from .rules.text import repeated_default
 from .spectrum import Shape
-from .subject import SEVERITIES, InspectedModel, View
-from .views import MOST_STATES, shortest_period_of, state_views, step_limits
+from .subject import SEVERITIES, Hit, InspectedModel, Severity, View
+from .views import MOST_STATES, state_views, step_limits
 
+BEFORE = "in the baseline"
+"""Why a finding is waived that was there before."""
 
-def all_closures(loaded: Loaded, pace: Pace) -> tuple[ClosedLoop, ...]:
-    """Return the closures in all states, stiffest first, those that open most before others."""
-    every: list[ClosedLoop] = []
-    for state in loaded.states[:MOST_STATES] if loaded.model.neq else ():
-        if not pace.begins(f"closures in the state {state.name}"):
-            break
-        with suppress(NotFiniteError, np.linalg.LinAlgError):
-            every += closures(loaded, state)
-    return tuple(sorted(every, key=lambda one: (-one.omega, -one.opening)))
+WORSE = 1.1
+"""Times as bad as in the baseline from which on a finding counts again."""
+
+MODES, STEPS, LOOPS = "modes", "largest stable steps", "loads of closures"
+"""Parts of an inspection that take time, beside its rules."""
 
 
 @dataclass(frozen=True)
+class ModelFinding:
+    """What a rule says of a model.
+
+    Attributes
+    ----------
+    rule : str
+        Its id.
+    severity : {"error", "warning", "note"}
+    element : str
+        Where: ``tag:name``, ``tag:name/tag`` or ``tag``.
+    file : str or None
+    line : int or None
+        Where that stands, if it stands in the text.
+    message : str
+        What is found, with its numbers.
+    fix : str
+        What to do.
+    waived : str or None
+        The reason that the file gives for it, if it does.
+    attribute : str or None
+        The one of the element that is meant, if it is one.
+    measure : float or None
+        How bad it is, the larger the worse, where a number tells that.
+    """
+
+    rule: str
+    severity: Severity
+    element: str
+    file: str | None
+    line: int | None
+    message: str
+    fix: str
+    waived: str | None = None
+    attribute: str | None = None
+    measure: float | None = None
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Which rules are asked, and what is waived beside the comments of a file.
+
+    Attributes
+    ----------
+    rules : frozenset of str
+    waivers : tuple of Waiver
+        Those of a file beside it, for models of others.
+    baseline : mapping of (str, str) to float or None
+        Rule and element of findings that were there before, and how bad they were.
+    """
+
+    rules: frozenset[str]
+    waivers: tuple[Waiver, ...] = ()
+    baseline: Mapping[tuple[str, str], float | None] = field(default_factory=dict)
+
+    @classmethod
+    def of_profile(cls, strict: bool) -> Selection:
+        """Return the rules that are asked by default, or all."""
+        return cls(frozenset(name for name, rule in RULES.items() if strict or not rule.house))
+
+
+@dataclass(frozen=True, kw_only=True)
 class Inspection(InspectedModel):
     """What is found about a file: all that rules look at, and what they say.
 
@@ -47,9 +107,11 @@ class Inspection(InspectedModel):
         As it was given.
     files : tuple of str
         It, and what it includes.
-    findings : tuple of Finding
+    findings : tuple of ModelFinding
     untried : str or None
         Why some attributes were not tried for `repeated_default`, if any were not.
+    left_out : tuple of str
+        Parts that were not begun, the next first: empty at the end.
     versions : mapping of str to str
     """
 
@@ -57,6 +119,7 @@ class Inspection(InspectedModel):
     files: tuple[str, ...]
     findings: tuple[ModelFinding, ...]
     untried: str | None
+    left_out: tuple[str, ...]
     versions: Mapping[str, str]
 
     @property
@@ -83,10 +146,10 @@ class Inspection(InspectedModel):
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``inspect`` document of docs/json.md."""
-        facts, step = self.facts, self.facts.options.timestep
+        step = self.facts.options.timestep
         return document(
             "inspect",
-            facts,
+            self.facts,
             file=self.file,
             files=self.files,
             summary=self.summary,
@@ -99,7 +162,7 @@ class Inspection(InspectedModel):
             closures=self.closures,
             findings=self.findings,
             untried=self.untried,
-            left_out=self.pace.left_out,
+            left_out=self.left_out,
             versions=self.versions,
         )
 
@@ -139,7 +202,6 @@ def inspect(
     modes: bool | None = None,
     strict: bool = False,
     selection: Selection | None = None,
-    pace: Pace | None = None,
 ) -> Inspection:
     """Inspect an MJCF file.
 
@@ -155,8 +217,6 @@ def inspect(
         Whether to look for what is a matter of taste, too: the rules of the house.
     selection : Selection, optional
         Which rules are asked instead, and what is waived beside the file's own comments.
-    pace : Pace, optional
-        How long it may take; it tells afterwards what was left out.
 
     Raises
     ------
@@ -166,50 +226,137 @@ def inspect(
     EngineUnavailableError
         If MuJoCo cannot be imported.
     """
-    pace, selection = pace or Pace(), selection or Selection.of_profile(strict)
-    pace.progress(0, 1, f"MuJoCo compiles {Path(path).name}")
-    loaded = load(path)
-    with quiet(loaded.mujoco):
-        still = without_motion(loaded, strict, pace)
-        quick = hits_of(still, selection)
-        subject = with_motion(still, about_rotation, modes)
-        return inspection_of(path, subject, *findings(subject, selection, quick=quick))
+    *_, (_, report) = inspect_in_parts(path, about_rotation, modes, strict, selection)
+    return report()
 
 
-def inspection_of(
+def inspect_in_parts(
     path: str | Path,
-    subject: InspectedModel,
-    results: tuple[ModelFinding, ...],
+    about_rotation: Mapping[str, float | str] | None = None,
+    modes: bool | None = None,
+    strict: bool = False,
+    selection: Selection | None = None,
+) -> Iterator[tuple[tuple[str, ...], Callable[[], Inspection]]]:
+    """Inspect a file in parts; rules that look at the model alone come before what takes time.
+
+    Yields before each part, and at the end, the parts that are to come, and what returns the
+    inspection so far. See `inspect`.
+    """
+    selection = selection or Selection.of_profile(strict)
+    loaded, hits, untried = load(path), list[tuple[str, Hit]](), None
+    rules = {f"rule {name}": RULES[name] for name in RULES if name in selection.rules}
+    repeated = [part for part in rules if part == "rule repeated_default"]
+    quick = [part for part, rule in rules.items() if rule.needs == "model"]
+    others = [p for p, rule in rules.items() if rule.needs in ("states", "modes", "runs")]
+    parts = [*quick, MODES, STEPS, LOOPS, *others, *repeated]
+    s = InspectedModel(loaded, facts(loaded), strict)
+    with quiet(loaded.mujoco), np.errstate(all="ignore"):
+        for number, part in enumerate(parts):
+            left = tuple(parts[number:])
+            yield left, partial(report_of, path, s, selection, hits, left)
+            if part == MODES:
+                s = replace(s, views=state_views(loaded, about_rotation, modes))
+            elif part == STEPS:
+                s = replace(s, steps=step_limits(loaded, s.views))
+            elif part == LOOPS:
+                s = replace(s, closures=all_closures(loaded))
+            elif part in repeated:  # what no other rule has found
+                found, untried = repeated_default(s, [hit for _, hit in hits])
+                hits += [("repeated_default", hit) for hit in found]
+            else:
+                hits += [(part.removeprefix("rule "), hit) for hit in rules[part].find(s)]
+        yield (), partial(report_of, path, s, selection, hits, (), untried)
+
+
+def all_closures(loaded: Loaded) -> tuple[ClosedLoop, ...]:
+    """Return the closures in all states, stiffest first, those that open most before others."""
+    every: list[ClosedLoop] = []
+    for state in loaded.states[:MOST_STATES] if loaded.model.neq else ():
+        with suppress(NotFiniteError, np.linalg.LinAlgError):
+            every += closures(loaded, state)
+    return tuple(sorted(every, key=lambda one: (-one.omega, -one.opening)))
+
+
+def report_of(
+    path: str | Path,
+    s: InspectedModel,
+    selection: Selection,
+    hits: Sequence[tuple[str, Hit]],
+    left_out: tuple[str, ...],
     untried: str | None = None,
 ) -> Inspection:
-    """Return the inspection of a file."""
-    loaded = subject.loaded
+    """Return a model with its findings: errors first, and those that are waived last.
+
+    A waiver of what was not looked for, or of a rule that was not tried on all, may be of use
+    another time; others that waive nothing, and are about this model alone, are findings.
+    """
+    waivers = (*s.loaded.source.waivers, *selection.waivers)
+    results, used = list[ModelFinding](), set[int]()
+    for rule, hit in sorted(hits, key=lambda one: list(RULES).index(one[0])):
+        number = next((i for i, one in enumerate(waivers) if one.covers(rule, hit.name)), None)
+        if number is not None:
+            used.add(number)
+            results.append(finding(rule, hit, waivers[number].reason))
+        else:
+            results.append(compared(selection.baseline, rule, hit))
+    skipped = {name for name in RULES if name not in selection.rules or f"rule {name}" in left_out}
+    if untried:
+        skipped.add("repeated_default")
+    if not any(view.linear for view in s.views):
+        skipped |= {name for name, rule in RULES.items() if rule.needs == "modes"}
+    for i, waiver in enumerate(waivers):
+        idle = i not in used and not (waiver.rule in skipped and waiver.reason)
+        if idle and waiver.required:
+            rule, hit = complaint(waiver)
+            results += [finding(rule, hit)] if rule in selection.rules else []
+    results.sort(key=lambda one: (one.waived is not None, SEVERITIES.index(one.severity)))
     return Inspection(
-        **{item.name: getattr(subject, item.name) for item in fields(subject)},
+        **{item.name: getattr(s, item.name) for item in fields(s)},
         file=str(path),
-        files=loaded.source.files,
-        findings=results,
+        files=s.loaded.source.files,
+        findings=tuple(results),
         untried=untried,
-        versions={**versions(()), ENGINE: str(loaded.mujoco.__version__)},
+        left_out=left_out,
+        versions={**versions(()), ENGINE: str(s.loaded.mujoco.__version__)},
     )
 
 
-def without_motion(loaded: Loaded, strict: bool, pace: Pace) -> InspectedModel:
-    """Return a model with what costs no time: nothing of its states, of steps and of loops."""
-    pace.total = len(loaded.states) + len(RULES)
-    return InspectedModel(loaded, facts(loaded), (), (), None, (), strict, pace)
+def compared(baseline: Mapping[tuple[str, str], float | None], rule: str, hit: Hit) -> ModelFinding:
+    """Return a finding: waived if it is in the baseline, unless it has become worse."""
+    old = baseline.get((rule, hit.name))
+    if old is not None and hit.measure is not None and hit.measure > WORSE * abs(old):
+        worse = f"; in the baseline it was {old:.3g} where now it is {hit.measure:.3g}"
+        return finding(rule, hit._replace(message=hit.message + worse))
+    return finding(rule, hit, BEFORE if (rule, hit.name) in baseline else None)
 
 
-def with_motion(
-    s: InspectedModel, about_rotation: Mapping[str, float | str] | None, modes: bool | None
-) -> InspectedModel:
-    """Return a model with its states, the steps that they allow, and its loops."""
-    loaded, pace = s.loaded, s.pace
-    views = state_views(loaded, about_rotation, modes, pace)
-    return replace(
-        s,
-        views=views,
-        steps=step_limits(loaded, views, pace),
-        shortest_period=shortest_period_of(views),
-        closures=all_closures(loaded, pace),
+def finding(rule: str, hit: Hit, waived: str | None = None) -> ModelFinding:
+    """Return what a rule found, with what the rule itself says, and why the file waives it."""
+    return ModelFinding(
+        rule=rule,
+        severity=RULES[rule].severity,
+        element=hit.name,
+        file=hit.element.file if hit.element else None,
+        line=hit.element.line if hit.element else None,
+        message=hit.message,
+        fix=hit.fix or RULES[rule].fix,
+        waived=waived,
+        attribute=hit.attribute,
+        measure=hit.measure,
     )
+
+
+def complaint(waiver: Waiver) -> tuple[str, Hit]:
+    """Return the rule about a waiver that waives nothing, and what is wrong with it."""
+    words = " ".join(waiver.text.split())
+    quoted = repr(words if len(words) < 60 else f"{words[:57]}...")
+    about = "" if waiver.pattern is None else f" for {waiver.pattern}"
+    if not waiver.rule:
+        rule, message = "waiver_reason", f"{quoted} is not a waiver"
+    elif waiver.rule not in RULES:
+        rule, message = "waiver_unknown", f"there is no rule {waiver.rule!r}"
+    elif not waiver.reason:
+        rule, message = "waiver_reason", f"{quoted} gives no reason"
+    else:
+        rule, message = "waiver_unused", f"nothing is found by {waiver.rule}{about}"
+    return rule, Hit(Element("comment", {}, waiver.file, waiver.line), "comment", message)

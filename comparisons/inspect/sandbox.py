@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import os
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import closing
 from functools import partial
 from math import inf
 from time import monotonic
@@ -13,14 +12,13 @@ from typing import Any, TypeVar
 
 from rich.console import Console
 
-from ...reference.errors import EngineError, MbcheckError
+from ...reference.errors import EngineError, MbcheckError, UsageError
 from ..engines.isolation import MEMORY, Worker, await_call, tell, within_limits
 from .batch import Inspections, InspectRequest
 from .console import print_difference, print_inspection
 from .difference import model_difference
 from .fixes import neutral_edit
-from .inspection import Inspection, inspect, inspection_of
-from .pace import Pace, omissions
+from .inspection import Inspection, inspect, inspect_in_parts
 
 T = TypeVar("T")
 
@@ -28,15 +26,13 @@ PATIENCE = 600.0
 """Time [s] after which a file is given up."""
 
 BRIEF = 2.0
-"""Time [s] that each of several files has before it is stopped, however little there is."""
+"""Time [s] that a file has at least, once it is begun."""
 
-GRACE = 5.0
-"""Time [s] after `--budget` at which what still goes on is stopped."""
-
+OFTEN = 0.5
+"""Time [s] between two reports of what is found so far, while rules are asked."""
 
 FileReport = tuple[dict[str, Any], str]
 """The ``inspect`` document of a file, and its report."""
-
 
 Screen = Mapping[str, Any]
 """What a report is written for: arguments of rich's console."""
@@ -52,18 +48,25 @@ def text_on(screen: Screen, printer: Callable[[Console], None]) -> str:
 class Sandbox:
     """A process that does work on one file after the other; another one follows if it ends.
 
+    Parameters
+    ----------
+    budget : float, optional
+        Time [s] for all files, after which what still goes on is stopped.
+    progress : callable, optional
+        Is told how many parts are done, of how many, and which is next.
+
     Attributes
     ----------
-    pace : Pace
-        The time for all files; it is told how far they are.
-    grace : float
-        Time [s] after the end of it at which what still goes on is stopped.
     report : FileReport or None
         What work that was stopped had found until then.
     """
 
-    def __init__(self, pace: Pace, grace: float = GRACE) -> None:
-        self.pace, self.grace = pace, grace
+    def __init__(
+        self, budget: float = inf, progress: Callable[..., None] = lambda *_: None
+    ) -> None:
+        if not budget > 0:
+            raise UsageError(f"--budget must be a positive number, not {budget:g}")
+        self.end, self.progress = monotonic() + budget, progress
         self.worker: Worker | None = None
         self.report: FileReport | None = None
         self.part, self.alone = "", False
@@ -73,8 +76,8 @@ class Sandbox:
         if self.worker is not None:
             self.worker.end()
 
-    def run(self, work: Callable[[float], T], alone: bool = False) -> T:
-        """Return the result of work on a file, which is given the time that it may take [s].
+    def run(self, work: Callable[[], T], alone: bool = False) -> T:
+        """Return the result of work on a file.
 
         Work on one file ``alone`` may take all the time that there is, else half of it, so that
         none takes all from the others.
@@ -86,24 +89,20 @@ class Sandbox:
         MbcheckError
             That the work raised.
         """
-        budget = self.pace.remaining().budget
-        most = budget + self.grace
-        if not alone:
-            budget /= 2
-            most = min(max(1.25 * budget, BRIEF), self.pace.end - monotonic() + self.grace)
-        most = PATIENCE if budget == inf else most
-        if most <= 0:
+        left = self.end - monotonic()
+        if left <= 0:
             raise EngineError("timeout", "not inspected: the time was up")
+        most = PATIENCE if left == inf else max(BRIEF, left if alone else left / 2)
         self.report, self.part, self.alone = None, "", alone
         if self.worker is None or not self.worker.process.is_alive():
             self.worker = Worker()
             self.worker.heard = self.hear
         with within_limits(most, MEMORY):
-            outcome = await_call(self.worker, partial(in_folder, os.getcwd(), work, budget), most)
+            outcome = await_call(self.worker, partial(in_folder, os.getcwd(), work), most)
         if isinstance(outcome, EngineError):
             message = outcome.message
-            if outcome.kind == "timeout" and budget < inf:
-                message = f"stopped: the time of --budget was up, {budget:.3g} s for this file"
+            if outcome.kind == "timeout" and left < inf:
+                message = f"stopped: the time of --budget was up, {most:.3g} s for this file"
             raise EngineError(outcome.kind, f"{message}; it was at: {self.part}")
         if isinstance(outcome, MbcheckError):
             raise outcome
@@ -116,14 +115,14 @@ class Sandbox:
         else:
             self.part = message[-1]
             if self.alone:
-                self.pace.progress(*message)
+                self.progress(*message)
 
 
-def in_folder(folder: str, work: Callable[[float], T], budget: float) -> T | MbcheckError:
+def in_folder(folder: str, work: Callable[[], T]) -> T | MbcheckError:
     """Return the result of work in a folder, or the error of mbcheck's own that it raises."""
     os.chdir(folder)
     try:
-        return work(budget)
+        return work()
     except MbcheckError as error:
         return error
 
@@ -132,47 +131,43 @@ def in_folder(folder: str, work: Callable[[float], T], budget: float) -> T | Mbc
 
 
 def inspect_file(
-    file: str, request: InspectRequest, options: Mapping[str, Any], screen: Screen, budget: float
+    file: str, request: InspectRequest, options: Mapping[str, Any], screen: Screen
 ) -> FileReport:
-    """Inspect a file; tell what is found so far."""
+    """Inspect a file; tell what is found so far, now and then."""
 
     def report_of(result: Inspection) -> FileReport:
         report = partial(
-            print_inspection,
-            inspection=result,
-            full=options["full"],
-            fail_on=options["fail_on"],
+            print_inspection, inspection=result, full=options["full"], fail_on=options["fail_on"]
         )
         return result.as_json(), text_on(screen, report)
 
-    pace = Pace(
-        budget,
-        lambda *part: tell(part),
-        checkpoint=lambda *so_far: tell(report_of(inspection_of(file, *so_far))),
-    )
+    told, total = monotonic(), 0
     asked = options["rotation"], options["modes"], request.strict, request.selection(file)
-    return report_of(inspect(file, *asked, pace))
+    tell((0, 1, f"MuJoCo compiles {os.path.basename(file)}"))
+    for left, inspection in inspect_in_parts(file, *asked):
+        total = max(total, len(left))
+        for part in left[:1]:
+            tell((total - len(left), total, part))
+            if not part.startswith("rule ") or monotonic() > told + OFTEN:
+                tell(report_of(inspection()))
+                told = monotonic()
+    return report_of(inspection())
 
 
-def fix(file: str, request: InspectRequest, dry_run: bool, budget: float) -> tuple[str, str, bool]:
+def fix(file: str, request: InspectRequest, dry_run: bool) -> tuple[str, str, bool]:
     """Leave out what a file does without; return the edit, a summary, and if there is any edit."""
-    pace = Pace(budget, lambda *part: tell(part))
     selection = request.fixing().selection(file)
-    edit = neutral_edit(inspect(file, modes=False, selection=selection, pace=pace))
+    edit = neutral_edit(inspect(file, modes=False, selection=selection))
     if not dry_run:
         edit.write()
-    left = omissions(pace.left_out)
-    return edit.diff, edit.summary + (f"\n{file}: {left}" if left else ""), bool(edit.attributes)
+    return edit.diff, edit.summary, bool(edit.attributes)
 
 
 def compare_models(
-    files: Sequence[str], request: InspectRequest, modes: bool | None, screen: Screen, budget: float
+    files: Sequence[str], request: InspectRequest, modes: bool | None, screen: Screen
 ) -> tuple[str, bool, list[str]]:
     """Return a table of differences, if fields differ, and the severities of new findings."""
-    pace = Pace(budget, lambda *part: tell(part))
-    old, new = (
-        inspect(name, None, modes, request.strict, request.selection(name), pace) for name in files
-    )
+    old, new = (inspect(x, None, modes, request.strict, request.selection(x)) for x in files)
     result = model_difference(old, new)
     text = text_on(screen, partial(print_difference, result=result))
     return text, bool(result.rows), [one.severity for one in result.new]
@@ -182,10 +177,7 @@ def compare_models(
 
 
 def inspect_files(
-    files: Sequence[str],
-    work: Callable[[str], Callable[[float], FileReport]],
-    pace: Pace,
-    grace: float = GRACE,
+    files: Sequence[str], work: Callable[[str], Callable[[], FileReport]], sandbox: Sandbox
 ) -> tuple[Inspections, list[str]]:
     """Inspect files one after the other; one that cannot be read does not end the others.
 
@@ -194,26 +186,23 @@ def inspect_files(
     files : sequence of str
     work : callable
         From a file to what inspects it.
-    pace : Pace
-        The time for all of them; it is told which file is next.
-    grace : float
-        As of `Sandbox`.
+    sandbox : Sandbox
+        Its progress is told which file is next.
 
     Returns
     -------
     Inspections, and the reports of its models.
     """
     every, unreadable = list[FileReport](), dict[str, str]()
-    with closing(Sandbox(pace, grace)) as sandbox:
-        for number, file in enumerate(files):
-            if len(files) > 1:
-                pace.progress(number, len(files), file)
-            try:
-                every.append(sandbox.run(work(file), len(files) == 1))
-            except MbcheckError as error:
-                ended = error.kind if isinstance(error, EngineError) else ""
-                report = sandbox.report if ended else None  # a user's slip has none
-                every += [report] if report else []
-                if not (report and ended == "timeout"):
-                    unreadable[file] = str(error)
+    for number, file in enumerate(files):
+        if len(files) > 1:
+            sandbox.progress(number, len(files), file)
+        try:
+            every.append(sandbox.run(work(file), len(files) == 1))
+        except MbcheckError as error:
+            ended = error.kind if isinstance(error, EngineError) else ""
+            report = sandbox.report if ended else None  # a user's slip has none
+            every += [report] if report else []
+            if not (report and ended == "timeout"):
+                unreadable[file] = str(error)
     return Inspections(tuple(model for model, _ in every), unreadable), [text for _, text in every]

@@ -10,18 +10,20 @@ from scipy.linalg import eig
 
 from ...reference.amplification import (
     AMPLIFICATION,
-    GROWTH,
     ComplexArray,
     Vibrations,
     amplification_factors,
-    first_beyond,
     first_order,
+    largest_stable_step,
     rates,
     surpluses,
     vibrations,
 )
 from ...reference.linear import rigid_and_elastic
 from ...reference.scene import Array
+
+SHORT = 1e-9
+"""Step [s] so short that no time constant of MuJoCo's constraints is raised."""
 
 FREE = 1e-9
 """A direction that resists by less than this share of the stiffest is free: differences leave as
@@ -126,19 +128,6 @@ def kind_of(rate: complex) -> Kind:
     return "oscillating" if rate.imag else "decaying"
 
 
-class Step(NamedTuple):
-    """The largest step [s] at which an integrator is stable, infinite if any, and what sets it.
-
-    ``omega`` [1/s] is that of the mode, ``place`` the coordinate with most of its energy,
-    ``vector`` its shape (n,); all are None where no step is too long.
-    """
-
-    limit: float
-    omega: float | None
-    place: int | None
-    vector: ComplexArray | None = None
-
-
 class LinearMotion(NamedTuple):
     """Small motions, and what an integrator takes late of them; arrays (..., n, n)."""
 
@@ -158,66 +147,63 @@ class LinearMotion(NamedTuple):
         return Vibrations(self.mass, self.damping + more, self.stiffness, self.late_damping + more)
 
 
-class StepDependence(NamedTuple):
-    """Motions that depend on the step [s] of their integration, from one step on."""
-
-    raised_from: float
-    at: Callable[[float], LinearMotion]
-
-
 def longest_step(
     integrator: str,
-    motion: LinearMotion,
+    at: Callable[[float], LinearMotion],
     modes: Sequence[Shape],
+    raised_from: float = np.inf,
     whole_up_to: int = WHOLE_UP_TO,
-    dependence: StepDependence | None = None,
-) -> Step:
-    """Return the longest step that keeps small motions bounded.
+) -> tuple[float, Shape | None]:
+    """Return the longest step [s] that keeps small motions bounded, and the mode that sets it.
 
     Up to so many degrees of freedom by the matrix of a step, with more mode by mode, which is
-    exact where damping does not couple modes. ``motion`` is that of short steps.
+    exact where damping does not couple modes. The mode is None where every step is stable.
+
+    Parameters
+    ----------
+    integrator : str
+    at : callable
+        From a step to the motions, which depend on it beyond ``raised_from`` [s].
+    modes : sequence of Shape
+        Those of short steps.
     """
     if not any(mode.omega for mode in modes):
-        return Step(np.inf, None, None)
+        return np.inf, None
+    motion = at(SHORT)
     scheme, whole = SCHEMES[integrator], len(motion.mass) <= whole_up_to
 
-    def reduced(at: LinearMotion) -> LinearMotion:
-        return scaled(at) if whole else modal(at, modes)
+    def reduced(motion: LinearMotion) -> LinearMotion:
+        return scaled(motion) if whole else modal(motion, modes)
 
     own = reduced(motion)
     fixed = vibrations(*own[:4]) if whole and not np.any(own.late_stiffness) else None
-    own_rates = rates(own.vibrations(0.0))
-    fastest = float(np.max(np.abs(own_rates)))
-    horizon = LONG / fastest
+    whole_motion = own.vibrations(0.0)
+    horizon = LONG / float(np.max(np.abs(rates(whole_motion))))
 
-    def at(step: float) -> LinearMotion:
-        raised = dependence is not None and step > dependence.raised_from
-        return reduced(dependence.at(step)) if dependence is not None and raised else own
+    def reduced_at(step: float) -> LinearMotion:
+        return reduced(at(step)) if step > raised_from else own
+
+    def seen(step: float) -> tuple[Vibrations, ComplexArray]:
+        of = reduced_at(step)
+        late = fixed if fixed and of is own else of.vibrations(step)
+        return late, rates(of.vibrations(0.0))
 
     def over(factors: ComplexArray, of: LinearMotion, step: float) -> Array:
         return surpluses(factors, rates(of.vibrations(0.0)), step, horizon, FOLDS)
 
-    def beyond(step: float) -> float:
-        of = at(step)
-        late = fixed if fixed and of is own else of.vibrations(step)
-        most = np.max(over(amplification_factors(scheme, late, step), of, step))
-        return max(-1.0, float(most - np.log(GROWTH)))
-
-    limit = first_beyond(beyond, fastest, horizon, TRIED)
+    limit = largest_stable_step(scheme, whole_motion, horizon, at=seen, folds=FOLDS, scan=TRIED)
     if not 0 < limit < np.inf:
-        return Step(limit, None, None)
+        return limit, None
     step = 1.001 * limit
-    own = at(step)
+    own = reduced_at(step)
     if whole:
         values, vectors = np.linalg.eig(AMPLIFICATION[scheme](own.vibrations(step), step))
         worst = np.argmax(over(values, own, step))
-        critical = most_alike(vectors[: len(own.mass), worst], motion, modes)
-    else:
-        alone = [LinearMotion(*(part[i : i + 1] for part in own)) for i in range(len(modes))]
-        factors = (amplification_factors(scheme, x.vibrations(step), step) for x in alone)
-        most = [np.max(over(f, x, step)) for f, x in zip(factors, alone, strict=True)]
-        critical = modes[int(np.argmax(most))]
-    return Step(limit, critical.omega, critical.place(motion.mass), critical.vector)
+        return limit, most_alike(vectors[: len(own.mass), worst], motion, modes)
+    alone = [LinearMotion(*(part[i : i + 1] for part in own)) for i in range(len(modes))]
+    factors = (amplification_factors(scheme, x.vibrations(step), step) for x in alone)
+    most = [np.max(over(f, x, step)) for f, x in zip(factors, alone, strict=True)]
+    return limit, modes[int(np.argmax(most))]
 
 
 def scaled(motion: LinearMotion) -> LinearMotion:

@@ -12,18 +12,21 @@ import numpy as np
 
 from ..checks.rules.conditions import Statement
 from .mujoco.closures import ClosedLoop
-from .mujoco.facts import Facts
+from .mujoco.facts import DRAWS, Facts, can_touch, meetings
 from .mujoco.linear import Linear
 from .mujoco.model import Flags, Loaded, Numbers, State
 from .mujoco.source import Element
-from .pace import Pace
-from .rules.contact import DRAWS, can_touch, meetings
 from .spectrum import Shape
 
 Severity = Literal["error", "warning", "note"]
 
 SEVERITIES: tuple[Severity, ...] = ("error", "warning", "note")
 """The worst first."""
+
+Needs = Literal["model", "states", "modes", "runs", "findings"]
+
+OSCILLATING = 1.0
+"""Modes whose damping ratio is below this have a period to speak of."""
 
 
 @dataclass(frozen=True)
@@ -120,28 +123,33 @@ class InspectedModel:
     ----------
     loaded : Loaded
     facts : Facts
-    views : tuple of View
-        States with their modes.
-    steps : tuple of StepLimit
-        Of each integrator; empty without modes.
-    shortest_period : float or None
-        Of an oscillation as simulated [s].
-    closures : tuple of Closure
-        Stiffest first.
     strict : bool
         Whether the rules of the house count, too.
-    pace : Pace
-        How long it may take, and what was left out.
+    views : tuple of View
+        States with their modes; empty until they are computed, as what follows.
+    steps : tuple of StepLimit
+        Of each integrator; empty without modes.
+    closures : tuple of Closure
+        Stiffest first.
     """
 
     loaded: Loaded
     facts: Facts
-    views: tuple[View, ...]
-    steps: tuple[StepLimit, ...]
-    shortest_period: float | None
-    closures: tuple[ClosedLoop, ...]
     strict: bool
-    pace: Pace
+    views: tuple[View, ...] = ()
+    steps: tuple[StepLimit, ...] = ()
+    closures: tuple[ClosedLoop, ...] = ()
+
+    @property
+    def shortest_period(self) -> float | None:
+        """Of all modes as simulated [s]; None if nothing oscillates."""
+        rates = [
+            mode.rate.imag
+            for one in self.views
+            for mode in one.simulated
+            if mode.rate.imag > 0 and (mode.damping_ratio or 0.0) < OSCILLATING
+        ]
+        return 2 * math.pi / max(rates) if rates else None
 
     @cached_property
     def can_touch(self) -> np.ndarray:
@@ -242,8 +250,12 @@ class ModelRule:
         Why it matters.
     fix : str
         What to do.
-    find : callable, optional
-        From a subject to the findings; None for a rule that needs the findings of all others.
+    find : callable
+        From a model to the findings; those of a rule that needs the others' are made of these.
+    needs : {"model", "states", "modes", "runs", "findings"}
+        What is computed before it is asked: nothing beside the model as it is compiled, its states
+        with the loads of their loops, small motions about these (`--no-modes` leaves such rules
+        out), short runs, or the findings of all other rules.
     house : bool
         Whether it is a matter of taste, which is looked for only if asked for.
     """
@@ -252,5 +264,6 @@ class ModelRule:
     meaning: str
     why: str
     fix: str
-    find: Callable[[InspectedModel], Iterator[Hit]] | None = None
+    find: Callable[[InspectedModel], Iterator[Hit]] = lambda _: iter(())
+    needs: Needs = "model"
     house: bool = False

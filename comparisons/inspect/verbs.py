@@ -21,7 +21,6 @@ from ..terminal.program import (
     assignments,
     complain,
     console,
-    destination,
     examples,
     json_text,
     progress_bar,
@@ -34,7 +33,7 @@ if TYPE_CHECKING:
 
     from ..reports.item import ReportItem
     from .batch import Inspections, InspectRequest
-    from .pace import Pace
+    from .sandbox import Sandbox
 
 DOCUMENTS = ("json", "junit", "sarif")
 """Options that write a document, which may go to standard output."""
@@ -49,7 +48,7 @@ DOCUMENTS = ("json", "junit", "sarif")
         "mbcheck inspect --diff old.xml new.xml",
         "mbcheck inspect model.xml --fix --dry-run",
         "mbcheck inspect --explain step_limit",
-    ),
+    )
 )
 @click.argument("models", nargs=-1, metavar="[MODEL.xml|FOLDER|PATTERN]...")
 @click.option(
@@ -79,7 +78,7 @@ DOCUMENTS = ("json", "junit", "sarif")
     "--budget",
     type=NUMBER,
     metavar="SECONDS",
-    help="Begin nothing after this time, and tell what was left out; by default all is done.",
+    help="Stop after this time, and report what was found until then; by default all is done.",
 )
 @click.option(
     "--fail-on",
@@ -93,14 +92,7 @@ DOCUMENTS = ("json", "junit", "sarif")
     metavar="FILE.toml",
     help="Waivers with their reasons; by default mbcheck-inspect.toml beside the model, if any.",
 )
-@click.option("--baseline", metavar="FILE", help="Waive what --write-baseline wrote there.")
-@click.option(
-    "--write-baseline",
-    "write_baseline_file",
-    callback=destination,
-    metavar="FILE",
-    help="Write all that is found now to a file for --baseline.",
-)
+@click.option("--baseline", metavar="FILE", help="Waive what a document of --json has found.")
 @JSON
 @JUNIT
 @SARIF
@@ -137,7 +129,7 @@ def inspect(models: tuple[str, ...], **options: Any) -> int:
             return 0
     if not models:
         raise UsageError("which file? mbcheck inspect MODEL.xml")
-    documents = [options[f"{name}_file"] for name in (*DOCUMENTS, "write_baseline")]
+    documents = [options[f"{name}_file"] for name in DOCUMENTS]
     refuse_conflicts(*documents)
     from ..reports.github import annotated
     from .batch import InspectRequest
@@ -153,7 +145,7 @@ def inspect(models: tuple[str, ...], **options: Any) -> int:
     if options["dry_run"] and not options["fix"]:
         raise UsageError("--dry-run is for --fix")
     items: list[ReportItem] = []
-    quiet = to_stdout(*documents[:-1])
+    quiet = to_stdout(*documents)
     with annotated(lambda: items, options["annotations"], quiet):
         if not options["compare"]:
             return inspect_all(models, request, options, items)
@@ -185,11 +177,11 @@ def inspect_all(
         if options["dry_run"] or code == MISUSED:
             return code
     screen = console(*(options[f"{name}_file"] for name in DOCUMENTS))
-    with paced(options) as pace:
+    with sandboxed(options) as sandbox:
         every, reports = inspect_files(
             files,
             lambda file: partial(inspect_file, file, request, options, as_screen(screen)),
-            pace,
+            sandbox,
         )
     if single and not reports:
         raise UsageError(named_once(*next(iter(every.unreadable.items()))))
@@ -208,32 +200,32 @@ def inspect_all(
 
 
 @contextmanager
-def paced(options: Mapping[str, Any]) -> Iterator[Pace]:
-    """Lend the time that there is, with progress."""
-    from .pace import Pace
+def sandboxed(options: Mapping[str, Any]) -> Iterator[Sandbox]:
+    """Lend a process for the time that there is, with progress."""
+    from .sandbox import Sandbox
 
-    with progress_bar(True, "inspect", lines=True) as progress:
-        yield Pace(inf if options["budget"] is None else float(options["budget"]), progress)
+    budget = inf if options["budget"] is None else float(options["budget"])
+    with (
+        progress_bar(True, "inspect", lines=True) as progress,
+        closing(Sandbox(budget, progress)) as sandbox,
+    ):
+        yield sandbox
 
 
 def as_screen(screen: Console) -> dict[str, Any]:
     """Return what a report is written for, see `sandbox.Screen`."""
     colours = None if screen.no_color else screen.color_system
-    return {
-        "width": screen.width,
-        "force_terminal": screen.is_terminal,
-        "color_system": colours,
-    }
+    return {"width": screen.width, "force_terminal": screen.is_terminal, "color_system": colours}
 
 
 def fix_files(files: Sequence[str], request: InspectRequest, options: Mapping[str, Any]) -> int:
     """Leave out what models do without; return 1 if a dry run would, 2 if a file is not read."""
     from ..reports.words import printable
     from .batch import named_once
-    from .sandbox import Sandbox, fix
+    from .sandbox import fix
 
     code, dry_run = 0, options["dry_run"]
-    with paced(options) as pace, closing(Sandbox(pace)) as sandbox:
+    with sandboxed(options) as sandbox:
         for file in files:
             try:
                 work = partial(fix, file, request, dry_run)
@@ -254,15 +246,15 @@ def inspect_two(models: Sequence[str], request: InspectRequest, options: Mapping
     """Print what differs between two models; return the exit code."""
     from ..reports.text import in_encoding
     from .batch import FAIL_ON
-    from .sandbox import Sandbox, compare_models
+    from .sandbox import compare_models
 
     if len(models) != 2:
         raise UsageError("--diff compares two models: OLD.xml NEW.xml")
     refuse_single(options)
-    if any(options[f"{name}_file"] for name in (*DOCUMENTS, "write_baseline")):
+    if any(options[f"{name}_file"] for name in DOCUMENTS):
         raise UsageError("--diff prints a table, and writes no document")
     screen = console()
-    with paced(options) as pace, closing(Sandbox(pace)) as sandbox:
+    with sandboxed(options) as sandbox:
         work = partial(compare_models, models, request, options["modes"], as_screen(screen))
         text, differs, new = sandbox.run(work, alone=True)
     screen.file.write(in_encoding(text, screen))
@@ -298,8 +290,6 @@ def write_documents(
     if options["sarif_file"]:
         rules = {name: (rule.meaning, rule.why) for name, rule in RULES.items()}
         options["sarif_file"].write(sarif(items, rules, versions(())["mbcheck"]))
-    if options["write_baseline_file"]:
-        options["write_baseline_file"].write(every.baseline())
 
 
 def explain_rule(name: str) -> None:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import product
 
 import numpy as np
 
@@ -14,10 +15,8 @@ from ...reference.scene import Array
 from .mujoco.facts import integrator, integrators
 from .mujoco.linear import linearise
 from .mujoco.model import OPENED, Flags, Loaded, NotFiniteError, State
-from .mujoco.rows import SHORT
 from .mujoco.steady import steady_rotation
-from .pace import UP, Pace
-from .spectrum import SCHEMES, WHOLE_UP_TO, Shape, Step, StepDependence, longest_step, shapes
+from .spectrum import SCHEMES, SHORT, WHOLE_UP_TO, Shape, longest_step, shapes
 from .subject import StepLimit, View
 
 MOST_DOFS = 120
@@ -29,15 +28,9 @@ MOST_STATES = 8
 RK4_REAL = 2.785293563405282
 """Up to this times its time constant RK4 keeps a decay bounded."""
 
-OSCILLATING = 1.0
-"""Modes whose damping ratio is below this have a period to speak of."""
-
 
 def state_views(
-    loaded: Loaded,
-    about_rotation: Mapping[str, float | str] | None,
-    modes: bool | None,
-    pace: Pace | None = None,
+    loaded: Loaded, about_rotation: Mapping[str, float | str] | None, modes: bool | None
 ) -> tuple[View, ...]:
     """Return the states of a model with their modes; see `inspect`.
 
@@ -48,10 +41,10 @@ def state_views(
     """
     reasons = [why_no_modes(loaded, state, modes) for state in loaded.states[:MOST_STATES]]
     reasons += [f"modes are found of the first {MOST_STATES} states"] * len(loaded.states)
-    pace, views = pace or Pace(), list[View]()
-    for state, why in zip(loaded.states, reasons, strict=False):
-        reason = why if why or pace.begins(f"modes of the state {state.name}") else UP
-        views.append(view(loaded, state) if reason is None else View(state, reason=reason))
+    views = [
+        view(loaded, state) if reason is None else View(state, reason=reason)
+        for state, reason in zip(loaded.states, reasons, strict=False)
+    ]
     if about_rotation and len(about_rotation) > 1:
         raise UsageError("one hinge can turn steadily, not several")
     views += [
@@ -106,17 +99,13 @@ def modes_within(
     return tuple(mode._replace(vector=directions @ mode.vector) for mode in shapes(*inner))
 
 
-def step_limits(
-    loaded: Loaded, views: Sequence[View], pace: Pace | None = None
-) -> tuple[StepLimit, ...]:
+def step_limits(loaded: Loaded, views: Sequence[View]) -> tuple[StepLimit, ...]:
     """Return the largest stable step of each integrator, and where it is least."""
-    pace = pace or Pace()
     states = [one for one in views if one.linear is not None]
-    known: dict[tuple[object, ...], Step] = {}
+    known: dict[tuple[object, ...], tuple[float, Shape | None]] = {}
     return tuple(
         step_limit_of(loaded, name, states, known)
         for name in (integrators(loaded) if states else ())
-        if pace.begins(f"stable steps of {name}")
     )
 
 
@@ -124,7 +113,7 @@ def step_limit_of(
     loaded: Loaded,
     name: str,
     views: Sequence[View],
-    known: dict[tuple[object, ...], Step] | None = None,
+    known: dict[tuple[object, ...], tuple[float, Shape | None]] | None = None,
 ) -> StepLimit:
     """Return the largest stable step of one integrator in states that have small motions.
 
@@ -140,44 +129,29 @@ def step_limit_of(
     known = {} if known is None else known
     own = name == integrator(loaded)
     best = StepLimit(name, math.inf, None, None, None, own)
-    for one in views:
-        for sliding in (False, True):
-            step, row = longest_in(one, name, sliding, known)
-            if step.limit < best.limit:
-                place = None if step.place is None else loaded.joint_names[step.place]
-                state = one.state.name
-                best = StepLimit(name, step.limit, state, step.omega, place, own, row)
+    for one, sliding in product(views, (False, True)):
+        assert one.linear is not None
+        simulated = one.linear.simulated
+        if sliding and not np.any(simulated.rows.dry):
+            continue  # where dry friction holds nothing, it is the same
+        at, raised = partial(simulated.motion, name, sliding=sliding), simulated.raised_from(name)
+        motion, modes = at(SHORT), one.simulated
+        key = (SCHEMES[name], id(one), sliding, raised, *(part.tobytes() for part in motion[3:]))
+        if sliding or (raised < np.inf and len(motion.mass) > WHOLE_UP_TO):
+            moves = np.eye(len(motion.mass))[:, moving_dofs(one)]
+            modes = modes_within(moves, motion.mass, motion.damping, motion.stiffness)
+        if key not in known:
+            known[key] = longest_step(name, at, modes, raised)
+        limit, mode = known[key]
+        if limit < best.limit:
+            best = StepLimit(name, limit, one.state.name, None, None, own)
+            if mode is not None:
+                row = simulated.setting_row(mode.vector, mode.omega, sliding)
+                joint = loaded.joint_names[mode.place(simulated.mass)]
+                best = replace(best, omega=mode.omega, joint=joint, constraint=row)
     best = min(best, activation_limit(loaded, name, own), key=lambda limit: limit.limit)
-    raised = [one.linear.simulated.raised_from(name) for one in views if one.linear]
-    return replace(best, softened=min(raised, default=math.inf))
-
-
-def longest_in(
-    view: View, name: str, sliding: bool, known: dict[tuple[object, ...], Step]
-) -> tuple[Step, str | None]:
-    """Return the longest step of an integrator in a state, and the constraint that sets it.
-
-    Where dry friction holds nothing, ``sliding`` says nothing more.
-    """
-    assert view.linear is not None
-    simulated = view.linear.simulated
-    if sliding and not np.any(simulated.rows.dry):
-        return Step(np.inf, None, None), None
-    motion = simulated.motion(name, SHORT, sliding)
-    raised = simulated.raised_from(name)
-    key = (SCHEMES[name], id(view), sliding, raised, *(part.tobytes() for part in motion[3:]))
-    modes = view.simulated
-    if sliding or (raised < np.inf and len(motion.mass) > WHOLE_UP_TO):
-        moves = np.eye(len(motion.mass))[:, moving_dofs(view)]
-        modes = modes_within(moves, motion.mass, motion.damping, motion.stiffness)
-    if key not in known:
-        at = partial(simulated.motion, name, sliding=sliding)
-        known[key] = longest_step(name, motion, modes, dependence=StepDependence(raised, at))
-    step = known[key]
-    row = None
-    if step.vector is not None and step.omega is not None:
-        row = simulated.setting_row(step.vector, step.omega, sliding)
-    return step, row
+    raised_from = [one.linear.simulated.raised_from(name) for one in views if one.linear]
+    return replace(best, softened=min(raised_from, default=math.inf))
 
 
 def moving_dofs(view: View) -> Flags:
@@ -196,14 +170,3 @@ def activation_limit(loaded: Loaded, name: str, own: bool) -> StepLimit:
     times = RK4_REAL if SCHEMES[name] == "RK44" else 2.0
     state, place = OPENED, f"activation of {loaded.name('actuator', number)}"
     return StepLimit(name, times * constant, state, 1 / constant, place, own)
-
-
-def shortest_period_of(views: Sequence[View]) -> float | None:
-    """Return the shortest period of all modes as simulated [s]; None if nothing oscillates."""
-    rates = [
-        mode.rate.imag
-        for one in views
-        for mode in one.simulated
-        if mode.rate.imag > 0 and (mode.damping_ratio or 0.0) < OSCILLATING
-    ]
-    return 2 * math.pi / max(rates) if rates else None

@@ -5,9 +5,8 @@ from __future__ import annotations
 import csv
 import math
 import re
-import warnings
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -146,16 +145,12 @@ def from_file(name: str) -> Recording:
     try:
         head, names, delimiter = header(lines, where)
         heading = named(names, where)
-        table = numbers(lines, head, names, delimiter, where)
+        rows = numbers(lines, head, names, delimiter, where)
     except csv.Error as error:  # a cell is longer than any number or name
         raise UsageError(f"{where}: {error}") from None
+    columns, places = list(np.array([*rows.values()]).T), list(rows)
     stem = "stdin" if name == STDIN else Path(name).stem
-
-    def line_of(row: int) -> str:
-        filled = [i for i, line in enumerate(lines) if i > head and line.partition("#")[0].strip()]
-        return f"line {filled[row] + 1}"
-
-    return assembled(stem, heading, list(table.T), where, line_of)
+    return assembled(stem, heading, columns, where, lambda row: f"line {places[row]}")
 
 
 def header(lines: Sequence[str], where: str) -> tuple[int, list[str], str | None]:
@@ -188,9 +183,14 @@ def header(lines: Sequence[str], where: str) -> tuple[int, list[str], str | None
 def split(line: str) -> tuple[list[str], str | None]:
     """Return the cells of a line, and what separates them: None for blanks."""
     delimiter = next((mark for mark in DELIMITERS if mark in line), None)
-    cells = next(csv.reader([line], delimiter=delimiter)) if delimiter else line.split()
-    names = [cell.strip().strip('"') for cell in cells]
+    names = cells_of(line, delimiter)
     return names[:-1] if not names[-1] else names, delimiter
+
+
+def cells_of(line: str, delimiter: str | None) -> list[str]:
+    """Return the cells of a line."""
+    cells = next(csv.reader([line], delimiter=delimiter)) if delimiter else line.split()
+    return [cell.strip().strip('"') for cell in cells]
 
 
 def is_number(word: str) -> bool:
@@ -204,53 +204,41 @@ def is_number(word: str) -> bool:
 
 def numbers(
     lines: Sequence[str], head: int, names: Sequence[str], delimiter: str | None, where: str
-) -> Array:
-    """Return the numbers (n_t, n_columns) below a header.
+) -> dict[int, list[float]]:
+    """Return the numbers below a header, by the number of their line.
 
     Raises
     ------
     UsageError
-        If a line has more or fewer cells than the header, or a cell is no number.
+        If there are none, a line has more or fewer cells than the header, or a cell is no number.
     """
-    below: Iterable[str] = lines[head + 1 :]
-    if delimiter and any(line.rstrip().endswith(delimiter) for line in lines[head + 1 : head + 9]):
-        below = (line.rstrip().removesuffix(delimiter) for line in below)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", UserWarning)  # of no data, which is told below
-            table = np.loadtxt(below, delimiter=delimiter, comments="#", quotechar='"', ndmin=2)
-    except ValueError as error:
-        reason = first_mistake(lines, head, names, delimiter) or str(error)
-        raise UsageError(f"{where} {reason}") from None
-    if not table.size:
-        raise UsageError(f"{where} has a header and no numbers below it")
-    if table.shape[1] != len(names):
-        raise UsageError(f"{where} {first_mistake(lines, head, names, delimiter)}")
-    return table
-
-
-def first_mistake(
-    lines: Sequence[str], head: int, names: Sequence[str], delimiter: str | None
-) -> str:
-    """Return where the first line is that is not as the header says, and what is wrong."""
+    rows = {}
     for number, line in enumerate(lines[head + 1 :], start=head + 2):
         text = line.partition("#")[0].strip()
         if not text:
             continue
-        cells = next(csv.reader([text], delimiter=delimiter)) if delimiter else text.split()
-        if len(cells) == len(names) + 1 and not cells[-1].strip():
+        cells = cells_of(text, delimiter)
+        if len(cells) == len(names) + 1 and not cells[-1]:
             cells.pop()
         if len(cells) != len(names):
             marks = DELIMITERS.get(delimiter or "", "blanks")
-            return (
-                f"line {number}: {len(cells)} numbers, but the header names {len(names)} columns "
-                f"({', '.join(names)}); {marks} separate them"
+            raise UsageError(
+                f"{where} line {number}: {len(cells)} numbers, but the header names {len(names)} "
+                f"columns ({', '.join(names)}); {marks} separate them"
             )
-        for name, cell in zip(names, cells, strict=True):
-            if not is_number(cell):
-                hint = "; decimals need a point" if is_number(cell.replace(",", ".")) else ""
-                return f"line {number}: {name} is {cell.strip()!r}, which is no number{hint}"
-    return ""
+        try:
+            rows[number] = [float(cell) for cell in cells]
+        except ValueError:
+            name, cell = next(
+                one for one in zip(names, cells, strict=True) if not is_number(one[1])
+            )
+            hint = "; decimals need a point" if is_number(cell.replace(",", ".")) else ""
+            raise UsageError(
+                f"{where} line {number}: {name} is {cell!r}, which is no number{hint}"
+            ) from None
+    if not rows:
+        raise UsageError(f"{where} has a header and no numbers below it")
+    return rows
 
 
 class Heading(NamedTuple):

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from ...reference import get_scene
 from ...reference.errors import UnknownNameError, UsageError
 from ...reference.scene import Array, Case, Scene
-from ...reference.solve import HEYOKA
-from ...reference.solve.batched import BatchMethod
+from ...reference.solve import HEYOKA, takes_heyoka
 from ..engines.registry import REFERENCE, get_engine
 from ..queries.axis import ParameterRange
 from ..queries.environment import versions
@@ -185,10 +184,9 @@ def by_reference(asked: Request) -> Request:
     if asked.method is not None:
         raise UsageError("--method is of engines: the reference has none")
     serves = model in quantity.compilable_models
-    backend = BatchMethod(backend=asked.backend)
     if asked.backend == HEYOKA and not serves:
         raise UsageError(f"--backend heyoka: {asked.quantity} by {model} takes no steps for it")
-    name = HEYOKA if serves and backend.is_heyoka else "numpy"
+    name = HEYOKA if takes_heyoka(asked.backend) and serves else "numpy"
     return replace(asked, model=model, block=asked.block or quantity.block, backend=name)
 
 

@@ -20,8 +20,7 @@ from ...reference.scene import Case, EquationsOfMotion, Scene
 from ..engines.adapter import Adapter
 from ..engines.protocol import Method
 from ..engines.registry import REFERENCE, get_engine
-from ..engines.run import run
-from ..engines.setup import Setup
+from ..engines.setup import Setup, run
 from .environment import versions
 
 TRIAL = 1000

@@ -21,8 +21,8 @@ from ..checks.truth import truncated, truth_of
 from ..documents import document
 from ..engines.equations import ModelEquations
 from ..engines.registry import REFERENCE
-from ..engines.run import VIOLATIONS, grid_indices, run
-from ..engines.setup import Setup
+from ..engines.run import VIOLATIONS, grid_indices
+from ..engines.setup import Setup, run
 from .query import Query, described, floats, seconds_of_a_step
 from .times import RATIONAL, step_for, times_array
 

@@ -45,11 +45,10 @@ def sarif(items: Sequence[ReportItem], rules: Mapping[str, tuple[str, str]], ver
 def result_of(item: ReportItem) -> dict[str, Any]:
     """Return an item as a SARIF result.
 
-    GitHub shows only what has a file; an item that is in none has its id in place of one.
+    GitHub shows only what has a file and a line; an item that is in none has its suite and 1.
     """
     uri = quote(os.fsencode((item.file or printable(item.suite)).replace(os.sep, "/")))
-    place: dict[str, Any] = {"artifactLocation": {"uri": uri}}
-    place |= {"region": {"startLine": item.line}} if item.line else {}
+    place = {"artifactLocation": {"uri": uri}, "region": {"startLine": item.line or 1}}
     location = {
         "physicalLocation": place,
         "logicalLocations": [{"fullyQualifiedName": printable(item.id)}],

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from ...reference.cost import keep_budget, keep_steps
 from ...reference.errors import EngineError, UsageError
 from ...reference.scene import Array, Case, EquationsOfMotion, Scene, coefficients_at
-from ...reference.solve import HEYOKA
-from ...reference.solve.batched import BatchMethod
+from ...reference.solve import HEYOKA, takes_heyoka
 from ...reference.solve.rk8 import FixedSteps
 from ..checks.orbits import engine_paths
 from ..engines.registry import REFERENCE
@@ -268,8 +267,8 @@ class Flow:
 
     def _stepper(self, c: Any, states: Array, spans: Array) -> Callable[..., Array]:
         """Return what takes the steps of motions with these coefficients (k,)."""
-        if self.points.backend == HEYOKA and np.isrealobj(spans):
-            BatchMethod(backend=HEYOKA)  # a worker elsewhere may lack it, and says so
+        heyoka = self.points.backend == HEYOKA and takes_heyoka(HEYOKA)  # a worker may lack it
+        if heyoka and np.isrealobj(spans):
             from ...reference.solve.compiled import CompiledSteps
 
             return CompiledSteps(self.scene, c, states)

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..reports.drawing import FAINT, INK, label, look, named, new_figure
-from .series import STEP, Point, StepSeries
-from .stability import BoundaryShift
+from ..reports.drawing import FAINT, INK, PALETTE, EngineLook, label, look, named, new_figure
+from .model import ModelTradeoff, setting_of
+from .pages import LIMITS, SHIFTS
+from .report import Tradeoff
+from .stability import AXIS
+from .sweep import SMALL
+from .table import STEP, Point, StepSeries, Trial, pareto, percent, trials_of
 
 METHOD_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "h", "p", "d")
 
@@ -35,48 +41,108 @@ def steps(point: Point) -> float | None:
     return point.cost.steps if point.cost else 1 / point.step
 
 
-def figure_work_precision(series: Sequence[StepSeries], front: Sequence[Point] = ()) -> Any:
-    """Draw the error of one scene's series over what they cost.
+def pictures(result: Tradeoff | ModelTradeoff, path: Path) -> Iterator[tuple[str, Path, Any]]:
+    """Yield figures, each with the title of a page under which it belongs, and its path."""
+    if isinstance(result, ModelTradeoff):
+        if result.trials:
+            yield "", path, figure_of_model(result)
+        return
+    for scene in result.scenes:
+        name = path if len(result.scenes) == 1 else path.with_stem(f"{path.stem}_{scene}")
+        if series := result.of(scene):
+            front = [trial.point for trial in pareto(trials_of(series))]
+            yield LIMITS, name, figure_work_precision(series, front)
+        if shifts := result.of(scene, AXIS):
+            yield SHIFTS, name.with_stem(f"{name.stem}_stability"), figure_stability(shifts)
 
-    Above over wall time, below over steps, both per simulated second. Colour and face tell the
-    engine, the marker the method, the line the model; small hollow points are wasted, crosses at
-    the top failed or err by more than `USELESS`, and what is on the front is ringed and joined.
-    Series with other settings are thin lines.
+
+def figure_of_model(result: ModelTradeoff) -> Any:
+    """Draw the runs of a file, with the target, the recommended setting and the file's own."""
+    front = [trial.point for trial in result.front]
+    marks = {"recommended": (result.choice, "D"), "as in the file": (result.own, "s")}
+    known = {
+        f"{words}: {setting_of(trial).name}": (trial, marker)
+        for words, (trial, marker) in marks.items()
+        if trial is not None and trial.point.error
+    }
+    title = f"{result.series[0].scene}: error over {result.compared:.3g} s against converged runs"
+    return figure_work_precision(result.series, front, title, known, result.asked.target)
+
+
+def figure_work_precision(
+    series: Sequence[StepSeries],
+    front: Sequence[Point] = (),
+    title: str = "",
+    marks: Mapping[str, tuple[Trial, str]] | None = None,
+    target: float | None = None,
+) -> Any:
+    """Draw the error of series of one scene or file over their cost.
+
+    Above over time, below over steps, both per simulated second. Colour and face tell the engine,
+    or of one engine the method; the marker tells the method, the line the model. Small hollow
+    points are wasted, crosses at the top failed or have an error above `USELESS`, and what is on
+    the front is ringed and joined. Series with other settings are thin lines.
 
     Parameters
     ----------
-    series : sequence of Series, all of one scene
+    series : sequence of StepSeries, all of one scene
     front : sequence of Point
-        Over wall time, that none of these series' points beats.
+        Over time, that none of these series' points beats.
+    title : str
+        By default the scene and the case.
+    marks : mapping of str to (Trial, str)
+        Runs that have a label and a marker of their own.
+    target : float, optional
+        Drawn as a line.
 
     Returns
     -------
     matplotlib.figure.Figure
     """
     figure, panels = new_figure(2, 1, height=3.5)
-    markers, lines = marker_of(series), line_of(series)
+    markers, lines, looks = marker_of(series), line_of(series), looks_of(series)
     for axes, measure in zip(panels[:, 0], (seconds, steps), strict=True):
         axes.set_xscale("log")
         axes.set_yscale("log")
         for one in series:
-            draw_series(axes, one, measure, markers[one.method], lines[one.engine, one.model])
+            how = looks[one.method], markers[one.method], lines[one.engine, one.model]
+            draw_series(axes, one, measure, *how)
+        for words, (trial, marker) in (marks or {}).items():
+            axes.plot(measure(trial.point), trial.error, marker, color=INK, label=words, zorder=5)
         low, _ = axes.get_ylim()
         axes.set_ylim(low, 3 * TOP)
     guides(panels[1, 0], series)
     for axes in panels[:, 0]:
         mark_plateaus(axes, series)
+        if target is not None:
+            axes.axhline(target, color=INK, linewidth=0.8, linestyle=(0, (4, 2)))
+            axes.annotate(
+                f"target {percent(target)}", (1, target), (-2, 3), ha="right", fontsize=8,
+                xycoords=axes.get_yaxis_transform(), textcoords="offset points", color=INK,
+            )  # fmt: skip
     draw_front(panels[0, 0], front)
-    title = f"{series[0].scene}: {series[0].case}"
-    label(panels[0, 0], "wall time per simulated second [s/s]", "largest relative error", title)
+    title = title or f"{series[0].scene}: {series[0].case}"
+    label(panels[0, 0], "time per simulated second [s/s]", "largest relative error", title)
     label(panels[1, 0], "steps per simulated second [1/s]", "largest relative error")
-    legend(figure, series, markers, lines, bool(front))
+    legend(figure, series, (markers, lines, looks), bool(front))
     return figure
 
 
-def marker_of(series: Sequence[StepSeries | BoundaryShift]) -> dict[str, str]:
+def marker_of(series: Sequence[StepSeries]) -> dict[str, str]:
     """Return a marker for each method."""
     names = dict.fromkeys(one.method for one in series)
     return {name: METHOD_MARKERS[i % len(METHOD_MARKERS)] for i, name in enumerate(names)}
+
+
+def looks_of(series: Sequence[StepSeries]) -> dict[str, EngineLook]:
+    """Return the look of each method: that of its engine, or a colour of its own of one engine."""
+    methods = {one.method: look(one.engine) for one in reversed(series)}
+    if len({one.engine for one in series}) > 1:
+        return methods
+    return {
+        name: replace(one, colour=PALETTE[i % len(PALETTE)])
+        for i, (name, one) in enumerate(methods.items())
+    }
 
 
 def line_of(series: Sequence[StepSeries]) -> dict[tuple[str, str], Any]:
@@ -89,9 +155,11 @@ def line_of(series: Sequence[StepSeries]) -> dict[tuple[str, str], Any]:
     return lines
 
 
-def draw_series(axes: Any, one: StepSeries, measure: Measure, marker: str, line: Any) -> None:
+def draw_series(
+    axes: Any, one: StepSeries, measure: Measure, its: EngineLook, marker: str, line: Any
+) -> None:
     """Draw the points of a series and the line through those that ran."""
-    colour, face = look(one.engine).colour, look(one.engine).face
+    colour, face = its.colour, its.face
     ran = [(measure(p), p.error, p.wasted) for p in one.points if useful(p) and measure(p)]
     if ran:
         x, y, wasted = (np.array(column) for column in zip(*ran, strict=True))
@@ -151,20 +219,32 @@ def draw_front(axes: Any, front: Sequence[Point]) -> None:
 
 
 def guides(axes: Any, series: Sequence[StepSeries]) -> None:
-    """Draw thin slopes of the declared orders, left of the best series of each, where it is."""
-    x_limits, y_limits = axes.get_xlim(), axes.get_ylim()
-    for order in sorted({one.order for one in series}):
-        points = best_of(order, series)
-        if not points:
+    """Draw thin slopes of the declared orders, left of the best series of each."""
+    limits = axes.get_xlim(), axes.get_ylim()
+    for order in sorted({one.order for one in series} - {0}):
+        slopes = [
+            [
+                (1 / p.step, p.error)
+                for p in one.points
+                if p.step and p.error and p.label == STEP and p.error < SMALL and not p.wasted
+            ]
+            for one in series
+            if one.order == order and not one.settings
+        ]
+        points = min(
+            (points for points in slopes if len(points) > 1),
+            key=lambda points: points[0][1] * points[0][0] ** order,
+            default=None,
+        )
+        if points is None:
             continue
         x, y = min(points, key=lambda at: at[1] * at[0] ** order)
-        least, most = min(at[1] for at in points), max(at[1] for at in points)
-        ends = np.array([most, least])
+        ends = np.array([points[0][1], points[-1][1]])
         run = x * (y / ends) ** (1 / order) / AWAY
         axes.plot(run, ends, color=FAINT, linewidth=0.8, zorder=0)
         axes.annotate(
             f"{order}",
-            (run[1], least),
+            (run[1], ends[1]),
             fontsize=6.5,
             color=INK,
             ha="center",
@@ -172,39 +252,21 @@ def guides(axes: Any, series: Sequence[StepSeries]) -> None:
             bbox={"boxstyle": "circle,pad=0.15", "facecolor": "white", "edgecolor": FAINT},
             zorder=4,
         )
-    axes.set_xlim(x_limits[0] / AWAY, x_limits[1])
-    axes.set_ylim(y_limits)
+    axes.set_xlim(limits[0][0] / AWAY, limits[0][1])
+    axes.set_ylim(limits[1])
 
 
 AWAY = 1.5
 """Factor in steps between a guide and its series."""
 
 
-def best_of(order: int, series: Sequence[StepSeries]) -> list[tuple[float, float]]:
-    """Return steps per second and errors on the slope of the best series of an order."""
-    slopes = [
-        [
-            (1 / p.step, p.error)
-            for p in one.points
-            if p.error is not None and p.label == STEP and p.error < SMALL and not p.wasted
-        ]
-        for one in series
-        if one.order == order and not one.settings
-    ]
-    known = [points for points in slopes if len(points) > 1]
-    return min(known, key=lambda points: points[0][1] * points[0][0] ** order, default=[])
-
-
-SMALL = 0.1
-"""Relative errors above this are outside of what an order describes."""
-
-
 def legend(
-    figure: Any, series: Sequence[StepSeries], markers: dict[str, str], lines: Any, front: bool
+    figure: Any, series: Sequence[StepSeries], styles: tuple[Any, Any, Any], front: bool
 ) -> None:
     """Name engines with their models, methods, and what marks mean, below the panels."""
     from matplotlib.lines import Line2D
 
+    markers, lines, looks = styles
     models = [
         Line2D(
             [], [], color=look(engine).colour, linestyle=line, linewidth=1.6,
@@ -212,7 +274,6 @@ def legend(
         )
         for (engine, model), line in lines.items()
     ]  # fmt: skip
-    looks = {one.method: look(one.engine) for one in reversed(series)}
     methods = [
         Line2D(
             [], [], linestyle="none", marker=marker, color=looks[name].colour,
@@ -232,8 +293,9 @@ def legend(
             Line2D([], [], color="#BBBBBB", linewidth=2.4, marker="o", markersize=8,
                    markerfacecolor="none", markeredgecolor=FRONT, label="Pareto front")
         )  # fmt: skip
+    marked = figure.axes[0].get_legend_handles_labels()[0]
     figure.legend(
-        handles=[*models, *methods, *other],
+        handles=[*marked, *models, *methods, *other],
         loc="outside lower center",
         ncols=4,
         fontsize=7,
@@ -244,7 +306,7 @@ def legend(
 # Stability ----------------------------------------------------------------------------------
 
 
-def figure_stability(shifts: Sequence[BoundaryShift]) -> Any:
+def figure_stability(shifts: Sequence[StepSeries]) -> Any:
     """Draw by how much methods shift one boundary point, over steps in a period.
 
     Returns
@@ -253,19 +315,22 @@ def figure_stability(shifts: Sequence[BoundaryShift]) -> Any:
     """
     figure, axes = new_figure(height=3.6)
     panel, markers, first = axes[0, 0], marker_of(shifts), shifts[0]
+    counts = [point.value for point in first.points]
     for one in shifts:
         its = look(one.engine)
-        sizes = [np.nan if shift is None else abs(shift) for shift in one.shifts]
+        sizes = np.array([point.error for point in one.points], dtype=float)
         panel.loglog(
-            one.steps, sizes, color=its.colour, linestyle=its.line, linewidth=1.0,
+            counts, sizes, color=its.colour, linestyle=its.line, linewidth=1.0,
             marker=markers[one.method], markersize=4.5, markerfacecolor=its.face,
             label=f"{one.engine} {one.method}",
         )  # fmt: skip
-    floor = np.fmax.reduce(np.array([one.bounds for one in shifts], dtype=float))
-    panel.loglog(first.steps, floor, color=FAINT, linewidth=3, label="rounding, differences")
-    panel.set_xticks(first.steps, [str(count) for count in first.steps])
+    bounds = np.array([[point.bound for point in one.points] for one in shifts], dtype=float)
+    panel.loglog(
+        counts, np.fmax.reduce(bounds), color=FAINT, linewidth=3, label="round-off, differences"
+    )
+    panel.set_xticks(counts, [str(count) for count in counts])
     panel.minorticks_off()
-    words = f"shift of {named(first.parameter, first.unit)}"
+    words = f"shift of {named(first.quantity, first.unit)}"
     label(panel, "steps in a period", words, f"{first.scene}: {first.case}")
     figure.legend(loc="outside lower center", ncols=4, fontsize=7, frameon=False)
     return figure

@@ -1,86 +1,104 @@
-"""What accuracy costs, as tables: for the console and, as Markdown, for a page."""
+"""What accuracy costs, for the console and as Markdown: of scenes, or of an MJCF file."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
 
 from rich.console import Console
 
 from ..reports.drawing import named
 from ..reports.text import markdown_table, print_line, print_table, print_wrapped
-from ..reports.words import number
-from .closures import LoopClosure
-from .elements import Fewest
-from .minimal import LeftOut
-from .report import Choice, Tradeoff
-from .series import StepSeries
-from .stability import STEPS, BoundaryShift
-from .sweep import settings_text
+from ..reports.words import number, plain, plural, with_unit
+from .model import ModelTradeoff
+from .report import Tradeoff
+from .stability import AXIS, STEPS
+from .table import Choice, StepSeries, Trial, percent, settings_text
 
 DIGITS = 2
-"""Of errors and times."""
+"""Significant digits of errors and times."""
 
 LIMITS, SHIFTS = "What limits the methods", "What a step costs in stability"
 """Titles under which a page shows pictures."""
 
-Row = tuple[object, ...]
-
-
-def tables(result: Tradeoff) -> list[tuple[str, tuple[str, ...], list[Row]]]:
-    """Return title, heads and rows of all tables that are not empty."""
-    least = result.minimal
-    every = [
-        ("Cheapest settings", CHOICE, [choice(item) for item in result.choices]),
-        (LIMITS, LIMIT, [limits(one) for one in result.series]),
-        ("Fewest parts of a beam", FEWEST, [fewest(item) for item in least.fewest]),
-        ("Softest closure of a loop", CLOSURE, [closure(item) for item in least.closures]),
-        ("What may be left out", LEFT_OUT, [left_out(item) for item in least.left_out]),
-        (SHIFTS, STABILITY, [shifts(item) for item in result.stability]),
-    ]
-    return [(title, heads, rows) for title, heads, rows in every if rows]
-
-
 CHOICE = (
-    "scene", "engine", "target", "model, method", "step [s]", "error", "time [s/s]",
-    "limited by", "margin",
+    "scene", "engine", "target", "setting", "step [s]", "error", "time [s/s]", "margin",
+    "limited by",
 )  # fmt: skip
 LIMIT = (
     "scene", "engine, model", "method", "order", "fitted", "floor", "from step [s]", "named",
 )  # fmt: skip
-FEWEST = (
-    "engine",
-    "beam",
-    "case",
-    "of",
-    "target",
-    "parts",
-    "error",
-    "one less",
-    "step [s]",
-    "note",
-)
-CLOSURE = ("engine, model", "target", "softest", "leaves", "step [s]", "time [s/s]", "note")
-LEFT_OUT = ("scene", "engine", "left out", "error with", "without", "cost ratio", "verdict")
 STABILITY = (
     "scene", "shift of", "engine, model", "method", "order", *map(str, STEPS), "fitted", "floor",
 )  # fmt: skip
+RUNS = (
+    "", "integrator", "step [ms]", "error", "energy", "violation", "time [s/s]", "limit [ms]", "",
+)  # fmt: skip
+
+Cells = tuple[object, ...]
 
 
-def choice(item: Choice) -> Row:
-    """Return a recommendation."""
-    names = (item.scene, item.engine, number(item.target, 6))
-    if item.step is None or item.cost is None:
-        return (*names, "none", "", item.error, "", item.limit, "")
+class Page(NamedTuple):
+    """A page: a heading, one sentence, notes, tables with their titles, and a legend."""
+
+    heading: str
+    sentence: str
+    notes: Sequence[str]
+    tables: Sequence[tuple[str, tuple[str, ...], list[Cells]]]
+    legend: str
+
+
+def page_of(result: Tradeoff | ModelTradeoff) -> Page:
+    """Return the page of a result; tables without rows are left out."""
+    if isinstance(result, ModelTradeoff):
+        ordered = sorted(result.trials, key=lambda trial: trial.seconds)
+        tables = [("", RUNS, [run_cells(result, trial) for trial in ordered])]
+        page = Page(result.file, result.sentence, result.notes, tables, legend(result))
+    else:
+        choices = [(item.axis == "step", choice_cells(item)) for item in result.choices]
+        tables = [
+            ("Cheapest settings", CHOICE, [cells for of_step, cells in choices if of_step]),
+            ("Smallest models", CHOICE, [cells for of_step, cells in choices if not of_step]),
+            (LIMITS, LIMIT, [limit_cells(one) for one in result.series if one.axis == "step"]),
+            (SHIFTS, STABILITY, [shift_cells(one) for one in result.series if one.axis == AXIS]),
+        ]
+        page = Page("", "", result.failures, tables, "")
+    return page._replace(tables=[table for table in page.tables if table[2]])
+
+
+def choice_cells(item: Choice) -> Cells:
+    """Return a recommendation: the cheapest setting, or the smallest model."""
+    if not item.met:
+        setting = "none"
+    elif item.axis == "step":
+        setting = " ".join(
+            filter(None, [item.model, item.method, settings_text(item.settings or {})])
+        )
+    else:
+        setting = f"{item.model} {item.method}".strip() + f": {model_text(item)}"
+    note = item.limit
+    if item.axis != "step" and item.quantity:
+        note = f"{item.case}, {item.quantity.replace('_', ' ')}: {note}"
+    if item.smaller is not None and item.axis not in ("step", ""):
+        note = f"{note}; the next smaller has an error of {item.smaller:.2g}"
     return (
-        *names,
-        " ".join(filter(None, [item.model, item.method, settings_text(item.settings or {})])),
-        number(item.step, 3),
-        item.error,
-        item.cost.seconds,
-        item.limit,
-        item.margin,
-    )
+        item.scene, item.engine, number(item.target, 6), setting,
+        "" if item.step is None else number(item.step, 3), item.error,
+        item.cost.seconds if item.cost else "", item.margin if item.step else "", note,
+    )  # fmt: skip
 
 
-def limits(one: StepSeries) -> Row:
+def model_text(item: Choice) -> str:
+    """Return the smallest model on its axis in words."""
+    if item.unit == "1" and item.value in (0.0, 1.0):
+        return f"{'with' if item.value else 'without'} {item.axis}"
+    words = f"{number(item.value, 6)} {item.axis}"
+    if item.unit not in ("1", ""):
+        words = f"{item.axis} {with_unit(item.value, item.unit)}"
+    return f"{words} (extrapolated)" if item.extrapolated else words
+
+
+def limit_cells(one: StepSeries) -> Cells:
     """Return what limits a method: its order, its floor, and from where on halving is wasted."""
     useful = [point.step for point in one.points if point.error is not None and not point.wasted]
     return (
@@ -95,39 +113,42 @@ def limits(one: StepSeries) -> Row:
     )
 
 
-def fewest(item: Fewest) -> Row:
-    """Return how many parts a beam needs."""
-    count = "none" if item.count is None else f"{item.count} {item.part}"
-    return (
-        item.engine, item.kind, item.case, item.quantity, number(item.target, 6),
-        f"{count} (extrapolated)" if item.extrapolated else count,
-        item.error, item.fewer, item.step, item.reason,
-    )  # fmt: skip
-
-
-def closure(item: LoopClosure) -> Row:
-    """Return how softly a loop may be closed."""
-    value = "-" if item.value is None else f"{item.knob} {number(item.value)} {item.unit}"
-    return (
-        f"{item.engine} {item.model}", number(item.target, 6), value, item.error,
-        item.step, None if item.cost is None else item.cost.seconds, item.reason,
-    )  # fmt: skip
-
-
-def left_out(item: LeftOut) -> Row:
-    """Return what leaving something out costs or saves."""
-    return (
-        item.scene, item.engine, f"{item.left_out} ({item.compared})", item.error_with,
-        item.error_without, item.cost_ratio, item.verdict,
-    )  # fmt: skip
-
-
-def shifts(item: BoundaryShift) -> Row:
+def shift_cells(one: StepSeries) -> Cells:
     """Return by how much a method shifts a boundary point."""
     return (
-        item.scene, named(item.parameter, item.unit), f"{item.engine} {item.model}", item.method,
-        item.order, *item.shifts, number(item.slope, 3, missing="-"), item.floor,
+        one.scene, named(one.quantity, one.unit), f"{one.engine} {one.model}", one.method,
+        one.order, *(point.errors.get(one.quantity) for point in one.points),
+        number(one.slope, 3, missing="-"), one.plateau,
     )  # fmt: skip
+
+
+def run_cells(result: ModelTradeoff, trial: Trial) -> Cells:
+    """Return a run of a file; ``>`` is the choice, ``*`` the front, ``=`` the file's setting."""
+    point, limit = trial.point, trial.series.stable_step
+    marks = {">": [result.choice], "*": result.front, "=": [result.own]}
+    return (
+        "".join(mark for mark, of in marks.items() if point in [one and one.point for one in of]),
+        trial.series.setting,
+        1e3 * (point.step or 0.0),
+        percent(point.error),
+        percent(point.errors["energy"]) if point.errors else None,
+        point.errors.get("violation") or None,
+        trial.seconds,
+        None if limit is None else 1e3 * limit,
+        f"state lost: {point.reason}" if point.reason else "",
+    )
+
+
+def legend(result: ModelTradeoff) -> str:
+    """Return the meaning of the columns."""
+    return (
+        f"> chosen, * on the front, = as in the file. error: the largest of {result.observed} over "
+        f"{result.compared:.3g} s from {plural(len(result.truths), 'start')}, relative to the "
+        f"motion; the uncertainty of the converged run is {percent(result.largest('error'))}. "
+        "energy: largest difference from the converged run's, relative to the largest kinetic "
+        "energy. violation: largest residual of an equality (m, rad). time: of the processor, "
+        "median of the runs on this machine. limit: the largest stable step of small motions."
+    )
 
 
 INTRODUCTION = """# What accuracy costs
@@ -138,29 +159,42 @@ number of rods or elements. An error is the largest of all observables over the 
 size of each, against the scene's reference. A time is the median wall time of the stepping per
 simulated second on one machine; take it as a ratio.
 
-*Cheapest settings*: of all that were run, the cheapest whose error, and that with half the step,
-meet the target; the shortest step of all only at its floor. *limited by*: what has the largest
-share in the error: the step, or what no step removes. *margin*: longest stable step by theory over
-this step. *What limits the methods*: the order fitted above the floor, the floor and its name, and
-from which step on halving is wasted. *What a step costs in stability*: by how much the parameter at
-which a periodic orbit loses its stability is shifted with so many steps in a period; the order of
-the last halving above the floor, which rounding and differences leave.
+*Cheapest settings*: of all that were run, the cheapest whose error meets the target, as with all
+shorter steps; the shortest step of all only at its floor. *limited by*: what has the largest share
+in the error: the step, or what no step removes. *margin*: largest stable step by theory over this
+step. *Smallest models*: the fewest rods or elements, the softest closure, and what may be left out,
+from which on all larger models meet the target, with the longest step that does. *What limits the
+methods*: the order fitted above the floor, the floor and its name, and from which step on halving
+is wasted. *What a step costs in stability*: by how much the parameter at which a periodic orbit
+loses its stability is shifted with so many steps in a period; the order of the last halving above
+the floor, which is round-off.
 """
 
 
-def markdown(result: Tradeoff) -> str:
-    """Return the page: what `docs/tradeoff.md` is."""
-    parts = [
-        f"## {title}\n\n{markdown_table(heads, rows, DIGITS)}\n"
-        for title, heads, rows in tables(result)
-    ]
-    return "\n".join([INTRODUCTION, *parts])
+def markdown(result: Tradeoff | ModelTradeoff) -> str:
+    """Return the page as Markdown: of scenes what `docs/tradeoff.md` is."""
+    page = page_of(result)
+    parts = [f"## {plain(page.heading)}", f"**{plain(page.sentence)}**"]
+    if not page.heading:
+        parts = [INTRODUCTION.strip()]
+    if page.heading and page.notes:
+        parts.append("\n".join(f"* {plain(note)}" for note in page.notes))
+    for title, heads, rows in page.tables:
+        parts += [f"## {title}"] if title else []
+        parts.append(markdown_table(heads, rows, DIGITS))
+    parts += [plain(page.legend)] if page.legend and page.tables else []
+    return "\n\n".join(parts) + "\n"
 
 
-def show(console: Console, result: Tradeoff) -> None:
-    """Print all tables."""
-    for title, heads, rows in tables(result):
+def show(console: Console, result: Tradeoff | ModelTradeoff) -> None:
+    """Print the page."""
+    page = page_of(result)
+    if page.sentence:
+        print_wrapped(console, page.sentence)
+    for note in page.notes:
+        print_wrapped(console, f"note: {note}", "  ")
+    for title, heads, rows in page.tables:
         print_line(console, title, "bold")
         print_table(console, heads, rows, DIGITS)
-    for words in result.failures:
-        print_wrapped(console, words)
+    if page.legend and page.tables:
+        print_wrapped(console, page.legend)

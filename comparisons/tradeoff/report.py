@@ -1,11 +1,11 @@
-"""``mbcheck tradeoff``: all series, what to choose, and the least that a scene requires."""
+"""``mbcheck tradeoff`` of scenes: all series, the cheapest settings and the smallest models."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 from ...reference import SCENES
 from ...reference.errors import EngineError, UsageError
@@ -13,150 +13,74 @@ from ..documents import document
 from ..engines.isolation import MEMORY, isolated
 from ..engines.registry import resolve_selection
 from ..queries.environment import versions
-from . import minimal, stability
-from .minimal import Minimal
-from .series import MODEL, ROUND_OFF, TARGETS, Cost, Point, StepSeries
-from .stability import BoundaryShift
-from .sweep import beside, measure, settings_text, sweeps
+from . import smallest, stability
+from .store import RunStore
+from .sweep import beside, sweeps, swept
+from .table import (
+    MODEL,
+    ROUND_OFF,
+    TARGETS,
+    Choice,
+    StepSeries,
+    Swept,
+    Trial,
+    cheapest,
+    pareto,
+    steady,
+    trials_of,
+)
 
 NOISE = 1.2
 """Median times that differ by no more than this factor cost about the same."""
 
+LIMIT = 300.0
+"""Time limit of a series, or of one piece of the smallest models [s]."""
 
-@dataclass(frozen=True)
-class Choice:
-    """The cheapest setting of an engine that meets a target, or why there is none.
-
-    Attributes
-    ----------
-    scene, case, engine : str
-    target : float
-        Relative error that is allowed.
-    model, method : str or None
-        None where no setting meets the target.
-    settings : mapping of str to float
-        Options and segments that are not at their default.
-    step : float or None
-        [s]
-    error : float or None
-        Measured; the least that was, where none meets the target.
-    cost : Cost or None
-    limit : str
-        What limits the error there.
-    margin : float or None
-        Longest stable step by theory over the step; None where no step is unstable, or no
-        theory is known.
-    longest : float or None
-        Longest step of the sweep that this method survived with an error below 1, over the step.
-    """
-
-    scene: str
-    case: str
-    engine: str
-    target: float
-    model: str | None = None
-    method: str | None = None
-    settings: Mapping[str, float] | None = None
-    step: float | None = None
-    error: float | None = None
-    cost: Cost | None = None
-    limit: str = ""
-    margin: float | None = None
-    longest: float | None = None
-
-    @property
-    def met(self) -> bool:
-        """Whether the target is met."""
-        return self.method is not None
-
-
-def pareto(series: Sequence[StepSeries]) -> list[tuple[StepSeries, Point]]:
-    """Return the points that none beats in both error and wall time, cheapest first."""
-    candidates = [
-        (point.cost.seconds, point.error, one, point)
-        for one in series
-        for point in one.points
-        if point.cost is not None and point.error is not None and point.error < 1
-    ]
-    front: list[tuple[StepSeries, Point]] = []
-    least = float("inf")
-    for _, error, one, point in sorted(candidates, key=lambda item: item[:2]):
-        if error < least:
-            front.append((one, point))
-            least = error
-    return front
+Progress = Callable[[int, int, str], None]
 
 
 def choose(series: Sequence[StepSeries], target: float) -> list[Choice]:
-    """Return a choice for each scene and engine of the series."""
-    pairs = dict.fromkeys((one.scene, one.case, one.engine) for one in series)
-    return [choose_one(*pair, series=series, target=target) for pair in pairs]
-
-
-def choose_one(
-    scene: str, case: str, engine: str, series: Sequence[StepSeries], target: float
-) -> Choice:
-    """Return the cheapest setting of one engine for a scene.
+    """Return the cheapest setting of each engine for each scene, or why there is none.
 
     Of settings that cost about the same, the one with the fewest options set, then the most
-    accurate: noise of a clock is no reason to prefer one.
+    accurate: noise of a clock is no reason to prefer one. The shortest step of a series has to be
+    at its floor: the error with half of it is not known.
     """
-    none = partial(Choice, scene, case, engine, target)
-    mine = [
-        Candidate(one, point, point.error, point.cost, steady(one.points[place:], target))
-        for one in series
-        if (one.scene, one.engine) == (scene, engine)
-        for place, point in enumerate(one.points)
-        if point.error is not None and point.cost is not None
-    ]
-    if not mine:
-        return none(limit="no run came to an end")
-    good = [item for item in mine if item.steady]
-    if not good:
-        best = min(mine, key=lambda item: item.error)
-        words = [best.series.model, best.series.method, settings_text(best.series.settings)]
-        return none(error=best.error, limit=f"{best.point.limit} of {' '.join(words).strip()}")
-    cheapest = min(good, key=lambda item: item.cost.seconds)
-    alike = [item for item in good if item.cost.seconds <= NOISE * cheapest.cost.seconds]
-    one, point, *_ = min(alike, key=lambda item: (len(item.series.settings), item.error))
-    survived = max(item.step for item in one.points if item.error is not None and item.error < 1)
-    return none(
-        model=one.model,
-        method=one.method,
-        settings=one.settings,
+    choices = []
+    for scene, engine in dict.fromkeys((one.scene, one.engine) for one in series):
+        mine = [one for one in series if (one.scene, one.engine) == (scene, engine)]
+        good = [
+            row
+            for row in steady(mine, target)
+            if row.point is not row.series.points[-1] or row.point.label in (MODEL, ROUND_OFF)
+        ]
+        best = cheapest(
+            good, lambda row: row.seconds, lambda row: (len(row.series.settings), row.error), NOISE
+        )
+        choices.append(choice_from(best, mine, target))
+    return choices
+
+
+def choice_from(best: Trial | None, series: Sequence[StepSeries], target: float) -> Choice:
+    """Return the choice of the best run of some series, or of none with the least error."""
+    if best is None:
+        one, least = min(trials_of(series), key=lambda trial: trial.error)
+        words = "no run came to an end"
+        words = words if least.error is None else f"{least.limit} of {one.setting}"
+        return Choice(one.scene, one.case, one.engine, target, error=least.error, limit=words)
+    one, point = best
+    assert point.step is not None
+    longest = max(trial.point.step or 0.0 for trial in trials_of([one]) if trial.error < 1)
+    return one.chosen(
+        target,
         step=point.step,
         error=point.error,
         cost=point.cost,
         limit=point.limit,
         margin=None if one.stable_step is None else one.stable_step / point.step,
-        longest=survived / point.step,
+        longest=longest / point.step,
+        met=True,
     )
-
-
-class Candidate(NamedTuple):
-    """A setting that may be chosen; ``steady`` if it meets the target, not by chance."""
-
-    series: StepSeries
-    point: Point
-    error: float
-    cost: Cost
-    steady: bool
-
-
-def steady(points: Sequence[Point], target: float) -> bool:
-    """Return whether the first of some points meets a target, and the next, with half the step.
-
-    The last one has no next: it has to be at its floor.
-    """
-    if len(points) == 1 and points[0].label not in (MODEL, ROUND_OFF):
-        return False
-    return all(point.error is not None and point.error <= target for point in points[:2])
-
-
-LIMIT = 300.0
-"""Time limit of a series, or of a piece of what is required [s]."""
-
-Progress = Callable[[int, int, str], None]
 
 
 @dataclass
@@ -167,11 +91,11 @@ class Tradeoff:
     ----------
     targets : tuple of float
     asked_scenes, engines : tuple of str
-    series : list of Series
-    parts : list of Minimal
-        The least that the scenes require.
-    stability : list of BoundaryShift
-        What steps cost in stability.
+    resume : str or None
+        File that keeps results.
+    series : list of StepSeries
+    smallest : list of Choice
+        Smallest models.
     failures : list of str
         What came to nothing, and why.
     """
@@ -179,83 +103,95 @@ class Tradeoff:
     targets: tuple[float, ...]
     asked_scenes: tuple[str, ...]
     engines: tuple[str, ...]
+    resume: str | None = None
     series: list[StepSeries] = field(default_factory=list)
-    parts: list[Minimal] = field(default_factory=list)
-    stability: list[BoundaryShift] = field(default_factory=list)
+    smallest: list[Choice] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
 
     @classmethod
     def asked(
-        cls, scenes: Sequence[str], engines: Sequence[str], targets: Sequence[float]
+        cls,
+        scenes: Sequence[str],
+        engines: Sequence[str],
+        targets: Sequence[float],
+        resume: str | None = None,
     ) -> Tradeoff:
         """Return what is asked for, to be filled by `work`; see `tradeoff`."""
-        return cls(valid_targets(targets), *resolve_selection(scenes, engines))
+        return cls(valid_targets(targets), *resolve_selection(scenes, engines), resume)
 
     def work(self) -> Iterator[tuple[int, int, str]]:
         """Measure one piece after the other, each in a process of its own; tell how far it is.
 
         One at a time: they are timed.
         """
-        wanted = sweeps(self.asked_scenes, self.engines)
-        pieces: list[tuple[str, Callable[[], StepSeries | Minimal | BoundaryShift]]] = [
-            *((one.name, partial(measure, one)) for one in wanted),
-            *minimal.tasks(self.asked_scenes, self.engines, self.targets),
-            *stability.tasks(self.asked_scenes, self.engines),
-        ]
-        names, calls = [name for name, _ in pieces], [call for _, call in pieces]
-        for place, result in isolated(calls, 1, LIMIT, MEMORY):
-            if isinstance(result, EngineError):
-                self.failures.append(f"{names[place]}: {result.kind}: {result.message}")
-            elif isinstance(result, Minimal):
-                self.parts.append(result)
-            elif isinstance(result, BoundaryShift):
-                self.stability.append(result)
-            else:
-                self.series.append(self.with_default(result))
-            yield place + 1, len(calls), names[place]
+        store = RunStore(self.resume, target=self.targets, versions=versions(self.engines))
+        asked = self.asked_scenes, self.engines
+        pieces: dict[str, Callable[[], Swept]] = {
+            **{one.name: partial(swept, one) for one in sweeps(*asked)},
+            **dict(smallest.tasks(*asked, self.targets)),
+            **dict(stability.tasks(*asked)),
+        }
+        known = {name: store.get(name, Swept) for name in pieces}
+        for result in filter(None, known.values()):
+            self.add(result)
+        names = [name for name in pieces if known[name] is None]
+        done = len(pieces) - len(names)
+        try:
+            for place, result in isolated([pieces[name] for name in names], 1, LIMIT, MEMORY):
+                if isinstance(result, EngineError):
+                    self.failures.append(f"{names[place]}: {result.kind}: {result.message}")
+                else:
+                    store.put(names[place], result)
+                    self.add(result)
+                yield done + place + 1, len(pieces), names[place]
+        finally:
+            store.write()
 
-    def with_default(self, series: StepSeries) -> StepSeries:
-        """Return a series beside that of the same method with nothing set, measured before."""
-        same = ("scene", "engine", "model", "method")
-        for one in self.series:
-            if not one.settings and all(getattr(one, key) == getattr(series, key) for key in same):
-                return beside(series, one)
-        return series
+    def add(self, result: Swept) -> None:
+        """Add a piece; a series with an option set stands beside that with nothing set."""
+        same = ("scene", "engine", "model", "method", "axis")
+        for one in result.series:
+            for other in self.series:
+                alike = all(getattr(one, key) == getattr(other, key) for key in same)
+                if alike and one.settings and not other.settings:
+                    one = beside(one, other)
+            self.series.append(one)
+        self.smallest += result.choices
+
+    @property
+    def failed(self) -> bool:
+        """Whether something came to nothing."""
+        return bool(self.failures)
 
     @property
     def choices(self) -> list[Choice]:
-        """The cheapest setting of each engine for each scene and target."""
-        choices = [choice for target in self.targets for choice in choose(self.series, target)]
-        return sorted(choices, key=lambda choice: list(SCENES).index(choice.scene))
+        """The cheapest setting of each engine for each scene and target, then the smallest."""
+        swept = [one for one in self.series if one.axis == "step"]
+        choices = [choice for target in self.targets for choice in choose(swept, target)]
+        return sorted(choices, key=lambda one: list(SCENES).index(one.scene)) + self.smallest
 
-    def of(self, scene: str) -> tuple[StepSeries, ...]:
-        """Return the series of one scene."""
-        return tuple(one for one in self.series if one.scene == scene)
+    def of(self, scene: str, axis: str = "step") -> list[StepSeries]:
+        """Return the series of one scene on one axis."""
+        return [one for one in self.series if (one.scene, one.axis) == (scene, axis)]
 
     @property
     def scenes(self) -> tuple[str, ...]:
         """Names of the scenes that there are series of."""
         return tuple(dict.fromkeys(one.scene for one in self.series))
 
-    @property
-    def minimal(self) -> Minimal:
-        """The least that the scenes require."""
-        return minimal.joined(self.parts)
-
     def as_json(self) -> dict[str, Any]:
         """Return the ``tradeoff`` document of docs/json.md."""
         fronts = {
-            scene: [
-                {"engine": one.engine, "model": one.model, "method": one.method}
-                | {"settings": dict(one.settings), "step": point.step}
-                | {"error": point.error, "seconds": point.cost.seconds if point.cost else None}
-                for one, point in pareto(self.of(scene))
-            ]
+            scene: [trial_document(row) for row in pareto(trials_of(self.of(scene)))]
             for scene in self.scenes
         }
-        choices = [{**vars(choice), "met": choice.met} for choice in self.choices]
-        parts = {"pareto": fronts, "recommendations": choices, "minimal": self.minimal}
+        parts = {"pareto": fronts, "recommendations": self.choices}
         return document("tradeoff", self, versions=versions(self.engines), **parts)
+
+
+def trial_document(row: Trial) -> dict[str, Any]:
+    """Return a run as a document has it."""
+    return {**vars(row.series), **vars(row.point), "seconds": row.seconds}
 
 
 def tradeoff(

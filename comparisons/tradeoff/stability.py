@@ -7,11 +7,9 @@ their stability at another parameter than that of the reference.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import partial
 from itertools import product
-
-import numpy as np
 
 from ...reference import get_scene
 from ...reference.continuation.bifurcations import KINDS
@@ -21,6 +19,9 @@ from ..checks.kinds import boundary
 from ..engines.registry import get_engine
 from ..engines.run import EPS
 from ..engines.setup import Setup
+from .table import ROUND_OFF, STEP, Point, StepSeries, Swept, slope_of
+
+AXIS = "steps in a period"
 
 STEPS = (40, 80, 160, 320, 640)
 """In a period."""
@@ -29,51 +30,9 @@ CLEAR = 10
 """Bounds above which a shift tells the order."""
 
 
-@dataclass(frozen=True)
-class BoundaryShift:
-    """By how much a method shifts the boundary point of a case, over steps in a period.
-
-    Attributes
-    ----------
-    scene, case, engine, model, method : str
-    order : int
-        Declared.
-    parameter, unit : str
-        At which the orbit loses its stability.
-    steps : tuple of int
-        In a period.
-    shifts, bounds : tuple of float or None
-        Its value less the reference's, and what rounding and differences leave of that; None where
-        the engine has no such point near.
-    slope : float or None
-        Order of the last halving above the bounds.
-    reason : str
-        Why there is none.
-    """
-
-    scene: str
-    case: str
-    engine: str
-    model: str
-    method: str
-    order: int
-    parameter: str
-    unit: str
-    steps: tuple[int, ...]
-    shifts: tuple[float | None, ...]
-    bounds: tuple[float | None, ...]
-    slope: float | None
-    reason: str = ""
-
-    @property
-    def floor(self) -> float | None:
-        """What rounding and differences leave with the most steps that have a point."""
-        return next((bound for bound in reversed(self.bounds) if bound is not None), None)
-
-
 def tasks(
     scenes: Sequence[str], engines: Sequence[str]
-) -> Iterator[tuple[str, Callable[[], BoundaryShift]]]:
+) -> Iterator[tuple[str, Callable[[], Swept]]]:
     """Yield methods of the engines' default models, each ready for a process of its own."""
     cases = [
         case
@@ -87,7 +46,12 @@ def tasks(
             for model, method in product(its.models(case.scene)[:1], its.methods):
                 if is_measurable(Setup(its, case, model, method)):
                     name = f"{case.scene} {engine} {method.name}, {case.name}"
-                    yield name, partial(boundary_shift, case, engine, model, method.name)
+                    yield name, partial(swept, case, engine, model, method.name)
+
+
+def swept(case: Case, engine: str, model: str, method: str) -> Swept:
+    """Return the shifts of one method as a piece of work."""
+    return Swept((boundary_shift(case, engine, model, method),))
 
 
 def is_measurable(setup: Setup) -> bool:
@@ -99,8 +63,10 @@ def is_measurable(setup: Setup) -> bool:
 
 def boundary_shift(
     case: Case, engine: str, model: str, method: str, steps: Sequence[int] = STEPS
-) -> BoundaryShift:
-    """Return by how much a method shifts the boundary of a case.
+) -> StepSeries:
+    """Return by how much a method shifts the boundary of a case, over steps in a period.
+
+    The errors are shifts of the parameter; under its name in ``errors`` they have a sign.
 
     Raises
     ------
@@ -112,45 +78,27 @@ def boundary_shift(
     its = get_engine(engine)
     integrator = next(one for one in its.methods if one.name == method)
     setup, true = Setup(its, case, model, integrator), sought.solution[1]
-    shifts: list[float | None] = []
-    bounds: list[float | None] = []
-    reason = ""
+    points = []
     for count in steps:
-        shift = bound = None
+        one = Point(None, None, value=count)
         try:
             point = boundary.engine_point(setup, sought, count, true.z)
             if point.is_solved:
                 shift = sought.unit * float(point.z[-1] - true.z[-1])
                 bound = sought.unit * point.bound
+                label = STEP if abs(shift) > CLEAR * bound else ROUND_OFF
+                signed = {sought.parameter: shift}
+                one = Point(None, abs(shift), signed, label=label, value=count, bound=bound)
         except EngineError as failure:
-            reason = failure.message
-        shifts.append(shift)
-        bounds.append(bound)
-    return BoundaryShift(
-        scene=case.scene,
-        case=case.name,
-        engine=engine,
-        model=model,
-        method=method,
-        order=integrator.order,
-        parameter=sought.parameter,
+            one = replace(one, reason=failure.message)
+        points.append(one)
+    clear = [one for one in points if one.label == STEP]
+    return StepSeries(
+        case.scene, case.name, engine, model, method, integrator.order, {}, tuple(points),
+        slope=slope_of(clear[-2:]),
+        plateau=next((one.bound for one in reversed(points) if one.bound is not None), None),
+        plateau_name="round-off",
+        axis=AXIS,
         unit=case.parameters.unit_of(sought.parameter),
-        steps=tuple(steps),
-        shifts=tuple(shifts),
-        bounds=tuple(bounds),
-        slope=order_of(shifts, bounds),
-        reason=reason,
-    )
-
-
-def order_of(shifts: Sequence[float | None], bounds: Sequence[float | None]) -> float | None:
-    """Return the order that the last halving above the bounds shows, None where there is none."""
-    clear = [
-        place
-        for place, (shift, bound) in enumerate(zip(shifts, bounds, strict=True))
-        if shift is not None and bound is not None and abs(shift) > CLEAR * bound
-    ]
-    if len(clear) < 2 or clear[-1] - clear[-2] != 1:
-        return None
-    before, last = (shifts[place] or np.nan for place in clear[-2:])
-    return float(np.log2(abs(before / last)))
+        quantity=sought.parameter,
+    )  # fmt: skip

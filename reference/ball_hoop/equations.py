@@ -31,12 +31,13 @@ drives and damps the slide.
 
 from __future__ import annotations
 
+from collections import namedtuple
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from ..body.parameters import BodyParameters, body_inertia, body_numbers
+from ..body.parameters import NUMBERS, BodyParameters, body_inertia, body_numbers
 from ..body.rotation import (
     Moment,
     accelerations_by,
@@ -75,42 +76,17 @@ class BallHoop(BodyParameters):
     force_frequency: float = quantity(3.0, "f", "Hz", "chosen", "of the force")
 
 
-class Coefficients(NamedTuple):
-    """Numbers of (1)-(4): those of `body_numbers`, then M + m, k, d, r, F, 2 pi f."""
-
-    s_x: Any
-    s_y: Any
-    s_z: Any
-    inertia_xx: Any
-    inertia_yy: Any
-    inertia_zz: Any
-    inertia_xy: Any
-    inertia_xz: Any
-    inertia_yz: Any
-    inverse_xx: Any
-    inverse_yy: Any
-    inverse_zz: Any
-    inverse_xy: Any
-    inverse_xz: Any
-    inverse_yz: Any
-    g_x: Any
-    g_y: Any
-    g_z: Any
-    radial: Any
-    mass: Any
-    stiffness: Any
-    damping: Any
-    friction: Any
-    force: Any
-    omega: Any
+OTHERS = ("mass", "stiffness", "damping", "friction", "force", "omega")
+Coefficients: Any = namedtuple("Coefficients", (*NUMBERS, *OTHERS))  # type: ignore[misc]
+"""Numbers of (1)-(4): those of `body_numbers`, then M + m, k, d, r, F, 2 pi f."""
 
 
-def coefficients(p: BallHoop) -> Coefficients:
+def coefficients(p: BallHoop) -> Any:
     """Return the numbers of (1)-(4)."""
     return coefficients_of(p, body_inertia(p))
 
 
-def coefficients_of(p: BallHoop, tensor: Array) -> Coefficients:
+def coefficients_of(p: BallHoop, tensor: Array) -> Any:
     """Return these numbers of an inertia tensor (3, 3, ...) about the ball joint."""
     drive = (p.force_amplitude, 2 * np.pi * p.force_frequency)
     slide = [p.main_mass + p.mass, p.stiffness, p.damping, p.joint_damping, *drive]
@@ -128,17 +104,17 @@ def slide_axis(q: Any) -> list[Any]:
     return matrix(q[TURN])[1]
 
 
-def slide_force(u: Any, q: Any, v: Any, c: Coefficients) -> Any:
+def slide_force(u: Any, q: Any, v: Any, c: Any) -> Any:
     """Return drive, damper, spring and weight on the slide."""
     return c.force * u - c.damping * v[0] - c.stiffness * q[0] + c.mass * c.g_y
 
 
-def centripetal(omega: Any, c: Coefficients) -> list[Any]:
+def centripetal(omega: Any, c: Any) -> list[Any]:
     """Return omega x (omega x s)."""
     return cross(omega, cross(omega, c[0:3]))
 
 
-def mass_matrix(q: Any, c: Coefficients, xp: Any = np) -> list[list[Any]]:
+def mass_matrix(q: Any, c: Any, xp: Any = np) -> list[list[Any]]:
     """Return the mass matrix of (4)."""
     lever, size = cross(c[0:3], slide_axis(q)), square(q[TURN])
     mixed = [2 * inner(column, lever) / size for column in rotation_columns(q[TURN])]
@@ -149,7 +125,7 @@ def mass_matrix(q: Any, c: Coefficients, xp: Any = np) -> list[list[Any]]:
     ]
 
 
-def forces(u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np) -> list[Any]:
+def forces(u: Any, q: Any, v: Any, c: Any, xp: Any = np) -> list[Any]:
     """Return the right-hand side of ``M(q) a = f``."""
     axis = slide_axis(q)
     rho, omega = body_rates(q[TURN], v[TURN])
@@ -167,16 +143,14 @@ def braked_by(moment: Moment) -> Moment:
     return braked
 
 
-def joined(push: Any, lever: list[Any], moment: list[Any], c: Coefficients) -> list[Any]:
+def joined(push: Any, lever: list[Any], moment: list[Any], c: Any) -> list[Any]:
     """Return y'' and omega' of (1), (2) with these right-hand sides and this lever h."""
     free, pushed = times(c[9:15], moment), times(c[9:15], lever)
     faster = (push - inner(lever, free)) / (c.mass - inner(lever, pushed))
     return [faster, *(a - faster * b for a, b in zip(free, pushed, strict=True))]
 
 
-def body_accelerations(
-    u: Any, motion: Any, c: Coefficients, moment: Moment, xp: Any = np
-) -> list[Any]:
+def body_accelerations(u: Any, motion: Any, c: Any, moment: Moment, xp: Any = np) -> list[Any]:
     """Return y'' and omega' by (1), (2)."""
     q, v, omega = motion
     axis = slide_axis(q)
@@ -188,12 +162,12 @@ def body_accelerations(
 accelerations = accelerations_by(body_accelerations, FIRST)
 
 
-def damping_matrix(c: Coefficients) -> Array:
+def damping_matrix(c: Any) -> Array:
     """Return diag(d, 0, 4 r, 4 r, 4 r): friction in the joint depends on q, here upright."""
     return np.diag([c.damping, 0.0, *[4 * c.friction] * 3])
 
 
-def energy(q: Any, v: Any, c: Coefficients) -> Any:
+def energy(q: Any, v: Any, c: Any) -> Any:
     """Return kinetic and potential energy [J], that of the length of q included."""
     lever = cross(c[0:3], slide_axis(q))
     sliding = (c.mass * v[0] ** 2 + c.stiffness * q[0] ** 2) / 2 - c.mass * c.g_y * q[0]
@@ -201,7 +175,7 @@ def energy(q: Any, v: Any, c: Coefficients) -> Any:
     return sliding + shared + rotation_energy(q[TURN], v[TURN], c)
 
 
-def powers(u: Any, q: Any, v: Any, c: Coefficients) -> dict[str, Any]:
+def powers(u: Any, q: Any, v: Any, c: Any) -> dict[str, Any]:
     """Return the powers [W] of the force, of the damper and of the joint's friction."""
     omega = body_rates(q[TURN], v[TURN])[1]
     return {
@@ -211,12 +185,12 @@ def powers(u: Any, q: Any, v: Any, c: Coefficients) -> dict[str, Any]:
     }
 
 
-def along_slide(q: Any, v: Any, c: Coefficients) -> Any:
+def along_slide(q: Any, v: Any, c: Any) -> Any:
     """Return the angular momentum about the line along which the ball joint moves."""
     return momentum_of(q[TURN], v[TURN], c)[1]
 
 
-def outputs(q: Any, v: Any, c: Coefficients, xp: Any = np) -> dict[str, Any]:
+def outputs(q: Any, v: Any, c: Any, xp: Any = np) -> dict[str, Any]:
     """Return attitude, body rates, energy, length of q, and angular momentum about O."""
     arm = [inner(row, c[0:3]) for row in matrix(q[TURN])]
     x, y, z = momentum_of(q[TURN], v[TURN], c)

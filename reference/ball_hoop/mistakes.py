@@ -6,13 +6,13 @@ from typing import Any
 
 from ..body.rotation import BodyAccelerations, Moment, inner, sum_of, times
 from ..quaternions import cross
-from .equations import TURN, Coefficients, braked_by, centripetal, joined, slide_axis, slide_force
+from .equations import TURN, braked_by, centripetal, joined, slide_axis, slide_force
 
 
 def coupled_by(axis_in_body: bool, inertia: float, pull: float, transport: float) -> Any:
     """Return `body_accelerations` with the factors 1, 1 and 0 changed, or another axis."""
 
-    def accelerate(u: Any, motion: Any, c: Coefficients, moment: Moment, xp: Any) -> list[Any]:
+    def accelerate(u: Any, motion: Any, c: Any, moment: Moment, xp: Any) -> list[Any]:
         q, v, omega = motion
         axis = [0.0, 1.0, 0.0] if axis_in_body else slide_axis(q)
         push = slide_force(u, q, v, c) - pull * inner(axis, centripetal(omega, c))

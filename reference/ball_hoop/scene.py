@@ -20,7 +20,7 @@ from ..body.rotation import (
     inexact_accelerations,
 )
 from ..hula_hoop import SCENE as HULA_HOOP
-from ..scene import Case, Scene, with_placements, with_rates
+from ..scene import Scene, case_maker, with_placements, with_rates
 from .equations import (
     FIRST,
     BallHoop,
@@ -69,21 +69,15 @@ SPINNING = {
 }  # fmt: skip
 
 
-def _case(name: str, p: BallHoop, state: dict[str, float], horizon: float, *kinds: str) -> Case:
-    return Case("ball_hoop", name, p, state, horizon, kinds)
-
-
-def _full(name: str, p: BallHoop, state: dict[str, float], horizon: float, *kinds: str) -> Case:
-    return replace(_case(name, p, state, horizon, *kinds), full_only=True)
-
+case = case_maker("ball_hoop")
 
 CASES = (
-    replace(_case("weighed", WEIGHED, SPINNING, 0.25, "algebra", "trajectory"), methods="best"),
-    replace(_case("hanging", WEIGHED, {}, 0.5, "frequency"), about="hanging"),
-    _full("driven", FREELY, SPINNING, 0.5, "order", "trajectory", "energy"),
-    _full("conservative", CONSERVATIVE, SPINNING, 0.5, "energy"),
-    _full("gravity_along", ALONG, SPINNING, 2.0, "trajectory", "energy"),
-    _full("planar", PLANAR, {"omega_z": 18.0}, 0.5, "trajectory", "order"),
+    case("weighed", WEIGHED, SPINNING, 0.25, "algebra", "trajectory", methods="best"),
+    case("hanging", WEIGHED, {}, 0.5, "frequency", about="hanging"),
+    case("driven", FREELY, SPINNING, 0.5, "order", "trajectory", "energy", full_only=True),
+    case("conservative", CONSERVATIVE, SPINNING, 0.5, "energy", full_only=True),
+    case("gravity_along", ALONG, SPINNING, 2.0, "trajectory", "energy", full_only=True),
+    case("planar", PLANAR, {"omega_z": 18.0}, 0.5, "trajectory", "order", full_only=True),
 )
 """Of `driven` *energy* looks at the angular momentum about the slide alone."""
 

@@ -44,7 +44,7 @@ import numpy as np
 
 from ..quaternions import cross, matrix, square
 from ..scene import Array
-from .parameters import BodyParameters, body_inertia, body_numbers, central_inertia
+from .parameters import NUMBERS, BodyParameters, body_inertia, body_numbers, central_inertia
 from .rotation import (
     Moment,
     body_rates,
@@ -57,6 +57,9 @@ from .rotation import (
     turned_forces,
     turned_inertia,
 )
+
+BASE_NUMBERS = (*NUMBERS, "mass", "base", "centre_x", "centre_y", "centre_z")
+"""Names of `base_numbers`."""
 
 PLACE, TURN = slice(0, 3), slice(-4, None)
 HINGES = slice(3, -4)

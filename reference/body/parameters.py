@@ -84,11 +84,18 @@ def body_inertia(p: BodyParameters) -> Array:
 PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 """Of the entries xx, yy, zz, xy, xz, yz of a symmetric tensor."""
 
+NUMBERS = (
+    *(f"s_{axis}" for axis in "xyz"),
+    *(f"{of}_{'xyz'[i]}{'xyz'[j]}" for of in ("inertia", "inverse") for i, j in PLACES),
+    *("g_x", "g_y", "g_z", "radial"),
+)
+"""Names of `body_numbers`, with which the coefficients of scenes with a body begin."""
+
 
 def body_numbers(p: BodyParameters, tensor: Array) -> list[Any]:
     """Return s, J, its inverse, g and the trace of J, of an inertia tensor (3, 3, ...) as J.
 
-    Coefficients of scenes with a body begin with these: 3, 6, 6, 3 numbers and one.
+    These are 3, 6, 6, 3 numbers and one, see `NUMBERS`.
     """
     inverse = np.moveaxis(np.linalg.inv(np.moveaxis(tensor, (0, 1), (-2, -1))), (-2, -1), (0, 1))
     numbers = [

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-from ..scene import Case
+from ..scene import case_maker
 from .equations import FloatingBeam
 
 DAMPED = FloatingBeam()
@@ -25,18 +23,14 @@ IN_PLANE = {
 }  # fmt: skip
 
 
-def _case(name: str, p: FloatingBeam, state: dict[str, float], horizon: float, *kinds: str) -> Case:
-    return Case("floating_beam", name, p, state, horizon, kinds)
-
-
-def _full(name: str, p: FloatingBeam, state: dict[str, float], horizon: float, *kinds: str) -> Case:
-    return replace(_case(name, p, state, horizon, *kinds), full_only=True)
-
+case = case_maker("floating_beam")
 
 CASES = (
-    replace(_case("tumbling", WEIGHED, TUMBLING, 0.0625, "algebra", "trajectory"), methods="best"),
-    replace(_case("afloat", DAMPED, {}, 0.5, "frequency"), about="afloat"),
-    _full("conservative", CONSERVATIVE, TUMBLING, 0.5, "order", "trajectory", "energy"),
-    _full("falling", WEIGHED.replace(hinge_damping=0.0), TUMBLING, 0.25, "energy"),
-    _full("planar", PLANAR, IN_PLANE, 0.5, "trajectory", "order"),
+    case("tumbling", WEIGHED, TUMBLING, 0.0625, "algebra", "trajectory", methods="best"),
+    case("afloat", DAMPED, {}, 0.5, "frequency", about="afloat"),
+    case(
+        "conservative", CONSERVATIVE, TUMBLING, 0.5, "order", "trajectory", "energy", full_only=True
+    ),
+    case("falling", WEIGHED.replace(hinge_damping=0.0), TUMBLING, 0.25, "energy", full_only=True),
+    case("planar", PLANAR, IN_PLANE, 0.5, "trajectory", "order", full_only=True),
 )

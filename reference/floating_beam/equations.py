@@ -26,7 +26,7 @@ from typing import Any
 
 import numpy as np
 
-from ..body.floating import FloatingTree, Link, base_numbers
+from ..body.floating import BASE_NUMBERS, FloatingTree, Link, base_numbers
 from ..body.parameters import BodyParameters, body_inertia
 from ..parameters import quantity
 from ..scene import Array
@@ -73,12 +73,8 @@ class FloatingBeam(BodyParameters):
         return (*((mass, h / 2, across),) * (RODS - 1), last)
 
 
-ENTRIES = ("xx", "yy", "zz", "xy", "xz", "yz")
 NUMBERS = (
-    *(f"s_{axis}" for axis in "xyz"),
-    *(f"{of}_{entry}" for of in ("inertia", "inverse") for entry in ENTRIES),
-    *(f"g_{axis}" for axis in "xyz"),
-    *("radial", "mass", "base", "centre_x", "centre_y", "centre_z"),
+    *BASE_NUMBERS,
     *("rod", "arm", "across", "last", "last_arm", "last_across"),
     *("polar", "radius", "length", "cos_twist", "sin_twist", "root", "stiffness", "damping"),
 )

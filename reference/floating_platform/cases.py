@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-from ..scene import Case
+from ..scene import case_maker
 from .equations import FloatingPlatform
 
 DRIVEN = FloatingPlatform()
@@ -24,26 +22,15 @@ TUMBLING = {
 IN_PLANE = {"x_dot": 0.4, "y_dot": -0.3, "theta": 0.3, "phi_dot": 40.0, "omega_z": 3.0}
 
 
-def _case(
-    name: str, p: FloatingPlatform, state: dict[str, float], horizon: float, *kinds: str
-) -> Case:
-    return Case("floating_platform", name, p, state, horizon, kinds)
-
-
-def _full(
-    name: str, p: FloatingPlatform, state: dict[str, float], horizon: float, *kinds: str
-) -> Case:
-    return replace(_case(name, p, state, horizon, *kinds), full_only=True)
-
+case = case_maker("floating_platform")
 
 CASES = (
-    replace(
-        _case("tumbling", DRIVEN, TUMBLING, 0.125, "algebra", "trajectory", "energy"),
-        methods="best",
+    case("tumbling", DRIVEN, TUMBLING, 0.125, "algebra", "trajectory", "energy", methods="best"),
+    case("afloat", DRIVEN, {}, 0.5, "frequency", about="afloat"),
+    case(
+        "conservative", CONSERVATIVE, TUMBLING, 0.5, "order", "trajectory", "energy", full_only=True
     ),
-    replace(_case("afloat", DRIVEN, {}, 0.5, "frequency"), about="afloat"),
-    _full("conservative", CONSERVATIVE, TUMBLING, 0.5, "order", "trajectory", "energy"),
-    _full("falling", FALLING, TUMBLING, 0.5, "algebra", "energy"),
-    _full("planar", PLANAR, IN_PLANE, 0.5, "trajectory", "order"),
+    case("falling", FALLING, TUMBLING, 0.5, "algebra", "energy", full_only=True),
+    case("planar", PLANAR, IN_PLANE, 0.5, "trajectory", "order", full_only=True),
 )
 """Of `tumbling` *energy* looks at the momenta alone: the motor drives, and the rod is damped."""

@@ -20,12 +20,13 @@ revolution about the axes of their hinges, and the torques are
 
 from __future__ import annotations
 
+from collections import namedtuple
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from ..body.floating import FloatingTree, Link, base_numbers
+from ..body.floating import BASE_NUMBERS, FloatingTree, Link, base_numbers
 from ..body.parameters import BodyParameters, body_inertia
 from ..parameters import quantity
 from ..scene import Array
@@ -63,60 +64,23 @@ class FloatingPlatform(BodyParameters):
         return self.polar_moment / 2 + self.depth_moment
 
 
-class Coefficients(NamedTuple):
-    """Numbers of (1)-(4): those of `body_numbers` about the platform's centre of mass, then others.
+NUMBERS = (
+    *BASE_NUMBERS,
+    *("rotor", "eccentricity", "polar", "crosswise", "height"),
+    *("rod", "length", "moment", "place", "axis_y", "axis_z"),
+    *("beta", "stiffness", "damping", "slope", "speed"),
+)
 
-    M, mass and centre of the platform, rotor, rod, spring, damper and motor.
-    """
-
-    s_x: Any
-    s_y: Any
-    s_z: Any
-    inertia_xx: Any
-    inertia_yy: Any
-    inertia_zz: Any
-    inertia_xy: Any
-    inertia_xz: Any
-    inertia_yz: Any
-    inverse_xx: Any
-    inverse_yy: Any
-    inverse_zz: Any
-    inverse_xy: Any
-    inverse_xz: Any
-    inverse_yz: Any
-    g_x: Any
-    g_y: Any
-    g_z: Any
-    radial: Any
-    mass: Any
-    base: Any
-    centre_x: Any
-    centre_y: Any
-    centre_z: Any
-    rotor: Any
-    eccentricity: Any
-    polar: Any
-    crosswise: Any
-    height: Any
-    rod: Any
-    length: Any
-    moment: Any
-    place: Any
-    axis_y: Any
-    axis_z: Any
-    beta: Any
-    stiffness: Any
-    damping: Any
-    slope: Any
-    speed: Any
+Coefficients: Any = namedtuple("Coefficients", NUMBERS)  # type: ignore[misc]
+"""Numbers of (1)-(4): those of `base_numbers`, then rotor, rod, spring, damper and motor."""
 
 
-def coefficients(p: FloatingPlatform) -> Coefficients:
+def coefficients(p: FloatingPlatform) -> Any:
     """Return the numbers of (1)-(4)."""
     return coefficients_of(p, body_inertia(p))
 
 
-def coefficients_of(p: FloatingPlatform, tensor: Array) -> Coefficients:
+def coefficients_of(p: FloatingPlatform, tensor: Array) -> Any:
     """Return these numbers of an inertia tensor (3, 3, ...) of the platform about its point."""
     rotor = [p.rotor_mass, p.eccentricity, p.polar_moment, p.cross_moment, p.rotor_height]
     rod = [p.rod_mass, p.rod_length, p.rod_moment, p.rod_place, -np.sin(p.tilt), np.cos(p.tilt)]
@@ -126,7 +90,7 @@ def coefficients_of(p: FloatingPlatform, tensor: Array) -> Coefficients:
     return Coefficients(*base, *rotor, *rod, *others)
 
 
-def links(q: Any, c: Coefficients, xp: Any = np) -> list[Link]:
+def links(q: Any, c: Any, xp: Any = np) -> list[Link]:
     """Return rotor and pendulum."""
     cos, sin = (c.eccentricity * one(q[3]) for one in (xp.cos, xp.sin))
     up, y, z = [0, 0, 1], c.axis_y, c.axis_z
@@ -137,12 +101,12 @@ def links(q: Any, c: Coefficients, xp: Any = np) -> list[Link]:
     return [rotor, Link(0, c.rod, c.moment, c.moment, tilted, tilted, [c.place, 0, 0], arm)]
 
 
-def torques(q: Any, v: Any, c: Coefficients) -> list[Any]:
+def torques(q: Any, v: Any, c: Any) -> list[Any]:
     """Return those of the motor, and of spring and damper of the rod."""
     return [c.slope * (c.speed - v[3]), -c.stiffness * q[4] - c.damping * v[4]]
 
 
-def strain(q: Any, c: Coefficients) -> Any:
+def strain(q: Any, c: Any) -> Any:
     """Return the energy of the spring [J]."""
     return c.stiffness * q[4] ** 2 / 2
 
@@ -150,11 +114,11 @@ def strain(q: Any, c: Coefficients) -> Any:
 TREE = FloatingTree("platform", links, torques, strain)
 
 
-def damping_matrix(c: Coefficients) -> Array:
+def damping_matrix(c: Any) -> Array:
     """Return diag(0, 0, 0, 0, d, 0, 0, 0, 0): the motor is no joint damping."""
     return np.diag([*[0.0] * 4, c.damping, *[0.0] * 4])
 
 
-def powers(u: Any, q: Any, v: Any, c: Coefficients) -> dict[str, Any]:
+def powers(u: Any, q: Any, v: Any, c: Any) -> dict[str, Any]:
     """Return the powers [W] of the motor and of the rod's damper."""
     return {"motor": torques(q, v, c)[0] * v[3], "damper": -c.damping * v[4] ** 2}

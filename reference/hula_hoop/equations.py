@@ -17,7 +17,7 @@ The paper has no gravity. A gravity g, 0 by default, has the potential
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -27,10 +27,10 @@ from ..errors import NoOrbitError
 from ..parameters import BoundarySearch, Parameters, gravity, quantity
 from ..scene import (
     Array,
-    Case,
     Paper,
     PeriodicOrbit,
     Scene,
+    case_maker,
     with_placements,
     with_rates,
 )
@@ -241,45 +241,58 @@ SPINNING = {"y": 0.01, "theta": 0.3, "theta_dot": 18.0}
 ALIGNED = {"theta": np.pi / 2}
 
 
-def _case(name: str, p: HulaHoop, state: dict[str, float], horizon: float, *kinds: str) -> Case:
-    return Case("hula_hoop", name, p, state, horizon, kinds)
-
-
-def _full(name: str, p: HulaHoop, state: dict[str, float], horizon: float, *kinds: str) -> Case:
-    return replace(_case(name, p, state, horizon, *kinds), full_only=True)
-
-
 SYMMETRIC = PLATE.replace(force_amplitude=95.0, force_frequency=5.0)
 FREE_RUN = ("algebra", "trajectory", "order")
 SLOW = HulaHoop(stiffness=100.0, force_amplitude=10.0, force_frequency=1.0)
 FAST = PLATE.replace(force_amplitude=100.0, force_frequency=8.0)
 
+case = case_maker("hula_hoop")
+
 CASES = (
-    _case("point_mass_3hz_60n", HulaHoop(), {}, 1.0, "algebra", "trajectory", "stability"),
-    _case("semicircle_3hz_60n", PLATE, {}, 1.0, "algebra", "trajectory", "stability"),
-    replace(
-        _case("point_mass_3hz_100n", HulaHoop(force_amplitude=100.0), {}, 0.5, "stability"),
-        methods="best",
+    case("point_mass_3hz_60n", HulaHoop(), {}, 1.0, "algebra", "trajectory", "stability"),
+    case("semicircle_3hz_60n", PLATE, {}, 1.0, "algebra", "trajectory", "stability"),
+    case(
+        "point_mass_3hz_100n", HulaHoop(force_amplitude=100.0), {}, 0.5, "stability", methods="best"
     ),
-    replace(
-        _case("loss_of_symmetry_5hz", SYMMETRIC, {}, 0.5, "stability"),
+    case(
+        "loss_of_symmetry_5hz",
+        SYMMETRIC,
+        {},
+        0.5,
+        "stability",
         boundary=BoundarySearch("period_doubling", "force_amplitude"),
     ),
-    _case("spinning_3hz_60n", HulaHoop(), SPINNING, 0.5, "trajectory", "order"),
-    _case("spinning_unforced", UNFORCED, SPINNING, 0.5, "trajectory", "order"),
-    _case("rod_aligned", HulaHoop(), ALIGNED, 1.0, "trajectory"),
-    _case("free_undamped", CONSERVATIVE, SPINNING, 1.0, "trajectory", "energy"),
-    _full("heavy_free_mass", HulaHoop(free_mass=0.45), SPINNING, 0.3, *FREE_RUN),
-    _full("soft_spring_1hz_10n", SLOW, SPINNING, 1.0, *FREE_RUN),
-    _full("plate_8hz_100n", FAST, SPINNING, 0.3, *FREE_RUN),
-    _full("overdamped_hinge", HulaHoop(hinge_damping_ratio=2.0), SPINNING, 0.3, *FREE_RUN),
-    _full("semicircle_3hz_30n", PLATE.replace(force_amplitude=30.0), {}, 0.5, "stability"),
-    _full("point_mass_3hz_80n", HulaHoop(force_amplitude=80.0), {}, 0.5, "stability"),
-    replace(_case("weighed", WEIGHED, SPINNING, 0.25, "algebra", "trajectory"), methods="best"),
-    replace(_case("swinging", SWINGING, {"theta": 1.0}, 0.5, "energy"), methods="best"),
-    replace(_case("hanging", SWINGING, {}, 0.5, "frequency"), about="hanging"),
-    _case("rest_rod_across", UNFORCED, {}, 0.5, "frequency"),
-    _case("rest_rod_aligned", UNFORCED, ALIGNED, 0.5, "frequency"),
+    case("spinning_3hz_60n", HulaHoop(), SPINNING, 0.5, "trajectory", "order"),
+    case("spinning_unforced", UNFORCED, SPINNING, 0.5, "trajectory", "order"),
+    case("rod_aligned", HulaHoop(), ALIGNED, 1.0, "trajectory"),
+    case("free_undamped", CONSERVATIVE, SPINNING, 1.0, "trajectory", "energy"),
+    case("heavy_free_mass", HulaHoop(free_mass=0.45), SPINNING, 0.3, *FREE_RUN, full_only=True),
+    case("soft_spring_1hz_10n", SLOW, SPINNING, 1.0, *FREE_RUN, full_only=True),
+    case("plate_8hz_100n", FAST, SPINNING, 0.3, *FREE_RUN, full_only=True),
+    case(
+        "overdamped_hinge",
+        HulaHoop(hinge_damping_ratio=2.0),
+        SPINNING,
+        0.3,
+        *FREE_RUN,
+        full_only=True,
+    ),
+    case(
+        "semicircle_3hz_30n",
+        PLATE.replace(force_amplitude=30.0),
+        {},
+        0.5,
+        "stability",
+        full_only=True,
+    ),
+    case(
+        "point_mass_3hz_80n", HulaHoop(force_amplitude=80.0), {}, 0.5, "stability", full_only=True
+    ),
+    case("weighed", WEIGHED, SPINNING, 0.25, "algebra", "trajectory", methods="best"),
+    case("swinging", SWINGING, {"theta": 1.0}, 0.5, "energy", methods="best"),
+    case("hanging", SWINGING, {}, 0.5, "frequency", about="hanging"),
+    case("rest_rod_across", UNFORCED, {}, 0.5, "frequency"),
+    case("rest_rod_aligned", UNFORCED, ALIGNED, 0.5, "frequency"),
 )
 """`rod_aligned` starts on the invariant line theta = pi/2, where y is linear. At 5 Hz the rotation
 of the plate loses its symmetry at 95.1 N, by a period doubling of the map over half a period."""

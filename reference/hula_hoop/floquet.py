@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.integrate import DOP853
 
 from ..scene import Array
+from ..solve.rk8 import rk8_steps
 from .equations import HulaHoop
 from .theory import ApproximateSolution, Nondimensional, nondimensional
 
@@ -67,16 +67,11 @@ def monodromy_matrix(solution: ApproximateSolution, p: HulaHoop, as_printed: boo
     matrix = np.array(np.broadcast_to(np.eye(4).reshape(4, 4, *[1] * len(shape)), (4, 4, *shape)))
     rate = (1 + 2 * c.rho + c.zeta_m) / (1 - c.epsilon / c.inertia)  # bounds that of (55), (56)
     steps = int(np.ceil(16 + 12 * np.max(rate / c.alpha)))
-    tau = np.linspace(0, 1, steps, endpoint=False)[:, None] + DOP853.C / steps
-    step = 2 * np.pi / (c.alpha * steps)
-    stages = np.empty((len(DOP853.B), *matrix.shape))
-    for times in tau:
-        for i, time in enumerate(times):
-            inner = matrix + step * np.tensordot(DOP853.A[i, :i], stages[:i], 1)
-            coefficients = variational_coefficients(solution, p, 2 * np.pi * time / c.alpha)
-            stages[i] = _perturbation_rate(inner, coefficients, c, as_printed)
-        matrix += step * np.tensordot(DOP853.B, stages, 1)
-    return matrix
+
+    def derivative(tau: Any, x: Array) -> Array:
+        return _perturbation_rate(x, variational_coefficients(solution, p, tau), c, as_printed)
+
+    return np.asarray(rk8_steps(derivative, matrix, 0.0, 2 * np.pi / c.alpha, steps))
 
 
 def floquet_multipliers(

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-from ..scene import Case
+from ..scene import case_maker
 from .equations import RigidBody
 
 HEAVY = RigidBody()
@@ -23,27 +21,17 @@ SPINNING = {"q_w": 0.96, "q_x": 0.28, "omega_x": 0.5, "omega_y": 1.0, "omega_z":
 ABOUT_MIDDLE = {"omega_x": 0.02, "omega_y": 10.0, "omega_z": 0.01}
 
 
-def _case(name: str, p: RigidBody, state: dict[str, float], horizon: float, *kinds: str) -> Case:
-    return Case("rigid_body", name, p, state, horizon, kinds)
-
-
-def _best(name: str, p: RigidBody, state: dict[str, float], horizon: float, *kinds: str) -> Case:
-    return replace(_case(name, p, state, horizon, *kinds), methods="best")
-
-
-def _full(name: str, p: RigidBody, state: dict[str, float], horizon: float, *kinds: str) -> Case:
-    return replace(_case(name, p, state, horizon, *kinds), full_only=True)
-
-
 MOTION = ("trajectory", "energy")
 
+case = case_maker("rigid_body")
+
 CASES = (
-    _case("heavy_tumbling", HEAVY, TILTED | TUMBLING, 1.0, "algebra", "order", *MOTION),
-    _case("free_euler", FREE, TILTED | TUMBLING, 2.0, "algebra", "order", *MOTION),
-    _best("intermediate_axis", ALIGNED, ABOUT_MIDDLE, 4.0, *MOTION),
-    _best("lagrange_top", LAGRANGE, SPINNING, 1.0, *MOTION),
-    replace(_case("rest_hanging", HEAVY, {}, 0.5, "frequency"), about="hanging"),
-    _full("kovalevskaya_top", KOVALEVSKAYA, TILTED | {"omega_z": 8.0}, 2.0, *MOTION),
-    _full("free_euler_long", FREE, TILTED | TUMBLING, 32.0, *MOTION),
+    case("heavy_tumbling", HEAVY, TILTED | TUMBLING, 1.0, "algebra", "order", *MOTION),
+    case("free_euler", FREE, TILTED | TUMBLING, 2.0, "algebra", "order", *MOTION),
+    case("intermediate_axis", ALIGNED, ABOUT_MIDDLE, 4.0, *MOTION, methods="best"),
+    case("lagrange_top", LAGRANGE, SPINNING, 1.0, *MOTION, methods="best"),
+    case("rest_hanging", HEAVY, {}, 0.5, "frequency", about="hanging"),
+    case("kovalevskaya_top", KOVALEVSKAYA, TILTED | {"omega_z": 8.0}, 2.0, *MOTION, full_only=True),
+    case("free_euler_long", FREE, TILTED | TUMBLING, 32.0, *MOTION, full_only=True),
 )
 """`intermediate_axis` leaves its axis and turns over; it and `free_euler` have closed forms."""

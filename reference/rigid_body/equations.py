@@ -25,12 +25,13 @@ with q^-1 q' = (rho, omega / 2) are (1), (2) and rho' = 0.
 
 from __future__ import annotations
 
+from collections import namedtuple
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from ..body.parameters import BodyParameters, body_inertia, body_numbers
+from ..body.parameters import NUMBERS, BodyParameters, body_inertia, body_numbers
 from ..body.rotation import (
     Moment,
     accelerations_by,
@@ -52,53 +53,31 @@ class RigidBody(BodyParameters):
     gravity_z: float = quantity(-9.81, "g_z", "m/s^2", "chosen", "in the world", "any")
 
 
-class Coefficients(NamedTuple):
-    """Numbers of (1)-(3): s, the entries of J and of its inverse, g, mu."""
-
-    s_x: Any
-    s_y: Any
-    s_z: Any
-    inertia_xx: Any
-    inertia_yy: Any
-    inertia_zz: Any
-    inertia_xy: Any
-    inertia_xz: Any
-    inertia_yz: Any
-    inverse_xx: Any
-    inverse_yy: Any
-    inverse_zz: Any
-    inverse_xy: Any
-    inverse_xz: Any
-    inverse_yz: Any
-    g_x: Any
-    g_y: Any
-    g_z: Any
-    radial: Any
+Coefficients: Any = namedtuple("Coefficients", NUMBERS)  # type: ignore[misc]
+"""Numbers of (1)-(3): s, the entries of J and of its inverse, g, mu."""
 
 
-def coefficients(p: RigidBody) -> Coefficients:
+def coefficients(p: RigidBody) -> Any:
     """Return the numbers of (1)-(3); mu is the trace of J."""
     return coefficients_of(p, body_inertia(p))
 
 
-def coefficients_of(p: RigidBody, tensor: Array) -> Coefficients:
+def coefficients_of(p: RigidBody, tensor: Array) -> Any:
     """Return these numbers of an inertia tensor (3, 3, ...) about the fixed point."""
     return Coefficients(*body_numbers(p, tensor))
 
 
-def mass_matrix(q: Any, c: Coefficients, xp: Any = np) -> list[list[Any]]:
+def mass_matrix(q: Any, c: Any, xp: Any = np) -> list[list[Any]]:
     """Return the mass matrix of (3)."""
     return rotation_mass_matrix(q, c)
 
 
-def forces(u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np) -> list[Any]:
+def forces(u: Any, q: Any, v: Any, c: Any, xp: Any = np) -> list[Any]:
     """Return the right-hand side of ``M(q) a = f``."""
     return rotation_forces(q, v, c)
 
 
-def body_accelerations(
-    u: Any, motion: Any, c: Coefficients, moment: Moment, xp: Any = np
-) -> list[Any]:
+def body_accelerations(u: Any, motion: Any, c: Any, moment: Moment, xp: Any = np) -> list[Any]:
     """Return omega' by (1)."""
     q, _, omega = motion
     return times(c[9:15], moment(q, omega, times(c[3:9], omega), c))
@@ -107,22 +86,17 @@ def body_accelerations(
 accelerations = accelerations_by(body_accelerations)
 
 
-def damping_matrix(c: Coefficients) -> Array:
+def damping_matrix(c: Any) -> Array:
     """Return zeros: nothing damps."""
     return np.zeros((4, 4))
 
 
-def energy(q: Any, v: Any, c: Coefficients) -> Any:
+def energy(q: Any, v: Any, c: Any) -> Any:
     """Return kinetic and potential energy [J], that of the length of q included."""
     return rotation_energy(q, v, c)
 
 
-def powers(u: Any, q: Any, v: Any, c: Coefficients) -> dict[str, Any]:
-    """Return nothing: all forces are conservative."""
-    return {}
-
-
-def outputs(q: Any, v: Any, c: Coefficients, xp: Any = np) -> dict[str, Any]:
+def outputs(q: Any, v: Any, c: Any, xp: Any = np) -> dict[str, Any]:
     """Return attitude, body rates, angular momentum in the world, energy, length of q."""
     return rotation_outputs(q, v, momentum_of(q, v, c), energy(q, v, c), xp)
 

@@ -1,4 +1,4 @@
-"""What a turning rigid body conserves, and Euler's free body in closed form.
+"""What a turning rigid body conserves.
 
 Landau, Lifshitz, Mechanics, sections 35 and 37; Whittaker, Analytical Dynamics, sections 69-72;
 Goldstein, Poole, Safko, Classical Mechanics, sections 5.6 and 5.7.
@@ -10,36 +10,35 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
-from scipy.special import ellipj, ellipkinc
 
 from ..body.parameters import body_inertia
 from ..body.rotation import body_rates, momentum_of, times
 from ..quaternions import matrix
 from ..scene import Array
-from .equations import Coefficients, RigidBody, energy
+from .equations import RigidBody, energy
 
 SAME = 1e-12
 """Relative difference of moments that count as the same."""
 
 
-def magnitude(q: Any, v: Any, c: Coefficients) -> Any:
+def magnitude(q: Any, v: Any, c: Any) -> Any:
     """Return the size of the angular momentum [kg m^2/s]."""
     return np.sqrt(sum(part * part for part in momentum_of(q, v, c)))
 
 
-def along_gravity(q: Any, v: Any, c: Coefficients) -> Any:
+def along_gravity(q: Any, v: Any, c: Any) -> Any:
     """Return the angular momentum along gravity [kg m^2/s]."""
     g = np.array([c.g_x, c.g_y, c.g_z])
     return sum(a * b for a, b in zip(momentum_of(q, v, c), g / np.linalg.norm(g), strict=True))
 
 
-def about_figure(q: Any, v: Any, c: Coefficients) -> Any:
+def about_figure(q: Any, v: Any, c: Any) -> Any:
     """Return the angular momentum about the line to the centre of mass: of Lagrange's top."""
     arm = np.array(c[0:3]) / np.linalg.norm(c[0:3])
     return sum(a * b for a, b in zip(times(c[3:9], body_rates(q, v)[1]), arm, strict=True))
 
 
-def kovalevskaya(q: Any, v: Any, c: Coefficients) -> Any:
+def kovalevskaya(q: Any, v: Any, c: Any) -> Any:
     """Return Kovalevskaya's integral [1/s^4] of a top with J_x = J_y = 2 J_z and C on the x axis.
 
     Whittaker, section 72: ``|(omega_x + i omega_y)^2 - nu (gamma_x + i gamma_y)|^2`` with
@@ -80,48 +79,3 @@ def is_kovalevskaya(tensor: Array, arm: Array) -> bool:
     """Return whether J = diag(2, 2, 1) J_z, with the centre of mass on the x axis."""
     right = tensor[2, 2] * np.diag([2.0, 2.0, 1.0])
     return not np.any(arm[1:]) and bool(np.max(np.abs(tensor - right)) <= SAME * tensor[0, 0])
-
-
-# Euler's free body in closed form
-
-
-def free_rates(moments: Array, omega: Array, times: Array) -> Array:
-    """Return the rates (3, n_t) of a free body about its principal axes, by Jacobi's functions.
-
-    Landau, Lifshitz, (37.8)-(37.12). About the axis that the angular momentum goes round, that of
-    the largest or of the smallest moment, the rate keeps its sign and is a dn. Rotation about one
-    axis, and the separatrix, are limits.
-
-    Parameters
-    ----------
-    moments : array (3,)
-        In any order.
-    omega : array (3,)
-        At t = 0.
-    times : array (n_t,)
-    """
-    twice, square = float(moments @ omega**2), float(moments**2 @ omega**2)
-    order = axes_in_order(moments, omega)
-    one, two, three = (float(moments[axis]) for axis in order)
-    near, far = square - twice * one, twice * three - square
-    if near == 0 or far == 0 or two == three or np.count_nonzero(omega) == 1:
-        return np.outer(omega, np.ones_like(times))
-    sizes = np.sqrt(
-        [far / (one * (three - one)), far / (two * (three - two)), near / (three * (three - one))]
-    )
-    rate = np.sqrt((three - two) * near / (one * two * three))
-    modulus = min((two - one) * far / ((three - two) * near), 1.0)
-    start, sign = omega[order], np.copysign(1.0, omega[order[2]])
-    way = sign * np.copysign(1.0, np.linalg.det(np.eye(3)[order])) * np.copysign(1.0, three - one)
-    phase = ellipkinc(np.arctan2(way * start[1] / sizes[1], start[0] / sizes[0]), modulus)
-    sn, cn, dn, _ = ellipj(rate * times + phase, modulus)
-    rates = np.empty((3, len(times)))
-    rates[order] = sizes[:, None] * [cn, way * sn, sign * dn]
-    return rates
-
-
-def axes_in_order(moments: Array, omega: Array) -> Any:
-    """Return the axes so that the angular momentum goes round the last one."""
-    order = np.argsort(moments)
-    twice, square = moments @ omega**2, moments**2 @ omega**2
-    return order if square >= twice * moments[order[1]] else order[::-1]

@@ -29,7 +29,6 @@ from .equations import (
     mass_matrix,
     outputs,
     period,
-    powers,
 )
 from .integrals import invariants
 
@@ -55,7 +54,6 @@ SCENE = Scene(
     accelerations=accelerations,
     damping_matrix=damping_matrix,
     energy=energy,
-    powers=powers,
     outputs=outputs,
     observed=(*ROTATION, *RATES),
     equilibria={

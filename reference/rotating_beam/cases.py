@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
-from ..scene import Case
+from ..scene import case_maker
 from .parameters import RotatingBeam, steady_speed
 
 TIP_MASS = 0.4
@@ -18,17 +17,6 @@ QUICK = FIGURE_4.replace(angular_speed=1.0, ramp_time=3.0, segments=12)
 PULSE = FIGURE_5.replace(torque_amplitude=20.0, torque_period=1.5, segments=12)
 STEADY = RotatingBeam(angular_speed=4.0, ramp_time=0.0)
 ABOVE_CRITICAL = RotatingBeam(angular_speed=4.0, ramp_time=3.0, segments=8)
-
-
-def _case(name: str, p: RotatingBeam, state: dict[str, float], horizon: float, *kinds: str) -> Case:
-    return Case("rotating_beam", name, p, state, horizon, kinds)
-
-
-def _steady(name: str, **changes: Any) -> Case:
-    p = STEADY.replace(**changes)
-    return replace(
-        _case(name, p, {}, 0.5, "frequency", "order"), about="rotation", watch="elements"
-    )
 
 
 STEADY_CASES: Mapping[str, Mapping[str, Any]] = {
@@ -73,30 +61,34 @@ BENT = {
 WEIGHED = TURNING.replace(gravity_x=3.0, gravity_y=-9.0)
 HANGING = WEIGHED.replace(hub_radius=1.0, torque_amplitude=0.0)
 
+case = case_maker("rotating_beam")
+
 CASES = (
-    _case("spin_up_quick", QUICK, {}, 4.0, "algebra", "trajectory"),
-    replace(_case("pulse_quick", PULSE, {}, 2.0, "trajectory", "energy"), methods="best"),
-    replace(_case("spin_up", FIGURE_4, {}, 17.0, "trajectory"), full_only=True, methods="best"),
-    replace(_case("pulse", FIGURE_5, {}, 12.0, "trajectory"), full_only=True, methods="best"),
-    replace(
-        _case("turning", TURNING, BENT, 1.0, "trajectory"),
-        start_time=0.5,
-        full_only=True,
-        methods="best",
+    case("spin_up_quick", QUICK, {}, 4.0, "algebra", "trajectory"),
+    case("pulse_quick", PULSE, {}, 2.0, "trajectory", "energy", methods="best"),
+    case("spin_up", FIGURE_4, {}, 17.0, "trajectory", full_only=True, methods="best"),
+    case("pulse", FIGURE_5, {}, 12.0, "trajectory", full_only=True, methods="best"),
+    case(
+        "turning", TURNING, BENT, 1.0, "trajectory", start_time=0.5, full_only=True, methods="best"
     ),
-    replace(_case("weighed", WEIGHED, {"theta": 0.4}, 0.125, "algebra"), methods="best"),
-    replace(
-        _case("hanging", HANGING, {}, 0.5, "frequency"),
-        about="hanging",
-        watch="elements",
-        full_only=True,
+    case("weighed", WEIGHED, {"theta": 0.4}, 0.125, "algebra", methods="best"),
+    case(
+        "hanging", HANGING, {}, 0.5, "frequency", about="hanging", watch="elements", full_only=True
     ),
-    *(_steady(name, **changes) for name, changes in STEADY_CASES.items()),
-    replace(
-        _case("above_critical", ABOVE_CRITICAL, {}, 8.0, "stability"),
-        watch="outcome",
-        methods="best",
+    *(
+        case(
+            name,
+            STEADY.replace(**changes),
+            {},
+            0.5,
+            "frequency",
+            "order",
+            about="rotation",
+            watch="elements",
+        )
+        for name, changes in STEADY_CASES.items()
     ),
+    case("above_critical", ABOVE_CRITICAL, {}, 8.0, "stability", watch="outcome", methods="best"),
 )
 """``spin_up`` and ``pulse`` are figures 4 and 5, the quick ones bend the beam as far in less time.
 ``above_critical`` turns faster than the zero-order model can stand, `critical_speed`."""

@@ -16,10 +16,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 from scipy.linalg import block_diag, null_space, qr
-from scipy.optimize import brentq
 
 from ..scene import Array
 from .digits import Decimals, decimals, doubles, gauss, inverse, legendre_values, many_digits
+from .frequencies.assumed_modes import rest_modes, rest_roots
 
 
 class Shapes(NamedTuple):
@@ -131,29 +131,14 @@ def cantilever_modes(n: int, k: int, place: float) -> Shapes:
     """Shapes of the paper: the modes (8), (12) at rest and without the mass, signs corrected."""
     exact = polynomials(max(n, 8) + 8, 1, place)
     at = exact.stations[: len(exact.angle)]
-    roots = np.array([_cantilever_root(i) for i in range(1, n + 1)])
-    x = np.multiply.outer(at, roots)
-    # xi of (12) is small - 1: nothing is subtracted that nearly cancels
-    small = (np.sin(roots) - np.cos(roots) - np.exp(-roots)) / (np.sin(roots) + np.sinh(roots))
-    falling, rising = (1 - small / 2) * np.exp(-x), small / 2 * np.exp(x)
-    angle = -np.sin(x) + (small - 1) * np.cos(x) + falling - rising
-    curvature = -np.cos(x) - (small - 1) * np.sin(x) - falling - rising
+    roots = rest_roots(n)
+    _, slope, curvature = rest_modes(at, n)
     odd = np.pi / 2 * (2 * np.arange(1, k + 1) - 1)
     return exact._replace(
-        angle=angle,
-        curvature=curvature * roots,
+        angle=-slope.T / roots,
+        curvature=-curvature.T / roots,
         stretch=np.cos(np.multiply.outer(at, odd)),
     )
-
-
-def _clamped_free(x: float) -> float:
-    return float(np.cos(x) + 1 / np.cosh(x))
-
-
-def _cantilever_root(i: int) -> float:
-    """Root i of cos x = -1 / cosh x, which (11) misprints."""
-    middle = (i - 0.5) * np.pi
-    return float(brentq(_clamped_free, middle - 0.5, middle + 0.5, xtol=1e-14))
 
 
 def shapes_of(place: Any, n: int, k: int, shapes: Callable[[int, int, float], Shapes]) -> Shapes:

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from ..parameters import BoundarySearch
-from ..scene import Case
+from ..scene import case_maker
 from .equations import RotorPendulum, unforced
 
 CASE_1 = RotorPendulum()
@@ -32,39 +30,49 @@ SWINGING = CONSERVATIVE.replace(gravity_x=6.0, gravity_y=-8.0)
 AT_SPEED = {"phi_1_dot": 153.8, "phi_2_dot": 153.8}
 
 
-def _case(
-    name: str, p: RotorPendulum, state: dict[str, float], horizon: float, *kinds: str
-) -> Case:
-    return Case("rotor_pendulum", name, p, state, horizon, kinds)
-
-
-def _settling(name: str, p: RotorPendulum, phi_1: float, horizon: float) -> Case:
-    start = _case(name, p, {"phi_1": phi_1, **AT_SPEED}, horizon, "stability")
-    return replace(start, watch="outcome", methods="best")
-
+case = case_maker("rotor_pendulum")
 
 CASES = (
-    replace(_case("case_1_startup", CASE_1, {}, 1.0, "algebra", "trajectory"), methods="best"),
-    _case("case_2_startup", CASE_2, {}, 1.0, "algebra", "trajectory", "order"),
-    replace(
-        _case("case_3_startup", CASE_3, {}, 1.0, "algebra", "trajectory", "order"), methods="best"
-    ),
-    replace(_case("relative_motor", RELATIVE, {}, 0.25, "algebra", "trajectory"), methods="best"),
-    _case("conservative", CONSERVATIVE, SPINNING, 0.2, "energy"),
-    replace(_case("free_platform", FREE, SPINNING, 0.2, "energy"), methods="best"),
-    replace(_case("weighed", WEIGHED, SPINNING, 0.2, "algebra", "trajectory"), methods="best"),
-    replace(_case("swinging", SWINGING, SPINNING, 0.2, "energy"), methods="best"),
-    replace(_case("hanging", SWINGING, {}, 0.5, "frequency"), about="rest"),
-    replace(_case("modes_at_rest", CASE_1, {}, 0.5, "frequency"), about="rest"),
-    replace(_case("modes_at_speed", CASE_1, {}, 0.5, "frequency"), about="synchronous"),
-    replace(_case("case_1_synchronous", CASE_1, {}, 0.5, "stability"), methods="best"),
-    _case("case_2_synchronous", CASE_2, {}, 0.5, "stability"),
-    replace(
-        _case("fold_of_synchronism", STEEP, {}, 0.5, "stability"),
+    case("case_1_startup", CASE_1, {}, 1.0, "algebra", "trajectory", methods="best"),
+    case("case_2_startup", CASE_2, {}, 1.0, "algebra", "trajectory", "order"),
+    case("case_3_startup", CASE_3, {}, 1.0, "algebra", "trajectory", "order", methods="best"),
+    case("relative_motor", RELATIVE, {}, 0.25, "algebra", "trajectory", methods="best"),
+    case("conservative", CONSERVATIVE, SPINNING, 0.2, "energy"),
+    case("free_platform", FREE, SPINNING, 0.2, "energy", methods="best"),
+    case("weighed", WEIGHED, SPINNING, 0.2, "algebra", "trajectory", methods="best"),
+    case("swinging", SWINGING, SPINNING, 0.2, "energy", methods="best"),
+    case("hanging", SWINGING, {}, 0.5, "frequency", about="rest"),
+    case("modes_at_rest", CASE_1, {}, 0.5, "frequency", about="rest"),
+    case("modes_at_speed", CASE_1, {}, 0.5, "frequency", about="synchronous"),
+    case("case_1_synchronous", CASE_1, {}, 0.5, "stability", methods="best"),
+    case("case_2_synchronous", CASE_2, {}, 0.5, "stability"),
+    case(
+        "fold_of_synchronism",
+        STEEP,
+        {},
+        0.5,
+        "stability",
         boundary=BoundarySearch("fold", "installation_angle"),
     ),
-    _settling("case_2_settles", CASE_2, 1.06, 5.5),
-    replace(_settling("case_1_antiphase_settles", CASE_1, -2.13, 10.5), full_only=True),
+    case(
+        "case_2_settles",
+        CASE_2,
+        {"phi_1": 1.06, **AT_SPEED},
+        5.5,
+        "stability",
+        watch="outcome",
+        methods="best",
+    ),
+    case(
+        "case_1_antiphase_settles",
+        CASE_1,
+        {"phi_1": -2.13, **AT_SPEED},
+        10.5,
+        "stability",
+        watch="outcome",
+        methods="best",
+        full_only=True,
+    ),
 )
 """The synchronous motion of case 2 ends at an installation angle of 1.114, where it meets another
 that is unstable (a fold). The last two start one radian off the stable phase difference, 0.064 and

@@ -120,18 +120,20 @@ def orbit_guesses(p: RotorPendulum) -> list[Array]:
     -------
     list of arrays of shape (8, ...)
     """
-    w = operating_speed(p)
     mean, first = coupling_harmonics(p)
     stable = np.where(
         abs(mean) < abs(first), np.nan_to_num(balanced_phase(p)), -np.angle(first) + np.pi / 2
     )
-    guesses = []
-    for alpha in (stable, *EVENLY):
-        x, phi_3 = forced_response(p, alpha)
-        q = (x.real, 0.0, -alpha % (2 * np.pi), phi_3.real)
-        v = (-w * x.imag, w, w, -w * phi_3.imag)
-        guesses.append(np.array(np.broadcast_arrays(*q, *v), dtype=float))
-    return guesses
+    return [uniform_rotation(p, alpha) for alpha in (stable, *EVENLY)]
+
+
+def uniform_rotation(p: RotorPendulum, phase_difference: Any) -> Array:
+    """Return uniform rotation with the linear response (8, ...), at phi_1 = 0."""
+    w, alpha = operating_speed(p), np.asarray(phase_difference)
+    x, phi_3 = forced_response(p, alpha)
+    q = (x.real, 0.0, -alpha % (2 * np.pi), phi_3.real)
+    v = (-w * x.imag, w, w, -w * phi_3.imag)
+    return np.array(np.broadcast_arrays(*q, *v), dtype=float)
 
 
 def wrapped(angle: Any) -> Any:

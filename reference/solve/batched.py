@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -12,9 +10,7 @@ from numpy.typing import NDArray
 from scipy.integrate import DOP853
 
 from ..differences import EPS
-from ..errors import UsageError
 from ..scene import Array, Dynamics, coefficients_at
-from . import BACKENDS, HEYOKA
 from .flow import FIRST_STEPS, HALVING
 from .rk8 import rk8_steps
 from .solution import (
@@ -41,51 +37,6 @@ some may cancel those of others."""
 
 CALLS = 500
 """Points whose arithmetic takes as long as NumPy's calls do, whatever their number."""
-
-
-@dataclass(frozen=True)
-class BatchMethod:
-    """How many trajectories are solved at once.
-
-    Attributes
-    ----------
-    tolerance : float
-        Wanted error relative to the range of each state.
-    backend : {"auto", "numpy", "heyoka"}
-        "auto" takes heyoka where it is installed and can solve the scene: no drive of it ends, and
-        no mass matrix is eliminated.
-    most_steps : int
-        Most steps of a point over its whole run, without heyoka.
-
-    Raises
-    ------
-    UsageError
-        For a backend that is not there.
-    """
-
-    tolerance: float = 1e-10
-    backend: str = "auto"
-    most_steps: int = 1 << 17
-
-    def __post_init__(self) -> None:
-        if self.backend not in BACKENDS:
-            raise UsageError(f"unknown backend {self.backend!r}; known: {', '.join(BACKENDS)}")
-        if self.backend == HEYOKA and not self.installed:
-            raise UsageError("heyoka is not installed; pip install 'mbcheck[fast]'")
-
-    @property
-    def installed(self) -> bool:
-        """Whether heyoka is."""
-        spec = find_spec(HEYOKA)
-        return spec is not None and spec.origin is not None  # no folder of that name
-
-    @property
-    def is_heyoka(self) -> bool:
-        """Whether heyoka is what this chooses."""
-        return self.backend != "numpy" and self.installed
-
-
-AUTOMATIC = BatchMethod()
 
 
 def perturbed(dynamics: Dynamics, c: Any) -> Any:
@@ -139,19 +90,18 @@ def solve_many(
     states: Array,
     times: Any,
     start_time: Any = 0.0,
-    method: BatchMethod = AUTOMATIC,
+    tolerance: float = 1e-10,
+    most_steps: int = 1 << 17,
 ) -> Solution:
     """Solve many trajectories at once.
 
-    With NumPy, each point is solved with some number of steps between samples, and with
-    half of it; the change predicts the number that it needs, until its bound is below
-    ``tolerance`` times its range. The bound is 1/4 of the change that the last halving
-    made: 64 times what the order 8 predicts for the finer run, which is returned. Where
-    rounding stops the change from falling, or the steps end, it is twice the change. Three times
-    what a `RELATIVE_PERTURBATION` of start and rates and `perturbed` coefficients make is added for
-    rounding. heyoka solves
-    to rounding, whatever ``tolerance`` is, see `taylor.solve_points`. A chaotic or unstable
-    point keeps the bound that it has, however large (or infinite).
+    Each point is solved with some number of steps between samples, and with half of it; the change
+    predicts the number that it needs, until its bound is below ``tolerance`` times its range. The
+    bound is 1/4 of the change that the last halving made: 64 times what the order 8 predicts for
+    the finer run, which is returned. Where rounding stops the change from falling, or the steps
+    end, it is twice the change. Three times what a `RELATIVE_PERTURBATION` of start and rates and
+    `perturbed` coefficients make is added for rounding. A chaotic or unstable point keeps the bound
+    that it has, however large (or infinite).
 
     Parameters
     ----------
@@ -163,8 +113,11 @@ def solve_many(
     times : array (n_t,) or (n_t, ...)
         Sample times [s], common or per point.
     start_time : float or array (...)
-        Start of the runs [s], common or per point, which NumPy alone solves.
-    method : BatchMethod
+        Start of the runs [s], common or per point.
+    tolerance : float
+        Wanted error relative to the range of each state.
+    most_steps : int
+        Most steps of a point over its whole run.
 
     Returns
     -------
@@ -174,8 +127,7 @@ def solve_many(
     Raises
     ------
     UsageError
-        For times that cannot be sampled, states that are not finite, or a scene that heyoka,
-        which is asked for, cannot solve.
+        For times that cannot be sampled, or states that are not finite.
     """
     times = sample_times(times, start_time)
     states = initial_states(states)
@@ -195,13 +147,7 @@ def solve_many(
     nodes, rows = with_drive_end(
         flat(times), flat(np.asarray(dynamics.drive_end_time(parameters), float)[None])[0], starts
     )
-    points = dynamics, one_each, flat(states), nodes
-    if _by_heyoka(method, dynamics, type(c), start_time):
-        from . import taylor
-
-        solution = taylor.solve_points(*points, start_time)
-    else:
-        solution = _solve_points(*points, starts, method)
+    solution = _solve_points(dynamics, one_each, flat(states), nodes, starts, tolerance, most_steps)
     n = len(states)
     at_times = np.take_along_axis(solution.states, rows.T[None], axis=2)
     return Solution(
@@ -211,19 +157,6 @@ def solve_many(
         steps=solution.steps,
         rhs_evaluations=solution.rhs_evaluations,
     )
-
-
-def _by_heyoka(method: BatchMethod, dynamics: Dynamics, kind: type[Any], start_time: Any) -> bool:
-    """Return whether heyoka solves a scene with coefficients of this kind, or refuse it."""
-    if not method.is_heyoka or np.ndim(start_time):
-        return False
-    from . import taylor
-
-    able = taylor.solves(dynamics, kind)
-    if method.backend == HEYOKA and not able:
-        why = "mass matrix is eliminated" if dynamics.eliminates else "drive ends"
-        raise UsageError(f"heyoka cannot solve {dynamics.name}, whose {why}; numpy can")
-    return able
 
 
 def with_drive_end(times: Array, ends: Array, start: Any) -> tuple[Array, NDArray[np.intp]]:
@@ -251,7 +184,13 @@ def with_drive_end(times: Array, ends: Array, start: Any) -> tuple[Array, NDArra
 
 
 def _solve_points(
-    dynamics: Dynamics, c: Any, points: Array, times: Array, start: Array, method: BatchMethod
+    dynamics: Dynamics,
+    c: Any,
+    points: Array,
+    times: Array,
+    start: Array,
+    tolerance: float,
+    most_steps: int,
 ) -> Solution:
     """`solve_many` for flat arrays: points (2 n, m), times (n_t, m), start (m,).
 
@@ -262,8 +201,7 @@ def _solve_points(
     bound = np.full((n, count), np.inf)
     wanted = np.full(count, max(2, 2 * FIRST_STEPS // len(times)))
     before = np.full(count, np.inf)
-    tolerance = method.tolerance
-    most = max(method.most_steps // len(times), 2 * FIRST_STEPS)
+    most = max(most_steps // len(times), 2 * FIRST_STEPS)
     work = 0
     pending = np.arange(count)
     answer, check = (derivatives(dynamics, one) for one in (c, perturbed(dynamics, c)))

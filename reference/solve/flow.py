@@ -34,39 +34,6 @@ MOST_STEPS = 1 << 13
 """With which the search ends: chaos, instability."""
 
 
-def transition_matrix(
-    dynamics: Dynamics,
-    parameters: Any,
-    state: Array,
-    end: Any,
-    start_time: float = 0.0,
-    steps: int = 0,
-) -> tuple[Array, Array]:
-    """Flow of a state and its Jacobian, exact to rounding by complex steps.
-
-    Parameters
-    ----------
-    dynamics : Dynamics
-    parameters : Parameters of it
-        Fields may be arrays over points.
-    state : array (2 n, ...)
-    end : float or array (...)
-        End of the run [s].
-    start_time : float
-    steps : int
-        Steps of the 8th-order method; 0 takes `converged_steps`.
-
-    Returns
-    -------
-    flow : array (2 n, ...)
-    jacobian : array (2 n, 2 n, ...)
-        d flow_i / d state_j, entry [i, j].
-    """
-    if not steps:
-        steps = converged_steps(dynamics, parameters, state, end, start_time)
-    return _advance(dynamics, parameters, state, start_time, end)(steps)
-
-
 Advance = Callable[[int], tuple[Array, Array]]
 """From a number of steps to the flow (2 n, ...) and its Jacobian (2 n, 2 n, ...)."""
 
@@ -153,11 +120,3 @@ def growths(
             break
         largest[i] = np.linalg.norm(product * scale / scale[:, None], 2)
     return np.maximum.accumulate(np.maximum(largest, 1.0))
-
-
-def amplification(
-    dynamics: Dynamics, parameters: Any, state: Array, times: Array, start_time: float = 0.0
-) -> float:
-    """Largest growth of a small initial error, looked at eight times over the horizon."""
-    marks = np.linspace(start_time, np.asarray(times)[-1], 9)[1:]
-    return float(growths(dynamics, parameters, state, marks, start_time)[-1])

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -116,22 +116,12 @@ def is_zero(operand: Any) -> bool:
     return is_number(operand, 0)
 
 
-class DriveTerm(NamedTuple):
-    """Sine and cosine of a circular frequency times the time, at their places."""
-
-    frequency: Any
-    sine: int
-    cosine: int
-
-
 class Trace:
     """What is done with symbols; it stands for NumPy where equations ask for functions.
 
     Attributes
     ----------
     calls : list of (function, places of what it takes, places of what it gives)
-    waves : list of DriveTerm
-        What comes before these calls.
     values : list
         What stands at each place: constants, or arrays of the shape and type that comes there.
         The first is the time.
@@ -139,10 +129,8 @@ class Trace:
 
     def __init__(self) -> None:
         self.calls: list[Call] = []
-        self.waves: list[DriveTerm] = []
         self.values: list[Any] = []
         self.known: dict[Any, tuple[Symbol, ...]] = {}
-        self.frequencies: dict[int, Any] = {}
 
     def symbol(self, like: Any) -> Symbol:
         """Return a new symbol for arrays like this."""
@@ -169,22 +157,12 @@ class Trace:
             made = tuple(self.symbol(np.empty(shape, kind)) for _ in range(outputs))
             self.calls.append((function, places, tuple(x.place for x in made)))
             self.known[key] = made
-            if function is np.multiply and 0 in places:
-                other = operands[1 - places.index(0)]
-                if not isinstance(other, Symbol):
-                    self.frequencies[made[0].place] = other
         made = self.known[key]
         return made[0] if outputs == 1 else made
 
     def _both(self, x: Any) -> Any:
         if not isinstance(x, Symbol):
             return np.sin(x), np.cos(x)
-        if x.place in self.frequencies:
-            if ("wave", x.place) not in self.known:
-                pair = self.symbol(np.empty_like(x.like)), self.symbol(np.empty_like(x.like))
-                self.waves.append(DriveTerm(self.frequencies[x.place], *(y.place for y in pair)))
-                self.known["wave", x.place] = pair
-            return self.known["wave", x.place]
         if x.like.size < MANY:
             return self.apply(np.sin, x), self.apply(np.cos, x)
         if x.like.dtype.kind == "c":
@@ -216,39 +194,17 @@ class Trace:
 
 
 def sine_and_cosine(x: Any, sine: Any, cosine: Any) -> None:
-    """Compute sine and cosine of an array.
+    """Compute sine and cosine of an array of complex numbers.
 
-    Complex numbers stand for complex steps, see `differences`: both functions are linear in their
-    imaginary parts.
+    They stand for complex steps, see `differences`: both functions are linear in their imaginary
+    parts.
     """
-    if x.dtype.kind == "c":
-        real, s, c = x.real * 0.5, np.empty(x.shape), np.empty(x.shape)
-        _from_half(real, s, c)
-        sine.real, cosine.real = s, c
-        np.multiply(c, x.imag, out=sine.imag)
-        np.multiply(s, x.imag, out=s)
-        np.negative(s, out=cosine.imag)
-    else:
-        _from_half(x * 0.5, sine, cosine)
-
-
-def _from_half(t: Any, sine: Any, cosine: Any) -> None:
-    np.tan(t, t)
-    np.multiply(t, t, cosine)
-    np.add(cosine, 1.0, cosine)
-    np.divide(2.0, cosine, cosine)
-    np.multiply(t, cosine, sine)
-    np.subtract(cosine, 1.0, cosine)
-
-
-def sines(angle: Any, sine: Any, cosine: Any) -> None:
-    """Compute sine and cosine of an array, in the way that its size asks for; not one for None."""
-    if angle.size >= MANY:
-        sine_and_cosine(angle, *(np.empty_like(angle) if x is None else x for x in (sine, cosine)))
-        return
-    for function, out in ((np.sin, sine), (np.cos, cosine)):
-        if out is not None:
-            function(angle, out)
+    tangent = np.tan(x.real * 0.5)
+    width = 2.0 / (tangent * tangent + 1.0)
+    s, c = tangent * width, width - 1.0
+    sine.real, cosine.real = s, c
+    np.multiply(c, x.imag, out=sine.imag)
+    np.multiply(-s, x.imag, out=cosine.imag)
 
 
 class Kernel:
@@ -258,8 +214,6 @@ class Kernel:
     ----------
     time, x : array (...), array (2 n, ...)
         What its calls read.
-    waves : list of (frequency, sine, cosine)
-        Arrays of these of the time, which must be there before the calls; None where not needed.
     calls : list of (function, arrays)
     accelerations : list of arrays (...) or numbers
         What these have computed.
@@ -269,30 +223,24 @@ class Kernel:
 
     def __init__(self, trace: Trace, ends: Sequence[int], t: Any, x: Any) -> None:
         n = len(x) // 2
-        program = with_buffers(trace, {*ends})
         self.time, self.x = np.array(t, order="C"), np.array(x, order="C")
         arrays = trace.values
         arrays[0] = self.time
         arrays[1 : 2 * n + 1] = [self.x[row, ...] for row in range(2 * n)]  # `...`: never a copy
-        self.calls = [
-            (function, like_the_last([arrays[i] for i in places])) for function, places in program
-        ]
         self.accelerations = [arrays[place] for place in ends]
-        read = {place for _, places in program for place in places} | {*ends}
+        self.calls: list[tuple[Any, list[Any]]] = []
+        read = {*ends}
+        for function, taken, made in reversed(trace.calls):
+            if read & {*made}:  # what no one reads is not computed
+                read |= {*taken}
+                arguments = like_the_last([arrays[i] for i in (*taken, *made)])
+                self.calls.insert(0, (function, arguments))
         self.needs_time = 0 in read
-        pairs = [(wave.frequency, wave.sine, wave.cosine) for wave in trace.waves]
-        self.waves = [
-            (frequency, arrays[s] if s in read else None, arrays[c] if c in read else None)
-            for frequency, s, c in pairs
-            if read & {s, c}
-        ]
 
     def __call__(self, t: Any, x: Any) -> Any:
         """Return dx/dt."""
         n = len(x) // 2
         self.time[...], self.x[...] = t, x
-        for frequency, *pair in self.waves:
-            sines(np.asarray(frequency * self.time), *pair)
         for function, arrays in self.calls:
             function(*arrays)
         out = np.empty_like(x)
@@ -375,11 +323,6 @@ def source(rates: Rates, n: int) -> Callable[..., Sequence[float]] | None:
         for place, value in enumerate(trace.values)
     ]
     lines = [
-        f"    {names[place]} = {function}({names[0]} * ({float(wave.frequency)!r}))\n"
-        for wave in trace.waves
-        for place, function in ((wave.sine, "sin"), (wave.cosine, "cos"))
-    ]
-    lines += [
         f"    {names[made]} = {OPERATIONS[function].format(*(names[place] for place in taken))}\n"
         for function, taken, (made,) in trace.calls
     ]
@@ -390,33 +333,6 @@ def source(rates: Rates, n: int) -> Callable[..., Sequence[float]] | None:
     exec(compile(text, "<equations of motion>", "exec"), space)
     function: Callable[..., Sequence[float]] = space["function"]
     return function
-
-
-def with_buffers(trace: Trace, ends: set[int]) -> list[tuple[Any, tuple[int, ...]]]:
-    """Return the calls of a trace, with arrays that are taken again when no one needs them.
-
-    Calls whose results are not used are left out.
-    """
-    used = set(ends)
-    calls: list[Call] = []
-    for call in reversed(trace.calls):
-        if used & {*call[2]}:
-            used |= {*call[1]}
-            calls.insert(0, call)
-    last = {place: i for i, (_, taken, _) in enumerate(calls) for place in taken}
-    made = {place for _, _, outputs in calls for place in outputs} - ends
-    spare: dict[Any, list[Any]] = {}
-    for i, (_, taken, outputs) in enumerate(calls):
-        for place in outputs:
-            like = trace.values[place]
-            spare_arrays = spare.get((like.shape, like.dtype))
-            if spare_arrays:
-                trace.values[place] = spare_arrays.pop()
-        for place in {*taken} & made:
-            if last[place] == i:
-                like = trace.values[place]
-                spare.setdefault((like.shape, like.dtype), []).append(like)
-    return [(function, (*taken, *outputs)) for function, taken, outputs in calls]
 
 
 class RightHandSide:

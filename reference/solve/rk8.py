@@ -9,7 +9,7 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from ..cost import watched
-from .kernel import Kernel, RightHandSide, sines
+from .kernel import Kernel, RightHandSide
 
 STAGES, A, B, C = DOP853.n_stages, DOP853.A, DOP853.B, DOP853.C
 
@@ -26,9 +26,6 @@ def rk8_steps(derivative: Callable[[Any, Any], Any], x: Any, t0: Any, t1: Any, s
 
 class FixedSteps:
     """`rk8_steps` for arrays of one shape, as a list of calls on arrays that are made once.
-
-    Sines and cosines of the drive within a step follow from those at its begin, by the angles
-    between, which stay the same from step to step.
 
     Parameters
     ----------
@@ -49,7 +46,6 @@ class FixedSteps:
         self.flat = self.k.reshape(STAGES, -1).view(float)
         self.time = np.empty_like(time)
         self.h = np.full(np.shape(span), np.nan, np.result_type(span, float))
-        self.waves = [] if kernel is None else [Turns(*w, self.h) for w in kernel.waves]
         self.look = watched(nothing)
         self.calls = [
             (function, arguments)
@@ -61,15 +57,10 @@ class FixedSteps:
         """Return the states a span after t0."""
         h = np.asarray(span) / steps
         self.x[...] = x
-        if not np.array_equal(h, self.h):
-            self.h[...] = h
-            for wave in self.waves:
-                wave.turn(h)
+        self.h[...] = h
         for i in range(steps):
             self.time[...] = t0 + i * h
             self.look(self.time, self.x)
-            for wave in self.waves:
-                wave.begin(self.time)
             for function, arguments in self.calls:
                 function(*arguments)
             self.x += (B @ self.flat).view(x.dtype).reshape(x.shape)
@@ -90,9 +81,9 @@ class FixedSteps:
         out, n = self.k[s], len(self.x) // 2
         if kernel is None:
             return [(self._call, (s, out))]
-        calls = [call for wave in self.waves for call in wave.calls(s)]
+        calls: list[tuple[Callable[..., Any], Any]] = []
         if kernel.needs_time:
-            calls += [
+            calls = [
                 (np.multiply, (self.h, C[s], kernel.time)),
                 (np.add, (kernel.time, self.time, kernel.time)),
             ]
@@ -107,47 +98,3 @@ class FixedSteps:
 
 def nothing(t: Any, x: Any) -> None:
     """Stand for a right-hand side where only the budget is looked at."""
-
-
-class Turns:
-    """Sine and cosine of a frequency times the time, at the stages of steps.
-
-    Parameters
-    ----------
-    frequency : array
-    sine, cosine : array
-        Where they are written, those of them that a kernel reads.
-    h : array
-        Like the steps that come.
-    """
-
-    def __init__(self, frequency: Any, sine: Any, cosine: Any, h: Any) -> None:
-        self.frequency, self.sine, self.cosine = frequency, sine, cosine
-        like = sine if cosine is None else cosine
-        self.at_sine, self.at_cosine, self.product = (np.empty_like(like) for _ in range(3))
-        self.turns = np.empty((2, STAGES, *np.shape(frequency * h)), like.dtype)
-
-    def turn(self, h: Any) -> None:
-        """Take steps of h from now on."""
-        angles = np.multiply.outer(C[:STAGES], self.frequency * h)
-        sines(angles.astype(self.turns.dtype), *self.turns)
-
-    def begin(self, t: Any) -> None:
-        """Begin a step at t."""
-        sines(np.asarray(self.frequency * t), self.at_sine, self.at_cosine)
-
-    def calls(self, s: int) -> list[tuple[Callable[..., Any], tuple[Any, ...]]]:
-        """Return the calls for a stage."""
-        sin, cos = self.turns[0, s, ...], self.turns[1, s, ...]  # `...`: never a copy
-        calls: list[tuple[Callable[..., Any], tuple[Any, ...]]] = []
-        for out, first, second, join in (
-            (self.sine, self.at_sine, self.at_cosine, np.add),
-            (self.cosine, self.at_cosine, self.at_sine, np.subtract),
-        ):
-            if out is not None:
-                calls += [
-                    (np.multiply, (first, cos, out)),
-                    (np.multiply, (second, sin, self.product)),
-                    (join, (out, self.product, out)),
-                ]
-        return calls

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from ..parameters import BoundarySearch
-from ..scene import Case
+from ..scene import case_maker
 from .equations import SpeedRegulator
 from .rest import equilibrium
 
@@ -24,45 +22,49 @@ ROTATING = {"phi_dot": 5.07}
 FREE_RUN = ("algebra", "trajectory", "order")
 
 
-def _case(
-    name: str, p: SpeedRegulator, state: dict[str, float], horizon: float, *kinds: str
-) -> Case:
-    return Case("speed_regulator", name, p, state, horizon, kinds)
-
-
-def _full(
-    name: str, p: SpeedRegulator, state: dict[str, float], horizon: float, *kinds: str
-) -> Case:
-    return replace(_case(name, p, state, horizon, *kinds), full_only=True)
-
-
-def _ending(name: str, state: dict[str, float], horizon: float) -> Case:
-    case = _case(name, COEXISTENCE, state, horizon, "stability")
-    return replace(case, watch="outcome", methods="best")
-
+case = case_maker("speed_regulator")
 
 CASES = (
-    _case("rotation", DEFAULT, ROTATING, 2.0, *FREE_RUN),
-    _case("startup", DEFAULT, {"phi": 0.5}, 2.0, "trajectory"),
-    _case("dead_centre", DEFAULT, {"phi": np.pi / 2, **ROTATING}, 1.0, "trajectory"),
-    _case("conservative", CONSERVATIVE, {"phi_dot": 2.0}, 2.0, "trajectory", "energy"),
-    _case("massless_rod_and_slider", MASSLESS, ROTATING, 2.0, "algebra", "trajectory"),
-    _case("long_crank", LONG_CRANK, {"phi_dot": 6.0}, 1.0, "algebra", "trajectory"),
-    replace(_case("opened_loop", DEFAULT, ROTATING, 1.0, "trajectory"), inconsistency={"y": 1e-3}),
-    _case("limit_cycle", DEFAULT, ROTATING, 1.25, "stability"),
-    _full("limit_cycle_c4", DEFAULT.replace(damping=4.0), ROTATING, 1.25, "stability"),
-    replace(
-        _full("least_torque", DEFAULT.replace(torque=0.0525), ROTATING, 1.25, "stability"),
+    case("rotation", DEFAULT, ROTATING, 2.0, *FREE_RUN),
+    case("startup", DEFAULT, {"phi": 0.5}, 2.0, "trajectory"),
+    case("dead_centre", DEFAULT, {"phi": np.pi / 2, **ROTATING}, 1.0, "trajectory"),
+    case("conservative", CONSERVATIVE, {"phi_dot": 2.0}, 2.0, "trajectory", "energy"),
+    case("massless_rod_and_slider", MASSLESS, ROTATING, 2.0, "algebra", "trajectory"),
+    case("long_crank", LONG_CRANK, {"phi_dot": 6.0}, 1.0, "algebra", "trajectory"),
+    case("opened_loop", DEFAULT, ROTATING, 1.0, "trajectory", inconsistency={"y": 1e-3}),
+    case("limit_cycle", DEFAULT, ROTATING, 1.25, "stability"),
+    case(
+        "limit_cycle_c4", DEFAULT.replace(damping=4.0), ROTATING, 1.25, "stability", full_only=True
+    ),
+    case(
+        "least_torque",
+        DEFAULT.replace(torque=0.0525),
+        ROTATING,
+        1.25,
+        "stability",
+        full_only=True,
         boundary=BoundarySearch("homoclinic", "torque", 4.7),
     ),
-    _ending("settles_to_rest", {"phi_dot": 1.0}, 30.0),
-    _ending("settles_to_rotation", {"phi_dot": 5.0}, 30.0),
-    replace(_case("weighed", WEIGHED, ROTATING, 0.5, "algebra", "trajectory"), methods="best"),
-    replace(_case("swinging", SWINGING, ROTATING, 0.5, "energy"), methods="best"),
-    _full("heavy_rod", HEAVY_ROD, ROTATING, 2.0, *FREE_RUN),
-    _full("stretched_spring", STRETCHED, {"phi": 2.0, "phi_dot": 4.0}, 2.0, *FREE_RUN),
     *(
-        _case(f"rest_{name}", DEFAULT, equilibrium(name, DEFAULT), 0.5, "frequency")
+        case(
+            f"settles_to_{end}",
+            COEXISTENCE,
+            {"phi_dot": speed},
+            30.0,
+            "stability",
+            watch="outcome",
+            methods="best",
+        )
+        for end, speed in (("rest", 1.0), ("rotation", 5.0))
+    ),
+    case("weighed", WEIGHED, ROTATING, 0.5, "algebra", "trajectory", methods="best"),
+    case("swinging", SWINGING, ROTATING, 0.5, "energy", methods="best"),
+    case("heavy_rod", HEAVY_ROD, ROTATING, 2.0, *FREE_RUN, full_only=True),
+    case(
+        "stretched_spring", STRETCHED, {"phi": 2.0, "phi_dot": 4.0}, 2.0, *FREE_RUN, full_only=True
+    ),
+    *(
+        case(f"rest_{name}", DEFAULT, equilibrium(name, DEFAULT), 0.5, "frequency")
         for name in ("right", "top", "left")
     ),
 )

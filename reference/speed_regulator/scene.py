@@ -19,11 +19,10 @@ from .equations import (
     outputs,
     powers,
 )
-from .homoclinic import connection
 from .orbit import ORBIT_UNITS, orbit_guesses, orbit_quantities, period
 from .outcome import outcome
 from .rest import EQUILIBRIA, equilibrium
-from .theory import cycle_start
+from .theory import connection, cycle_start
 
 SCENE = Scene(
     name="speed_regulator",

@@ -23,6 +23,10 @@ which is Floquet's: over time the exponent is ``-c y_phi^2 / J``, the divergence
   fails to come round (a homoclinic orbit), or, where damping is strong, where the saddle
   itself appears (a saddle-node on the circle).
 
+The homoclinic orbit is a boundary value problem, ``T(phi_s) = T(phi_s + 2 pi) = 0``. It is solved
+from both ends to the middle, where the two must meet: a smooth function of the torque. There are
+two saddles, near the slider's dead centres; the limit is at that whose orbit gets past the other.
+
 The averages of section 3 use another spring reference than (19); since the spring's mean
 torque over a turn is 0 for any reference, (20), (21) do not depend on it.
 """
@@ -41,15 +45,7 @@ from ..cost import watched
 from ..errors import NoOrbitError
 from ..periodic import extremes
 from ..scene import Array
-from .equations import (
-    Coefficients,
-    SpeedRegulator,
-    accelerations,
-    coefficients,
-    energy,
-    inertia,
-    position,
-)
+from .equations import Coefficients, SpeedRegulator, coefficients, inertia, position
 from .orbit import mean_speed
 from .rest import found_equilibria, static_arcs, static_stiffness, static_torque
 
@@ -71,17 +67,34 @@ def printed_mean_speed(p: SpeedRegulator) -> Any:
 
 
 class Accuracy(NamedTuple):
-    """How an unstable manifold is followed."""
+    """Tolerance by which a direction of a saddle is followed, and the distance of its start [rad].
+
+    Up to that distance the direction is taken to be straight.
+    """
 
     tolerance: float
     offset: float
-    """Distance from the saddle at which it is taken to be straight [rad]."""
 
 
-FINE = Accuracy(1e-12, 1e-6)
-ROUGH = Accuracy(1e-9, 1e-5)
+FINE, ROUGH = Accuracy(1e-13, 1e-6), Accuracy(1e-10, 1e-5)
 SAMPLES = 1024
 """Samples of a turn, uniform in phi, from which the extremes of the speed are found."""
+
+
+def _along(phi: float, kinetic: float, c: Coefficients) -> tuple[float, float, float]:
+    """Return dT/dphi [N m], the speed [rad/s] and the damper's rate c y_phi^2 / J [1/s].
+
+    A negative T tells how much energy is missing to come so far: there no damper works.
+    """
+    at = position(phi, c, math)
+    moment, damping = inertia(at, c), c.damping * at.y_phi * at.y_phi
+    speed = math.sqrt(2 * max(kinetic, 0.0) / moment)
+    drive = c.torque - c.stiffness * at.y_phi * (at.y - c.rest)
+    return drive - damping * speed, speed, damping / moment
+
+
+def _integrated(slopes: Any, ends: tuple[float, float], start: list[float], **options: Any) -> Any:
+    return solve_ivp(watched(slopes), ends, start, "DOP853", **options)
 
 
 # --- The limit cycle -----------------------------------------------------------------------
@@ -116,26 +129,16 @@ def speed_sensitivity(speed: Array, multiplier: Any) -> Any:
     return mean * share / (1 - multiplier)
 
 
-def _turn(start: float, c: Coefficients, tolerance: float, samples: Any = None) -> Any:
+def _turn(start: float, c: Coefficients, tolerance: float, samples: Any) -> Any:
     """Integrate T, the time and the multiplier's exponent over the crank angle from 0 to 2 pi."""
 
     def rates(phi: float, x: Sequence[float]) -> tuple[float, float, float]:
-        at = position(phi, c, math)
-        moment = inertia(at, c)
-        speed = math.sqrt(2 * max(x[0], 0.0) / moment) or math.nan
-        damping = c.damping * at.y_phi * at.y_phi
-        drive = c.torque - c.stiffness * at.y_phi * (at.y - c.rest)
-        return drive - damping * speed, 1 / speed, -damping / (moment * speed)
+        slope, speed, damping = _along(phi, x[0], c)
+        speed = speed or math.nan
+        return slope, 1 / speed, -damping / speed
 
-    return solve_ivp(
-        watched(rates),
-        (0, 2 * math.pi),
-        [start, 0.0, 0.0],
-        "DOP853",
-        samples,
-        rtol=tolerance,
-        atol=0.1 * tolerance * start,
-    )
+    ends, atol = (0, 2 * math.pi), 0.1 * tolerance * start
+    return _integrated(rates, ends, [start, 0.0, 0.0], t_eval=samples, rtol=tolerance, atol=atol)
 
 
 def rotation(p: SpeedRegulator, tolerance: float = 1e-12) -> Rotation:
@@ -146,20 +149,23 @@ def rotation(p: SpeedRegulator, tolerance: float = 1e-12) -> Rotation:
     NoOrbitError
         If there is none.
     """
-    slow = _slow_speed(p) if p.damping > 0 and p.torque > 0 else None
-    if slow is None:
+    low = _slowest(p) if p.damping > 0 and p.torque > 0 else None
+    if low is None:
         raise NoOrbitError(
             "speed_regulator has no steady rotation forward with these parameters: it needs "
             "damping, and a torque above least_torque"
         )
     c = coefficients(p)
-    half = inertia(position(0.0, c, math), c) / 2
 
     def gain(start: float) -> float:
-        return float(_turn(start, c, tolerance).y[0, -1] - start)
+        atol = 0.1 * tolerance * (start or high)
+        turn = _integrated(
+            lambda phi, x: [_along(phi, x[0], c)[0]],
+            (0, 2 * math.pi), [start], rtol=tolerance, atol=atol,
+        )  # fmt: skip
+        return float(turn.y[0, -1] - start)
 
-    low = half * slow**2
-    high = 2 * max(low, half * float(mean_speed(p)) ** 2)
+    high = 2 * max(low, inertia(position(0.0, c, math), c) / 2 * float(mean_speed(p)) ** 2)
     while gain(high) > 0:
         high *= 2
     start = brentq(gain, low, high, xtol=1e-15 * high, rtol=1e-14) if gain(low) > 0 else low
@@ -198,69 +204,51 @@ def cycle_start(p: SpeedRegulator) -> tuple[Array, float] | None:
 # --- Where it begins -----------------------------------------------------------------------
 
 
-class Passage(NamedTuple):
-    """One turn of a motion: whether it was completed, and its speed on the section phi = 0."""
-
-    complete: bool
-    section_speed: float
-
-
-def _passage(phi: float, speed: float, goal: float, c: Coefficients, tolerance: float) -> Passage:
-    """Follow the motion until it reaches the goal, turns back, or lacks the energy to get there.
-
-    The goal is a turn away, between 2 pi and 4 pi.
-    """
-
-    def rates(t: float, x: Sequence[float]) -> tuple[float, float]:
-        return x[1], accelerations(0.0, x[:1], x[1:], c, math)[0]
-
-    def free_energy(phi: float, speed: float) -> float:
-        return float(energy([phi], [speed], c) - c.torque * phi)
-
-    needed = free_energy(goal, 0.0)
-    events: list[Any] = [
-        lambda t, x: x[0] - goal,
-        lambda t, x: x[1],
-        lambda t, x: free_energy(x[0], x[1]) - needed,
-        lambda t, x: x[0] - 2 * math.pi,
-    ]
-    for event, terminal, direction in zip(
-        events, (True, True, True, False), (1, -1, -1, 1), strict=True
-    ):
-        event.terminal, event.direction = terminal, direction
-    run = solve_ivp(
-        watched(rates), (0, math.inf), [phi, speed], "DOP853", events=events, rtol=tolerance,
-        atol=1e-3 * tolerance,
+def _leaving(saddle: float, way: int, c: Coefficients, accuracy: Accuracy, angle: float) -> Any:
+    """Integrate T over an angle from a saddle, on its unstable (1) or stable (-1) direction."""
+    at = position(saddle, c, math)
+    moment, damping = inertia(at, c), c.damping * at.y_phi**2
+    softness = -static_stiffness(saddle, c, math)
+    root = math.sqrt(damping**2 + 4 * moment * softness)
+    rate = 2 * softness / (root + damping) if way > 0 else (root + damping) / (2 * moment)
+    return _integrated(
+        lambda phi, x: [_along(phi, x[0], c)[0]],
+        (saddle + way * accuracy.offset, saddle + way * angle),
+        [moment * (rate * accuracy.offset) ** 2 / 2],
+        rtol=accuracy.tolerance, atol=1e-3 * accuracy.tolerance, dense_output=True,
     )  # fmt: skip
-    crossed = run.y_events[3]
-    return Passage(bool(len(run.t_events[0])), float(crossed[0, 1]) if len(crossed) else 0.0)
 
 
-def _slow_speed(p: SpeedRegulator, accuracy: Accuracy = FINE) -> float | None:
-    """Speed at phi = 0 of the slowest motion that comes round; None where none does."""
+def _slowest(p: SpeedRegulator) -> float | None:
+    """Return T [J] at phi = 0 of the slowest motion that comes round; None where none does.
+
+    It leaves a saddle; without any it may begin at rest.
+    """
     c = coefficients(p)
-    saddles = [
-        phi % (2 * math.pi)
-        for phi in found_equilibria(p).values()
-        if static_stiffness(phi, c, math) < 0
-    ]
+    saddles = [phi for phi in found_equilibria(p).values() if static_stiffness(phi, c, math) < 0]
     for saddle in saddles:
-        at = position(saddle, c, math)
-        moment, damping = inertia(at, c), c.damping * at.y_phi**2
-        softness = -static_stiffness(saddle, c, math)
-        rate = 2 * softness / (damping + math.sqrt(damping**2 + 4 * moment * softness))
-        start = saddle + accuracy.offset, rate * accuracy.offset
-        passage = _passage(*start, saddle + 2 * math.pi, c, accuracy.tolerance)
-        if passage.complete:
-            return passage.section_speed
-    if saddles:
-        return None
-    return _passage(math.pi, 0.0, 3 * math.pi, c, accuracy.tolerance).section_speed
+        run = _leaving(saddle % (2 * math.pi), 1, c, FINE, 2 * math.pi)
+        if run.y[0].min() > 0:
+            return float(run.sol(2 * math.pi)[0])
+    return None if saddles else 0.0
 
 
 def rotates(p: SpeedRegulator) -> bool:
-    """Whether there is a steady rotation forward."""
-    return p.damping > 0 and p.torque > 0 and _slow_speed(p) is not None
+    """Return whether there is a steady rotation forward."""
+    return p.damping > 0 and p.torque > 0 and _slowest(p) is not None
+
+
+def connection(p: SpeedRegulator, state: Any, fine: bool) -> tuple[float, float, float]:
+    """Return T [J] half a turn from a saddle (phi, phi'), on its two directions, and the least.
+
+    See `reference.scene.PeriodicOrbit`. NaN where the state is no saddle.
+    """
+    c, phi = coefficients(p), float(state[0])
+    if static_stiffness(phi, c, math) >= 0:
+        return math.nan, math.nan, math.nan
+    accuracy = FINE if fine else ROUGH
+    there, back = (_leaving(phi, way, c, accuracy, math.pi).y[0] for way in (1, -1))
+    return float(there[-1]), float(back[-1]), float(min(there.min(), back.min()))
 
 
 def saddle_node_torques(p: SpeedRegulator) -> dict[str, float]:
@@ -278,23 +266,43 @@ def saddle_node_torques(p: SpeedRegulator) -> dict[str, float]:
 
 
 class Threshold(NamedTuple):
-    """The least torque of a rotation [N m]."""
+    """The least torque of a rotation [N m], and a bound on its error."""
 
     torque: float
     error: float
-    """Bound on the error: what a thousandfold tolerance changes, and both last brackets."""
     kind: str
     """``homoclinic`` or ``saddle-node on the circle``."""
 
 
-BRACKET = 1e-13
-"""Width of the last bracket relative to the torque at which the last equilibrium vanishes."""
-ON_THE_CIRCLE = 1e-5
-"""Relative distance to that torque within which a homoclinic orbit is not told from it."""
+ON_THE_CIRCLE = 1e-6
+"""Relative distance from the torque at which a saddle vanishes within which no homoclinic orbit of
+it is looked for."""
+
+
+def orbit_of(p: SpeedRegulator, saddle: str, fine: bool) -> float:
+    """Return the torque [N m] at which a saddle has a homoclinic orbit, NaN if there is none."""
+
+    def ends(torque: float) -> tuple[float, float, float]:
+        here = p.replace(torque=torque)
+        return connection(here, [found_equilibria(here)[saddle]], fine)
+
+    def gap(torque: float) -> float:
+        there, back, _ = ends(torque)
+        return there - back
+
+    torques = [(1 - ON_THE_CIRCLE) * value for value in saddle_node_torques(p).values()]
+    present = [one for one in torques if saddle in found_equilibria(p.replace(torque=one))]
+    if not present or gap(max(present)) < 0:
+        return math.nan
+    torque = float(brentq(gap, 0.0, max(present), xtol=1e-15, rtol=1e-14))
+    return torque if ends(torque)[2] > 0 else math.nan
 
 
 def least_torque(p: SpeedRegulator) -> Threshold:
-    """Return the torque at which the rotation begins, whatever ``p.torque`` is, by bisection.
+    """Return the torque at which the rotation begins, whatever ``p.torque`` is.
+
+    The bound of a homoclinic orbit is what a thousandfold tolerance and a tenfold distance from
+    the saddle change, infinite where no orbit is found with these.
 
     Raises
     ------
@@ -303,42 +311,13 @@ def least_torque(p: SpeedRegulator) -> Threshold:
     """
     if p.damping == 0:
         raise NoOrbitError("without damping speed_regulator has no steady rotation at any torque")
+    still = p.replace(torque=0.0)
+    c = coefficients(still)
+    for name, phi in found_equilibria(still).items():
+        if static_stiffness(phi, c, math) < 0:
+            fine, rough = (orbit_of(p, name, accuracy) for accuracy in (True, False))
+            if not math.isnan(fine):
+                error = math.inf if math.isnan(rough) else abs(fine - rough) + 1e-13 * fine
+                return Threshold(fine, error, "homoclinic")
     last = max(saddle_node_torques(p).values(), default=0.0)
-    if last == 0:
-        return Threshold(0.0, 0.0, "saddle-node on the circle")
-
-    def exists(share: float, accuracy: Accuracy) -> bool:
-        return _slow_speed(p.replace(torque=share * last), accuracy) is not None
-
-    def bisect(low: float, high: float, accuracy: Accuracy, width: float) -> float:
-        while high - low > width:
-            middle = (low + high) / 2
-            low, high = (low, middle) if exists(middle, accuracy) else (middle, high)
-        return (low + high) / 2
-
-    if not exists(1 - ON_THE_CIRCLE, FINE):
-        return Threshold(last, ON_THE_CIRCLE * last, "saddle-node on the circle")
-    rough = bisect(0.0, 1.0, ROUGH, 10 * ROUGH.tolerance)
-    reach = 100 * ROUGH.tolerance
-    while exists(rough - reach, FINE) or not exists(rough + reach, FINE):
-        reach *= 100
-    share = bisect(rough - reach, rough + reach, FINE, BRACKET)
-    error = abs(share - rough) + 10 * ROUGH.tolerance + BRACKET
-    return Threshold(share * last, error * last, "homoclinic")
-
-
-def regime(p: SpeedRegulator) -> str:
-    """Return ``rest``, ``coexistence`` or ``rotation``: which stable motions there are.
-
-    ``none`` where there is neither: without damping, or where the torque turns the crank
-    backwards against a spring that cannot hold it.
-    """
-    c = coefficients(p)
-    rests = any(static_stiffness(phi, c, math) > 0 for phi in found_equilibria(p).values())
-    turns = rotates(p)
-    return {
-        (True, False): "rest",
-        (True, True): "coexistence",
-        (False, True): "rotation",
-        (False, False): "none",
-    }[rests, turns]
+    return Threshold(last, ON_THE_CIRCLE * last, "saddle-node on the circle")

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from mbcheck.comparisons.checks import known
-from mbcheck.comparisons.engines.plugin.adapter import adapt
+from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.reference import get_scene
 from mbcheck.tests.support.example import all_checks
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from mbcheck.comparisons.engines.plugin.adapter import PluginAdapter, adapt
+from mbcheck.comparisons.engines.adapter import Adapter, adapt
 from mbcheck.examples.pinocchio_engine import PinocchioEngine, scalar_last
 from mbcheck.reference import get_scene
 from mbcheck.tests.support.engines.examples import PLACES, results
@@ -36,7 +36,7 @@ class Borrowed(PinocchioEngine):
         return data.qacc.copy()
 
 
-def engine() -> PluginAdapter:
+def engine() -> Adapter:
     return adapt("pinocchio", Borrowed)
 
 

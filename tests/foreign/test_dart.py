@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.engines.plugin.adapter import PluginAdapter, adapt
+from mbcheck.comparisons.engines.adapter import Adapter, adapt
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.examples import dart_engine
 from mbcheck.examples.dart_engine import DartEngine
@@ -16,7 +16,7 @@ TREES = ("hula_hoop", "rotor_pendulum", "ball_hoop")
 pytestmark = pytest.mark.foreign
 
 
-def engine() -> PluginAdapter:
+def engine() -> Adapter:
     return adapt("dart", DartEngine)
 
 

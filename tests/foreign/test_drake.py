@@ -10,7 +10,7 @@ import numpy as np
 import pydrake.all as drake
 import pytest
 
-from mbcheck.comparisons.engines.plugin.adapter import PluginAdapter, adapt
+from mbcheck.comparisons.engines.adapter import Adapter, adapt
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.examples.drake_engine import DrakeEngine
 from mbcheck.reference import get_scene
@@ -22,7 +22,7 @@ CHAIN = pytest.param("rotating_beam", marks=pytest.mark.slow)
 pytestmark = pytest.mark.foreign
 
 
-def engine(kind: type = DrakeEngine) -> PluginAdapter:
+def engine(kind: type = DrakeEngine) -> Adapter:
     return adapt("drake", kind)
 
 

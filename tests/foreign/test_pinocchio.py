@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.engines.plugin.adapter import PluginAdapter, adapt
+from mbcheck.comparisons.engines.adapter import Adapter, adapt
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.examples import pinocchio_engine
 from mbcheck.examples.pinocchio_engine import PinocchioEngine
@@ -21,7 +21,7 @@ SERVED = tuple(scene for scene in PLACES if scene not in FREE)
 pytestmark = pytest.mark.foreign
 
 
-def engine(kind: type = PinocchioEngine) -> PluginAdapter:
+def engine(kind: type = PinocchioEngine) -> Adapter:
     return adapt("pinocchio", kind)
 
 

@@ -15,12 +15,11 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from mbcheck.comparisons.inspect.advice.advice import Advice
-from mbcheck.comparisons.inspect.advice.outcome import Question
 from mbcheck.comparisons.inspect.console import print_inspection
 from mbcheck.comparisons.inspect.inspection import Inspection, inspect
 from mbcheck.comparisons.inspect.subject import View
 from mbcheck.comparisons.inspect.views import step_limit_of
+from mbcheck.comparisons.tradeoff.model import ModelTradeoff, Question, setting_of
 from mbcheck.reference.errors import UsageError
 
 PACKAGES = ("gymnasium", "playground")
@@ -123,7 +122,7 @@ def test_what_is_recommended_meets_its_target_again(inspected: list[Inspection])
     answers = []
     for one in moving[:16]:
         first, second = (
-            Advice(str(one.loaded.path), Question(horizon=0.2, budget=1e4, seed=seed))
+            ModelTradeoff(str(one.loaded.path), Question(horizon=0.2, budget=1e4, seed=seed))
             for seed in SEEDS
         )
         for advice in (first, second):
@@ -131,7 +130,8 @@ def test_what_is_recommended_meets_its_target_again(inspected: list[Inspection])
         if first.choice is None or not second.trials:
             assert first.sentence
             continue
-        again = [item for item in second.trials if item.setting == first.choice.setting]
-        answers += [(one.file, item.setting.name, item.error) for item in again]
+        chosen = setting_of(first.choice)
+        again = [item for item in second.trials if setting_of(item) == chosen]
+        answers += [(one.file, chosen.name, item.error) for item in again]
     assert len(answers) >= 8
     assert [answer for answer in answers if answer[2] > first.asked.target] == []

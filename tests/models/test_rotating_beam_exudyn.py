@@ -110,13 +110,13 @@ def test_a_node_carries_the_mass() -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_straight_beam_is_placed_in_rigid_rotation(kind: str) -> None:
-    with ENGINE.inner.opened_bodies(case(TIP.replace(element=kind)), "elements") as probe:
-        placed = probe.system.place(np.array([40.7]), np.array([3.0]))
-        violations = probe.violations(np.zeros(1), placed[0][None], placed[1][None])
-        probe.place(0.0, *placed)
-        forces = probe.forces()
-        outputs = probe.system.outputs(placed[0][:, None], placed[1][:, None])
-        shape = probe.system.turning.shape(placed[0])
+    probe = ENGINE.inner.probe(case(TIP.replace(element=kind)), "elements", bodies=True)
+    placed = probe.system.place(np.array([40.7]), np.array([3.0]))
+    violations = probe.violations(np.zeros(1), placed[0][None], placed[1][None])
+    probe.place(0.0, *placed)
+    forces = probe.forces()
+    outputs = probe.system.outputs(placed[0][:, None], placed[1][:, None])
+    shape = probe.system.turning.shape(placed[0])
     assert np.max(violations) < 1e-13
     assert np.max(np.abs(forces)) < 1e-6  # of EA = 5e6 N
     assert np.max(np.abs(shape)) < 1e-13
@@ -254,8 +254,8 @@ def all_coordinates(clamp: Callable[[Any, int, int], None]) -> Callable[[Any, in
 
 def test_exudyns_plain_eigenvalues_of_the_stretched_beam_are_the_flapwise_ones() -> None:
     p = at_speed(TIP, 4.0)
-    with ENGINE.inner.opened_bodies(case(p), "elements") as probe:
-        shape = probe.steady_shape(p.angular_speed)
+    probe = ENGINE.inner.probe(case(p), "elements", bodies=True)
+    shape = probe.steady_shape(p.angular_speed)
     initial = exudyn.ConfigurationType.Initial
     with ENGINE.inner.opened(case(p), "elements") as system:  # the heavy hub holds the angle
         system.mbs.systemData.SetODE2Coordinates(shape, configuration=initial)
@@ -338,22 +338,22 @@ def test_pulse_follows_the_beam_that_stretches_through_its_end() -> None:
 
 
 def test_energy_is_that_of_exudyns_own_forces() -> None:
-    with ENGINE.inner.opened_bodies(case(TIP), "elements") as probe:
-        size, still = probe.size, np.zeros(probe.size)
-        shape = np.append(0, 1e-3 * np.random.default_rng(2).normal(size=size - 1))
-        turned = probe.system.turning.rotated(0.7, shape)
+    probe = ENGINE.inner.probe(case(TIP), "elements", bodies=True)
+    size, still = probe.size, np.zeros(probe.size)
+    shape = np.append(0, 1e-3 * np.random.default_rng(2).normal(size=size - 1))
+    turned = probe.system.turning.rotated(0.7, shape)
 
-        def energy(at: Array, rates: Array = still) -> float:
-            return float(probe.turning_integrals(at[None], rates[None])["energy"][0])
+    def energy(at: Array, rates: Array = still) -> float:
+        return float(probe.turning_integrals(at[None], rates[None])["energy"][0])
 
-        assert energy(turned) == pytest.approx(energy(shape), rel=1e-9)
-        assert energy(probe.system.turning.rotated(0.7)) == pytest.approx(0.0, abs=1e-12)
-        probe.place(0.0, shape, still)
-        forces = probe.forces()
-        for row in (1, 4, size - 1):
-            nudge = 1e-6 * np.eye(size)[row]
-            slope = (energy(shape + nudge) - energy(shape - nudge)) / 2e-6
-            assert slope == pytest.approx(-forces[row], rel=1e-5, abs=1e-3)
+    assert energy(turned) == pytest.approx(energy(shape), rel=1e-9)
+    assert energy(probe.system.turning.rotated(0.7)) == pytest.approx(0.0, abs=1e-12)
+    probe.place(0.0, shape, still)
+    forces = probe.forces()
+    for row in (1, 4, size - 1):
+        nudge = 1e-6 * np.eye(size)[row]
+        slope = (energy(shape + nudge) - energy(shape - nudge)) / 2e-6
+        assert slope == pytest.approx(-forces[row], rel=1e-5, abs=1e-3)
 
 
 def test_explicit_solvers_are_refused_and_would_refuse() -> None:

@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from mbcheck.comparisons.engines.run import run
-from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.setup import Setup, run
 from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
-from mbcheck.models.mjcf import bind, export
+from mbcheck.models.mjcf import export
 from mbcheck.models.rotor_pendulum import exudyn_model
-from mbcheck.models.rotor_pendulum.mjcf import BINDINGS, INERTIA_FLOOR, MODELS
+from mbcheck.models.rotor_pendulum.mjcf import INERTIA_FLOOR, MODELS
 from mbcheck.reference.rotor_pendulum.equations import (
     RotorPendulum,
     coefficients,
@@ -102,33 +101,6 @@ def sensed(model: Any, data: Any) -> Array:
 
 
 # --- MJCF
-
-
-def test_committed_file_is_bound_to_the_defaults() -> None:
-    assert export(TREE, TABLE_1) == TREE.path.read_text(encoding="utf-8")
-
-
-def test_every_parameter_changes_the_file() -> None:
-    default = export(TREE, TABLE_1)
-    for name in RotorPendulum.names():
-        value = "relative" if name == "motor_placement" else 1.5
-        assert export(TREE, TABLE_1.replace(**{name: value})) != default, name
-
-
-def test_every_binding_reaches_the_compiled_model() -> None:
-    """Each bound attribute, set to another value alone, changes what MuJoCo compiles."""
-
-    def compiled(text: str) -> bytes:
-        model = mujoco.MjModel.from_xml_string(text)
-        image = np.empty(mujoco.mj_sizeModel(model), np.uint8)
-        mujoco.mj_saveModel(model, None, image)
-        return image.tobytes()
-
-    text = TREE.path.read_text(encoding="utf-8")
-    default = compiled(text)
-    for key, value in BINDINGS.items():
-        changed = POINTS["other_relative"].replace(gravity_y=-9.81)
-        assert compiled(bind(text, {key: value}, changed)) != default, key
 
 
 def test_file_opens_at_rest_with_nothing_superfluous() -> None:
@@ -244,21 +216,6 @@ def test_which_forces_a_method_takes_implicitly(method: str, placement: str) -> 
     found = sensed(model, data)
     assert np.allclose(found[4:], expected, rtol=1e-8, atol=1e-8)
     assert np.allclose(found[:4], q + h * found[4:], rtol=1e-14, atol=1e-14)
-
-
-def test_batch_runs_many_motors_and_equals_plain_stepping() -> None:
-    batch = pytest.importorskip("mujoco.batch")
-    points = [TABLE_1.replace(synchronous_speed=speed) for speed in (100.0, 150.0, 200.0)]
-    model, _ = opened(TABLE_1)
-    many = batch.Batch(model, nsim=3, nthread=2)
-    torques = [[p.motor_slope * p.synchronous_speed] * 2 for p in points]
-    many.expand("actuator_biasprm")[:, :, 0] = torques
-    positions = many.bind("qpos")
-    many.step(nstep=300)
-    for row, p in enumerate(points):
-        single, data = opened(p)
-        mujoco.mj_step(single, data, nstep=300)
-        assert np.array_equal(positions[row], data.qpos)
 
 
 # --- Exudyn

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+import mbcheck
+from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.comparisons.engines.equations import scene_equations
-from mbcheck.comparisons.engines.mjcf import MjcfAdapter
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.models import kinematics, mechanism, mjcf
 from mbcheck.models.joints import JointLayout
@@ -37,15 +38,16 @@ def accelerations(whole: mechanism.Mechanism, force: Array, q: Array, v: Array) 
     return found
 
 
-class Reader(MjcfAdapter):
+class Reader(mbcheck.Engine):
     """Reads the files, and computes nothing."""
 
-    why_not = simulate = accelerations = mass_matrices = linearise = None  # type: ignore[assignment]
+    name, version, closure = "reader", "1", "mjcf"
+    methods = (mbcheck.Method("none", 1),)
 
 
 @pytest.mark.parametrize(("scene", "model"), MODELS)
 def test_its_accelerations_are_those_of_the_reference(scene: str, model: str) -> None:
-    reader, source = Reader(), mjcf.models(scene)[model]
+    reader, source = adapt("reader", Reader), mjcf.models(scene)[model]
     case = next(c for c in get_scene(scene).cases if source.why_not(c.parameters) is None)
     own = (
         scene_equations(case)
@@ -58,8 +60,7 @@ def test_its_accelerations_are_those_of_the_reference(scene: str, model: str) ->
     held, q, v = reader.joint_states(case, model, times, states)
     whole = mechanism.mechanism(held.mjcf)
     right = own.scene.right_hand_side(own.parameters)
-    sums = reader.readout(case, model).values()
-    factors = np.array([[one.get(name, 0.0) for name in held.joints] for one in sums])
+    factors = reader.joint_readout(case, model, held).factors()
     for time, state, position, rate in zip(times, states, q, v, strict=True):
         found = factors @ accelerations(
             whole, held.force(float(time), position, rate), position, rate
@@ -71,7 +72,7 @@ def test_its_accelerations_are_those_of_the_reference(scene: str, model: str) ->
 @pytest.mark.parametrize(("scene", "model"), MODELS)
 def test_its_parts_add_up_to_what_mujoco_has(scene: str, model: str) -> None:
     mujoco: Any = pytest.importorskip("mujoco")
-    text = Reader().text(get_scene(scene).cases[0], model)
+    text = adapt("reader", Reader).text(get_scene(scene).cases[0], model)
     whole, compiled = mechanism.mechanism(text), mujoco.MjModel.from_xml_string(text)
     data, random = mujoco.MjData(compiled), np.random.default_rng(8)
     data.qpos[:] = compiled.qpos0 + random.normal(size=compiled.nq)
@@ -94,7 +95,7 @@ def test_its_parts_add_up_to_what_mujoco_has(scene: str, model: str) -> None:
 
 
 def test_weight_is_the_slope_of_the_potential() -> None:
-    text = Reader().text(get_scene("speed_regulator").cases[0], "connect")
+    text = adapt("reader", Reader).text(get_scene("speed_regulator").cases[0], "connect")
     whole, gravity = mechanism.mechanism(text), np.array([0.3, -9.81, 2.0])
 
     def potential(q: Array) -> Any:
@@ -137,7 +138,7 @@ def test_what_it_does_not_understand_is_refused(text: str, said: str | None) -> 
 
 @pytest.mark.parametrize("time", [0.4, 1.5, 1.6])
 def test_terms_add_up_to_the_force_while_they_last(time: float) -> None:
-    reader, case = Reader(), get_scene("rotating_beam").case("pulse_quick")
+    reader, case = adapt("reader", Reader), get_scene("rotating_beam").case("pulse_quick")
     states = np.random.default_rng(9).normal(size=(1, 2 * len(reader.coordinates(case, "forced"))))
     system, (q,), (v,) = reader.joint_states(case, "forced", np.array([time]), states)
     assert [term.until for term in system.terms if term.amplitude] == [1.5]

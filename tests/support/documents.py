@@ -53,7 +53,7 @@ SARIF = {
             "required": ["physicalLocation"],
             "properties": {
                 "physicalLocation": {
-                    "required": ["artifactLocation"],
+                    "required": ["artifactLocation", "region"],
                     "properties": {
                         "artifactLocation": {
                             "required": ["uri"],

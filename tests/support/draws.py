@@ -9,39 +9,30 @@ from __future__ import annotations
 import dataclasses
 import math
 import random
+import re
 import signal
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import partial
 from types import FrameType
 from typing import Any
 
 import numpy as np
 import pytest
 
+from mbcheck.comparisons.checks.kinds.pushed import QUANTITY
+from mbcheck.comparisons.checks.suite import Check, run_check
 from mbcheck.comparisons.checks.truth import MOST_AMPLIFICATION
+from mbcheck.comparisons.checks.verdict import REFERENCE, Result, Subject
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.engines.setup import Setup, default_step, shortest_period
-from mbcheck.comparisons.extremes.certify import UncertifiedError
-from mbcheck.comparisons.extremes.judge import judge
-from mbcheck.comparisons.extremes.row import (
-    ENGINE,
-    FAILED,
-    GUARD,
-    REFERENCE,
-    REFUSED,
-    SKIPPED,
-    WRONG,
-    Row,
-)
+from mbcheck.comparisons.engines.setup import default_step, shortest_period
 from mbcheck.reference import get_scene
-from mbcheck.reference.errors import EngineError, MbcheckError, UsageError
+from mbcheck.reference.errors import CannotJudgeError, EngineError, MbcheckError
 from mbcheck.reference.scene import Case, Scene
 
-SECTION = "random"
+GROWTH = re.compile(r"errors of the start grow by (\S+)")
 
 GRID = 500
 """A number between minus and plus this stands for a place in a range; 0 for its middle."""
@@ -51,8 +42,8 @@ WIDE = 3.0
 """Parameters are drawn so many decades around their defaults, of other scenes `WIDE`: ratios go
 over twice as many. The reference of a continuum is too dear farther out."""
 
-PATIENCE = 2.0
-"""Processor's time [s] in which a reference must be had; a draw that takes longer is skipped."""
+PATIENCE = 4.0
+"""Processor's time [s] in which a draw must be judged; one that takes longer is skipped."""
 
 ZERO = 0.96
 """Beyond this part of the lower half of the range a parameter that may be 0 is 0."""
@@ -300,34 +291,34 @@ def fastest_period(case: Case) -> float:
     return 2 * math.pi / max(2 * math.pi / shortest_period(case), *speeds)
 
 
-def row_of_draw(draw: Draw, patience: float = PATIENCE) -> Row:
+def result_of_draw(draw: Draw, patience: float = PATIENCE) -> Result:
     """Run a draw and judge it; chaos is skipped with its factor.
 
-    The reference must be there within `patience` seconds.
+    The check must be done within `patience` seconds of this process.
     """
-    name = {"draw": repr(draw)}
     try:
         engine, case, model, method, step, horizon = run_of(draw)
     except (MbcheckError, ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
-        none = Row(SECTION, draw.scene, "drawn", draw.engine, "-", changed=name)
-        return none.skipped(f"the reference makes nothing of it: {type(error).__name__}: {error}")
-    setup = Setup(engine, case, model, method)
-    changed = name | dict(case.parameters.as_dict()) | dict(case.state)
+        reason = f"the reference makes nothing of it: {type(error).__name__}: {error}"
+        return Result(
+            Subject("drawn", "verification", draw.engine, draw.scene), "-", "skipped", reason
+        )
+    check = Check(
+        "parameters", dataclasses.replace(case, horizon=horizon), engine.name, model, method,
+        (QUANTITY,), why_not=engine.why_not(case, model, method), step=step,
+    )  # fmt: skip
     if not (np.isfinite(step) and step >= SLOWEST):
-        row = Row.of(SECTION, "drawn", setup, changed=changed)
-        return row.skipped(f"it moves too fast: the step would be {step:.3g} s")
-    setup = setup.with_step(step)
-    row = Row.of(SECTION, "drawn", setup, changed=changed)
+        return check.skipped(f"it moves too fast: the step would be {step:.3g} s")[0]
     try:
-        row = judge(row, setup, horizon, partial(within, patience))
-    except UsageError as error:
-        reason = f"the adapter refuses: {error}"
-        return dataclasses.replace(row, outcome=REFUSED, noticed_by=(ENGINE,), reason=reason)
-    growth = row.values.get("growth", 1.0)
-    if row.outcome == WRONG and MOST_AMPLIFICATION < growth < math.inf:
+        with within(patience):
+            (result,) = run_check(check, engine=engine)
+    except CannotJudgeError as error:
+        return check.skipped(str(error))[0]
+    growth = float((GROWTH.search(result.reason) or [0, "1"])[1])
+    if result.verdict == "deviation" and MOST_AMPLIFICATION < growth < math.inf:
         reason = f"chaotic: an error of the start grows by {growth:.3g}"
-        return dataclasses.replace(row, outcome=SKIPPED, reason=reason)
-    return row
+        return dataclasses.replace(result, verdict="skipped", reason=reason)
+    return result
 
 
 @contextmanager
@@ -338,7 +329,7 @@ def within(seconds: float) -> Iterator[None]:
         return
 
     def stop(number: int, frame: FrameType | None) -> None:
-        raise UncertifiedError(f"the reference takes more than {seconds:g} s")
+        raise CannotJudgeError(f"the check takes more than {seconds:g} s")
 
     before = signal.signal(signal.SIGVTALRM, stop)
     signal.setitimer(signal.ITIMER_VIRTUAL, seconds, seconds)  # again, should a rule swallow it
@@ -349,18 +340,16 @@ def within(seconds: float) -> Iterator[None]:
         signal.signal(signal.SIGVTALRM, before)
 
 
-def silent(row: Row) -> bool:
+def silent(result: Result) -> bool:
     """Return whether a run is wrong and nobody but the reference notices, or nothing says why."""
-    if row.outcome == WRONG:
-        return set(row.noticed_by) <= {REFERENCE}
-    return not row.reason
+    if result.verdict == "deviation":
+        return set(result.noticed_by) <= {REFERENCE}
+    return result.verdict != "pass" and not result.reason
 
 
-def row_of_outcome(outcome: Row | EngineError) -> Row:
-    """Return the row of a draw, also of one whose process died or hung."""
-    if isinstance(outcome, Row):
+def result_of_outcome(outcome: Result | EngineError) -> Result:
+    """Return the result of a draw, also of one whose process died or hung."""
+    if isinstance(outcome, Result):
         return outcome
-    return Row(
-        SECTION, "-", "drawn", "-", "-", None, None, {}, FAILED, (GUARD,), None, None,
-        f"{outcome.kind}: {outcome.message}",
-    )  # fmt: skip
+    reason = f"{outcome.kind}: {outcome.message}"
+    return Result(Subject("drawn", "verification", "-"), "-", "error", reason)

@@ -10,7 +10,7 @@ from typing import Any
 from mbcheck.comparisons.checks.suite import KINDS, Check, checks_of, kinds_of, run_check
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines import registry as engines
-from mbcheck.comparisons.engines.plugin.adapter import PluginAdapter, adapt
+from mbcheck.comparisons.engines.adapter import Adapter, adapt
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.reference import get_scene
 from mbcheck.reference.scene import Case
@@ -65,7 +65,7 @@ def cases_of_all_kinds(scene: str) -> list[str]:
     return names
 
 
-def by_quantity(engine: PluginAdapter, kind: str, case: Case, model: str) -> dict[str, Result]:
+def by_quantity(engine: Adapter, kind: str, case: Case, model: str) -> dict[str, Result]:
     """Return what one kind of check says of an engine's model, by its first method."""
     method = engine.methods[0] if KINDS[kind].integrates else None
     names = KINDS[kind].quantities(Setup(engine, case, model, method))
@@ -73,7 +73,7 @@ def by_quantity(engine: PluginAdapter, kind: str, case: Case, model: str) -> dic
     return {result.quantity: result for result in run_check(check, engine=engine)}
 
 
-def all_checks(kind: str, case: Any, engine: PluginAdapter, twins: bool = False) -> Any:
+def all_checks(kind: str, case: Any, engine: Adapter, twins: bool = False) -> Any:
     """Return the checks of a kind for an engine in a case, of the models with a drive in time."""
     engines._named[engine.name] = engine
     try:

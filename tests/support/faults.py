@@ -103,8 +103,6 @@ class Impostor(ReferenceEngine):
         self.change = change
 
     def __getattr__(self, name: str) -> Any:
-        if name == "simulate_many":  # it has none, but simulates itself
-            raise AttributeError(name)
         return getattr(self.engine, name)
 
     def equations(self, case: Case, model: str) -> EquationsOfMotion:
@@ -156,10 +154,6 @@ class PushedMujoco(MuJoCo):
             return super().load(system)
         finally:
             self.mujoco.set_mjcb_passive(hook)
-
-    def simulate_many(self, systems: Any, *rest: Any) -> Any:
-        """Leave all to be run alone, each with its own force."""
-        return [None for _ in systems]
 
     @contextmanager
     def opened(self, system: System) -> Iterator[None]:

@@ -16,8 +16,7 @@ from ....reference.errors import EngineError
 from ....reference.scene import Array, Case
 from ....reference.solve.schemes import OF_VELOCITIES, VelocityEquations, mean_acceleration
 from ...engines.equations import ModelEquations, scene_equations
-from ...engines.run import run_many
-from ...engines.setup import Setup, power_of_two
+from ...engines.setup import Setup, power_of_two, run_many
 from ..tolerances import (
     CAP,
     VIOLATION,

@@ -27,7 +27,7 @@ from ....reference.orbits import (
 )
 from ....reference.periodic import harmonics
 from ....reference.scene import Array, Case
-from ....reference.solve.batched import BatchMethod, solve_many
+from ....reference.solve.batched import solve_many
 from ....reference.solve.single import solve
 from ...engines.equations import ModelEquations, scene_equations
 from ...engines.setup import Setup, shortest_period
@@ -151,9 +151,8 @@ def model_orbit(
         starts = np.column_stack([equations.start(item) for item in cases])
         times = times * orbit.period
         if equations.scene is get_scene(scene):
-            method = BatchMethod(1e-12)
             parameters = equations.parameters
-            solution = solve_many(equations.scene, parameters, starts, times, method=method)
+            solution = solve_many(equations.scene, parameters, starts, times, tolerance=1e-12)
             ends, bound = solution.states, solution.error_bound
         else:  # stiff closures are better followed one by one, with error control
             solutions = [

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...engines.setup import Setup
+from ..verdict import RULE
 from . import method, model, motion
 from .conditions import MEANINGS, Statement
 from .run import RunConditions
@@ -71,6 +72,11 @@ def cautions(setup: Setup, horizon: float, rules: Mapping[str, Rule] = RULES) ->
         )
         said = {name: rule.find(run) for name, rule in rules.items()}
     return [Caution(name, one.sentence) for name, one in said.items() if one is not None]
+
+
+def noticing_rules(setup: Setup, horizon: float) -> tuple[str, ...]:
+    """Return the rules that warn of a run over a horizon [s], each once, as who notices."""
+    return tuple(dict.fromkeys(f"{RULE}{one.rule}" for one in cautions(setup, horizon)))
 
 
 def explained(reason: str, cautions: list[Caution]) -> str:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import replace
+from functools import reduce
 from time import perf_counter
 from typing import Any
 
@@ -29,8 +30,6 @@ from ..protocol import (
     refuse_older,
 )
 from .probe import NEWTON_TOLERANCE, Probe
-from .runs import changes, integrate_samples
-from .settings import any_values, assign
 
 Array = NDArray[np.float64]
 
@@ -102,8 +101,7 @@ class Exudyn(Engine):
         self.exudyn = import_library("exudyn", cure)
         self.version = str(self.exudyn.__version__)
         refuse_older(self.name, self.version, LEAST_VERSION)
-        self.stack: ExitStack | None = None
-        self.probes: dict[bool, Probe] = {}
+        self.kept: dict[bool, tuple[Any, Probe]] = {}
 
     def models(self, scene: str) -> tuple[str, ...]:
         """Return the names of the Exudyn models of a scene, default first."""
@@ -189,30 +187,9 @@ class Exudyn(Engine):
             )
         if built.turning is None:
             return motion
-        with self.opened_bodies(case, model) as probe:
+        with quiet(self.exudyn):
+            probe = self.probe(case, model, bodies=True)
             return replace(motion, observables=values | probe.turning_integrals(coords, rates))
-
-    @contextmanager
-    def session(self, system: System) -> Iterator[None]:
-        """Keep what is built of a system until the last of several calls."""
-        with ExitStack() as stack:
-            self.stack, self.probes = stack, {}
-            try:
-                yield
-            finally:
-                self.stack, self.probes = None, {}
-
-    @contextmanager
-    def probed(self, system: System, bodies: bool = False) -> Iterator[Probe]:
-        """Lend a probe into a system, or its bodies without what drives them, see `session`."""
-        opened = self.opened_bodies if bodies else self.opened_probe
-        with ExitStack() as alone:
-            probe = self.probes.get(bodies)
-            if probe is None:
-                stack = self.stack or alone
-                probe = stack.enter_context(opened(system.case, system.model))
-                self.probes |= {bodies: probe} if self.stack else {}
-            yield probe
 
     def accelerations(
         self, system: System, time: float, positions: Array, velocities: Array
@@ -236,7 +213,8 @@ class Exudyn(Engine):
         self, system: System, time: float, positions: Array, velocities: Array
     ) -> tuple[Array, Array]:
         """Return accelerations (n,) and the model's multipliers (m,) at a time and a state."""
-        with self.probed(system) as probe:
+        with quiet(self.exudyn):
+            probe = self.probe(system.case, system.model)
             moved, multipliers = probe.motion(time, np.append(positions, velocities))
             built = probe.system
             if built.multipliers is not None:
@@ -256,7 +234,8 @@ class Exudyn(Engine):
         of the identity where its motion is prescribed.
         """
         source, n = self.source(system.case, system.model), len(positions)
-        with self.probed(system, bodies=True) as probe:
+        with quiet(self.exudyn):
+            probe = self.probe(system.case, system.model, bodies=True)
             probe.place(system.start_time, *probe.system.place(positions, 0 * positions))
             basis = probe.unit_rates()[:, :n]
             matrix: Array = basis.T @ probe.mass() @ basis
@@ -290,7 +269,9 @@ class Exudyn(Engine):
         if case.parameters.has_gravity and not self.source(case, model).constrained:
             raise Unsupported(f"differences of {model} leave few digits of K beside weights")
         state = np.append(system.positions, system.velocities)
-        with self.opened_bodies(in_hub_frame(case, float(system.positions[0])), model) as probe:
+        with quiet(self.exudyn):
+            turned = in_hub_frame(case, float(system.positions[0]))
+            probe = self.probe(turned, model, bodies=True)
             if probe.system.turning is not None:
                 return probe.rotating(float(system.velocities[0]))
         with self.opened(case, model) as built:
@@ -340,18 +321,21 @@ class Exudyn(Engine):
             finally:
                 system.container.Reset()
 
-    @contextmanager
-    def opened_bodies(self, case: Case, model: str) -> Iterator[Probe]:
-        """Lend a probe into the system of a case without what drives it."""
-        bodies = self.source(case, model).bodies(case.parameters)
-        with self.opened_probe(replace(case, parameters=bodies), model) as probe:
-            yield probe
+    def probe(self, case: Case, model: str, bodies: bool = False) -> Probe:
+        """Return a probe into the system of a case, or into its bodies without what drives them.
 
-    @contextmanager
-    def opened_probe(self, case: Case, model: str) -> Iterator[Probe]:
-        """Lend a probe into the system of a case."""
-        with self.opened(case, model) as system:
-            yield Probe(self.exudyn, system, self.settings(IMPLICIT[0], 0.0, 1.0))
+        The last one of each is kept, since systems are slow to build.
+        """
+        source = self.source(case, model)
+        if bodies:
+            case = replace(case, parameters=source.bodies(case.parameters))
+        key = case.scene, model, case.parameters, case.placement, source
+        if bodies not in self.kept or self.kept[bodies][0] != key:
+            if bodies in self.kept:
+                self.kept.pop(bodies)[1].system.container.Reset()
+            built = self.system(case, model)
+            self.kept[bodies] = key, Probe(self.exudyn, built, self.settings(IMPLICIT[0], 0.0, 1.0))
+        return self.kept[bodies][1]
 
     def solver(self, method: Method) -> Any:
         """Return a new solver of Exudyn for a method."""
@@ -461,3 +445,98 @@ def evaluations(solver: Any, method: Method, steps: int) -> int:
     if is_explicit(method):
         return steps * int(solver.GetNumberOfStages())
     return steps + int(solver.it.newtonStepsCount)
+
+
+def integrate_samples(
+    mbs: Any, solver: Any, settings: Any, step: float, times: Array
+) -> tuple[Array, Array, Array, Array, int]:
+    """Run an initialised solver from sample to sample.
+
+    One solver does all: its memory (the algorithmic accelerations of GeneralizedAlpha) goes
+    on through a sample, which therefore does not act on the motion. It counts its steps and
+    its time from the start of each leg, which is where its own clock stood.
+
+    Returns
+    -------
+    coordinates, rates : arrays (n_t, N)
+    angles : array (n_t, h)
+        Exudyn's data coordinates, which count the turns of hinges.
+    clock : array (n_t,)
+    steps : int
+
+    Raises
+    ------
+    EngineError
+        ``solver``, if Exudyn gave up.
+    """
+    data, progress = mbs.systemData, solver.it
+    indices = np.rint((times - progress.startTime) / step).astype(int)
+    legs = np.diff(indices, prepend=0).tolist()
+    size = len(data.GetODE2Coordinates())
+    coordinates, rates = np.empty((len(times), size)), np.empty((len(times), size))
+    angles, clock = np.empty((len(times), len(data.GetDataCoordinates()))), np.empty(len(times))
+    steps = 0
+    for row, leg in enumerate(legs):
+        if leg:
+            progress.startTime = begin = data.GetTime()
+            progress.endTime = begin + leg * step
+            finished = solver.SolveSteps(mbs, settings)
+            steps += progress.currentStepIndex - 1
+            if not finished:
+                raise EngineError("solver", gave_up(solver))
+        coordinates[row] = data.GetODE2Coordinates()
+        rates[row] = data.GetODE2Coordinates_t()
+        angles[row] = data.GetDataCoordinates()
+        clock[row] = data.GetTime()
+    return coordinates, rates, angles, clock, steps
+
+
+def gave_up(solver: Any) -> str:
+    """Return where a solver stopped, and Exudyn's words for it."""
+    reason = " ".join(str(solver.GetErrorString()).split()) or "no reason given"
+    return (
+        f"Exudyn's solver found no solution at t = {solver.it.currentTime:.9g} s; "
+        f"try a smaller step (Exudyn: {reason})"
+    )
+
+
+def changes(solver: Any, step: float) -> tuple[str, ...]:
+    """Return what the solver changed on its own.
+
+    Fixed steps stay the same to the bit; one that may adapt also shrinks by rounding where
+    a leg ends.
+    """
+    taken = float(solver.it.currentStepSize)
+    same = taken == step or (solver.it.adaptiveStep and abs(taken - step) <= 1e-9 * step)
+    return () if same else (f"step ({taken:.9g} s instead of {step:.9g} s)",)
+
+
+def assign(settings: Any, path: str, value: Any) -> None:
+    """Set what `RENAMED` may have another name for."""
+    *parents, name = (path if hasattr(settings, "solution") else RENAMED.get(path, path)).split(".")
+    setattr(reduce(getattr, parents, settings), name, value)
+
+
+RENAMED = {
+    "solution.file.write": "solutionSettings.writeSolutionToFile",
+    "solution.sensors.active": "solutionSettings.sensorsStoreAndWriteFiles",
+    "timeIntegration.solverType": "timeIntegration.explicitIntegration.dynamicSolverType",
+    "timeIntegration.newton.residualMode": "timeIntegration.newton.newtonResidualMode",
+    "linearSolver.solverType": "linearSolverType",
+}
+"""Settings by their names of today: what Exudyn called them before 1.12."""
+
+
+@contextmanager
+def any_values(exudyn: Any) -> Iterator[None]:
+    """Take Exudyn's settings out of its range checks, which before 1.12 no dictionary meets."""
+    checks = exudyn.special.exceptions
+    if not hasattr(checks, "parameterRangeChecks"):
+        yield
+        return
+    saved = checks.parameterRangeChecks
+    checks.parameterRangeChecks = False
+    try:
+        yield
+    finally:
+        checks.parameterRangeChecks = saved

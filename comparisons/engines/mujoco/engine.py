@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from copy import copy
 from dataclasses import dataclass, field, replace
@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..protocol import Engine, EngineError, Method, Motion, Option, System, refuse_older
-from .library import controlled, import_mujoco, quiet
-from .runs import CompiledRun, integrate, integrate_many, switch
+from .library import controlled, import_mujoco, integrate, quiet, switch
 
 Array = NDArray[np.float64]
 
@@ -123,33 +122,6 @@ class MuJoCo(Engine):
             data = self.data(compiled, system.start_time, system.positions, system.velocities)
             motion = integrate(self.mujoco, compiled, data, times, system.drive_end)
             return self.with_sensors(system, compiled, motion)
-
-    def simulate_many(
-        self, systems: Sequence[System], method: Method, steps: Array, times: Array
-    ) -> list[Motion | Exception | None]:
-        """Return what `simulate` returns of each system, to the bit, but on several threads.
-
-        None where these are run one after the other: models that differ in size, a control that
-        is a function of Python, and before MuJoCo 3.17, which has no `mujoco.batch`.
-        """
-        if any(takes_controls(system) for system in systems):  # a hook runs on one thread only
-            return [None for _ in systems]
-        outcomes: list[Motion | Exception | None] = [None for _ in systems]
-        runs: dict[int, CompiledRun] = {}
-        with quiet(self.mujoco), controlled(self.mujoco, None):
-            for i, (system, step) in enumerate(zip(systems, steps, strict=True)):
-                try:
-                    compiled = self.compiled(Order(system, method.name, float(step)))
-                except Exception as error:  # whatever MuJoCo raises: it is this system's alone
-                    outcomes[i] = error
-                    continue
-                start = system.positions, system.velocities, system.start_time
-                runs[i] = CompiledRun(compiled, *start, times[i], system.drive_end)
-            motions = integrate_many(self.mujoco, list(runs.values()))
-            for (i, run), motion in zip(runs.items(), motions, strict=True):
-                if motion is not None:
-                    outcomes[i] = self.with_sensors(systems[i], run.compiled, motion)
-        return outcomes
 
     def with_sensors(self, system: System, compiled: Any, motion: Motion) -> Motion:
         """Return a motion with what sensors show of it, and how far loops are open."""

@@ -1,15 +1,20 @@
-"""The package mujoco: imported with a reason where it cannot be, and kept from writing."""
+"""The package mujoco: imported, kept from writing, and stepped."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
+from time import perf_counter
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..protocol import import_library
+from ..protocol import Motion, import_library
+
+Array = NDArray[np.float64]
 
 GL = "MUJOCO_GL"
 """Environment variable that MuJoCo reads as it is imported."""
@@ -64,3 +69,111 @@ def controlled(mujoco: Any, controls: Callable[[float], Any] | None) -> Iterator
         yield
     finally:
         mujoco.set_mjcb_control(saved)
+
+
+def switch(compiled: Any, off: bool) -> None:
+    """Switch all actuators (of group 0) off, or on again."""
+    compiled.opt.disableactuator = int(off)
+
+
+def integrate(
+    mujoco: Any, compiled: Any, data: Any, times: Array, stop: float | None = None
+) -> Motion:
+    """Step a MuJoCo model from ``data.time`` and record it at ``times``.
+
+    Parameters
+    ----------
+    mujoco : module
+    compiled : MjModel
+    data : MjData
+        The initial state, and controls if the model has any.
+    times : array (n_t,)
+        Sample times [s], multiples of ``opt.timestep`` after ``data.time``.
+    stop : float, optional
+        Time [s] at which the actuators are switched off, on the same grid.
+    """
+    start, before = data.time, inputs(mujoco, compiled, data)
+    parts = mujoco.mjtState.mjSTATE_TIME | mujoco.mjtState.mjSTATE_QPOS
+    parts = int(parts | mujoco.mjtState.mjSTATE_QVEL)
+    states = np.empty((len(times), mujoco.mj_stateSize(compiled, parts)))
+    advance, save = mujoco.mj_step, mujoco.mj_getState
+    begin = perf_counter()
+    on, off = legs(times, start, compiled.opt.timestep, stop)
+    for driven, free, row in zip(on, off, states, strict=True):
+        if driven:
+            advance(compiled, data, driven)
+        if free:
+            switch(compiled, off=True)
+            advance(compiled, data, free)
+        save(compiled, data, row, parts)
+    seconds = perf_counter() - begin
+    switch(compiled, off=False)
+    return replace(recorded(mujoco, compiled, start, data, states, before), seconds=seconds)
+
+
+def recorded(
+    mujoco: Any, compiled: Any, start: float, data: Any, states: Array, before: Mapping[str, bytes]
+) -> Motion:
+    """Return what was recorded.
+
+    Parameters
+    ----------
+    mujoco : module
+    compiled : MjModel
+    start : float
+        [s]
+    data : MjData
+        At the end.
+    states : array (n_t, 1 + n_q + n_v)
+        Time, positions and velocities of the model at the samples.
+    before : mapping of str to bytes
+        `inputs` at the start.
+    """
+    clock, positions, velocities = np.split(states, [1, 1 + compiled.nq], axis=1)
+    after = inputs(mujoco, compiled, data)
+    counts = np.rint(np.diff(clock[:, 0], prepend=start) / compiled.opt.timestep)
+    steps = int(np.sum(counts)) if np.all(np.isfinite(counts)) else -1
+    stages = 4 if compiled.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4 else 1
+    return Motion(
+        positions,
+        velocities,
+        clock[:, 0],
+        steps,
+        warnings(mujoco, data),
+        steps * stages,
+        changed=tuple(name for name in before if before[name] != after[name]),
+    )
+
+
+def legs(times: Array, start: float, step: float, stop: float | None) -> NDArray[np.int_]:
+    """Return the numbers of steps up to each sample with and without the drive (2, n_t)."""
+    numbers = np.rint((np.append(start, times) - start) / step).astype(int)
+    driven = numbers[-1] if stop is None else max(0, round((stop - start) / step))
+    on = np.diff(np.minimum(numbers, driven))
+    return np.array([on, np.diff(numbers) - on])
+
+
+def warnings(mujoco: Any, data: Any) -> dict[str, int]:
+    """Return MuJoCo's warning counters by name."""
+    kinds = mujoco.mjtWarning.__members__
+    return {
+        name.removeprefix("mjWARN_"): int(data.warning[int(kind)].number)
+        for name, kind in kinds.items()
+        if name != "mjNWARNING"
+    }
+
+
+def inputs(mujoco: Any, compiled: Any, data: Any) -> Mapping[str, bytes]:
+    """Return a copy of what only the caller may change."""
+    image = np.empty(mujoco.mj_sizeModel(compiled), np.uint8)
+    mujoco.mj_saveModel(compiled, None, image)
+    arrays = {
+        "opt.timestep": np.array(compiled.opt.timestep),
+        "opt.integrator": np.array(compiled.opt.integrator),
+        "model": image,
+        "qfrc_applied": data.qfrc_applied,
+        "xfrc_applied": data.xfrc_applied,
+    }
+    if mujoco.get_mjcb_control() is None:  # which is the caller's as well
+        arrays["ctrl"] = data.ctrl
+    return {name: value.tobytes() for name, value in arrays.items()}

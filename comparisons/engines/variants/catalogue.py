@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from importlib import import_module
-from typing import Any, Literal, NamedTuple
+from typing import Any
 
 from ....reference.scene import Case
 from ..adapter import Adapter
@@ -22,12 +22,6 @@ LONG_METHODS: Mapping[str, tuple[str, ...]] = {
     EXUDYN: ("RK67", "RK44", "GeneralizedAlpha", "TrapezoidalIndex2"),
 }
 """Methods that are followed for long: the best, and those that tell most."""
-
-LONGEST_METHODS: Mapping[str, tuple[str, ...]] = {
-    MUJOCO: ("RK4",),
-    EXUDYN: ("RK44", "GeneralizedAlpha"),
-}
-"""Of these, the ones that are followed longest."""
 
 DEFAULT_NEWTON = {
     "newton.residualMode": 0,
@@ -76,6 +70,20 @@ NOT_PROVOKED: tuple[tuple[str, str], ...] = (
         "the drive is a body, no hook is used",
     ),
     ("foreign readers of MJCF drop stiffness, armature, inertia", "no such engine has an adapter"),
+    (
+        "MuJoCo: shows the energy of the state before until mj_forward",
+        "adapters compute energies from states",
+    ),
+    ("MuJoCo: mjd_transitionFD refuses RK4", "adapters linearise the equations of motion"),
+    (
+        "MuJoCo: a body that MjSpec adds without ipos loses its inertia when it is written",
+        "models are written as MJCF",
+    ),
+    (
+        "MuJoCo: an unstable run leaves MUJOCO_LOG.TXT in the working directory",
+        "runs have a temporary folder",
+    ),
+    ("MuJoCo: runs a crank that is longer than its rod", "the scene refuses its parameters"),
     (
         "Exudyn: the renderer aborts without a display",
         "it would kill the process, and no scene is rendered",
@@ -136,33 +144,6 @@ def exudyn(name: str = "", *arguments: Any) -> Variant:
     return Variant(EXUDYN, name, arguments)
 
 
-Outcome = Literal["right", "wrong", "failed", "refused"]
-
-
-class Observation(NamedTuple):
-    """What was seen of an engine beside its runs.
-
-    Attributes
-    ----------
-    outcome : str
-    reason : str
-        In one sentence, with the numbers that it comes from.
-    error, predicted : float or None
-        Relative, or of a phase [rad].
-    changed : mapping of str to float or str
-        What provokes it.
-    values : mapping of str to float
-        More numbers.
-    """
-
-    outcome: Outcome
-    reason: str
-    error: float | None = None
-    predicted: float | None = None
-    changed: Mapping[str, float | str] = {}
-    values: Mapping[str, float] = {}
-
-
 Delegating: Any = object
 """Base of classes that pass for an adapter by delegation, which type checkers cannot follow."""
 
@@ -176,10 +157,6 @@ class Wrapped(Delegating):
     def __getattr__(self, name: str) -> Any:
         value = getattr(self.engine, name)
         return partial(self.compute, value) if name in COMPUTED else value
-
-    def simulate_many(self, *call: Any) -> Any:
-        """Simulate one by one: the engine's own would pass what is wrapped by."""
-        return Adapter.simulate_many(self, *call)
 
     def compute(self, method: Callable[..., Any], case: Case, model: str, *rest: Any) -> Any:
         """Call a method of the engine."""

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from importlib import import_module
+from dataclasses import replace
 from typing import Any
 
 from ....models import exudyn_system
 from ....reference.scene import Case
-from ..exudyn.engine import Exudyn
-from ..exudyn.settings import assign
-from ..plugin.own import OwnModelsAdapter
+from ..adapter import OwnModelsAdapter
+from ..exudyn.engine import Exudyn, assign
 from ..protocol import Engine, Method
 
 VELOCITY_VERLET = Method("VelocityVerlet", 2)
@@ -109,7 +108,7 @@ class Unrestricted(ExudynAdapter):
 
 
 class Spatial(ExudynAdapter):
-    """Exudyn with the model ``spatial`` of a scene beside those in the plane."""
+    """Exudyn with the model ``spatial`` of a scene: the bodies of ``redundant`` in space."""
 
     def models(self, scene: str) -> tuple[str, ...]:
         """Return the names of the models."""
@@ -119,5 +118,5 @@ class Spatial(ExudynAdapter):
         """Return the named Exudyn model."""
         if model != "spatial":
             return super().own_source(case, model)
-        package = exudyn_system.__package__
-        return import_module(f"{package}.{case.scene}.exudyn_spatial").MODEL
+        plane = super().own_source(case, "redundant")
+        return replace(plane, build=lambda p: plane.in_axes(p, exudyn_system.UPRIGHT))

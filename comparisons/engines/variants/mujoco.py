@@ -12,16 +12,15 @@ import numpy as np
 from ....models import mjcf
 from ....models.system import System
 from ....reference.scene import Array, Case
+from ..adapter import Adapter
 from ..mujoco.engine import MuJoCo, Order
-from ..mujoco.library import quiet
-from ..mujoco.runs import CompiledRun, inputs, recorded
-from ..plugin.adapter import PluginAdapter
+from ..mujoco.library import inputs, quiet, recorded
 from ..protocol import Method
 from ..run import Trajectory, grid_indices
 from .catalogue import Variant, Wrapped
 
 
-class MujocoAdapter(PluginAdapter):
+class MujocoAdapter(Adapter):
     """MuJoCo as it is, for classes that change it.
 
     Parameters
@@ -182,7 +181,6 @@ class Controlled(MujocoAdapter):
         force, omega = self.factor * p.force_amplitude, 2 * np.pi * p.force_frequency
         numbers = grid_indices(times, case.start_time, step)
         system, mujoco = self.joint_system(still, model), self.inner.mujoco
-        start = system.positions, system.velocities, system.start_time
         with quiet(mujoco):
             compiled = self.inner.compiled(Order(system, method.name, step))
             data = self.inner.data(compiled, case.start_time, system.positions, system.velocities)
@@ -196,24 +194,6 @@ class Controlled(MujocoAdapter):
                 if number < numbers[-1]:
                     mujoco.mj_step(compiled, data)
             data.ctrl[0] = 0.0  # it was changed on purpose
-            run = CompiledRun(compiled, *start, times)
-            motion = recorded(mujoco, run, data, np.array(states), before)
+            rows = np.array(states)
+            motion = recorded(mujoco, compiled, system.start_time, data, rows, before)
         return self.trajectory(system, step, times, motion)
-
-
-def raw(case: Case, model: str, **options: Any) -> tuple[Any, Any, Any]:
-    """Return MuJoCo, and the compiled model and data of a case at its start.
-
-    Parameters
-    ----------
-    case, model
-    options : mapping
-        Of the compiled model, ``opt.NAME``.
-    """
-    engine = MuJoCo()
-    system = MujocoAdapter(engine).joint_system(replace(case, inconsistency={}), model)
-    compiled = engine.load(system)
-    compiled.opt.integrator = engine.mujoco.mjtIntegrator.mjINT_EULER
-    for name, value in options.items():
-        setattr(compiled.opt, name, value)
-    return engine.mujoco, compiled, engine.data(compiled, 0.0, system.positions, system.velocities)

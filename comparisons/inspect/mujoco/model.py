@@ -88,12 +88,7 @@ AT_LIMIT = 1e-9
 LOST = ("badqpos", "badqvel", "badqacc")
 """Warnings of MuJoCo's after which a state is lost."""
 
-EXACT = {
-    "tolerance": 0.0,
-    "iterations": 200,
-    "ls_tolerance": 1e-6,
-    "ls_iterations": 100,
-}
+EXACT = {"tolerance": 0.0, "iterations": 200, "ls_tolerance": 1e-6, "ls_iterations": 100}
 """Options with which MuJoCo's solver goes on to rounding."""
 
 
@@ -282,6 +277,16 @@ class Loaded:
         buffer = np.zeros(self.mujoco.mj_sizeModel(model), np.uint8)
         self.mujoco.mj_saveModel(model, None, buffer)
         return buffer.tobytes()
+
+    @cached_property
+    def bits(self) -> bytes:
+        """The compiled model of the file as these bytes."""
+        return self.dumped(self.model)
+
+    def compiles_alike(self, text: str) -> bool:
+        """Return whether another text compiles to the same model, to the last bit."""
+        model = self.compiled(text)
+        return model is not None and self.dumped(model) == self.bits
 
     @property
     def joint_names(self) -> tuple[str, ...]:

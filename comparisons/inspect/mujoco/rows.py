@@ -15,10 +15,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ....reference.scene import Array
+from ..spectrum import SHORT
 from .model import Flags, Loaded, State
 
-SHORT, LONG = 1e-9, 1e3
-"""Steps [s] at which no time constant is raised, and at which all are that can be."""
+LONG = 1e3
+"""Step [s] at which all time constants are raised that can be."""
 
 SAME = 1e-9
 """Share by which a damper may change without being raised."""

@@ -86,6 +86,8 @@ class Waiver:
     reason : str
     text, file, line
         The comment as it stands.
+    required : bool
+        Whether it is about this model alone, and is to waive something.
     """
 
     rule: str
@@ -94,6 +96,7 @@ class Waiver:
     text: str
     file: str
     line: int
+    required: bool = True
 
     def covers(self, rule: str, element: str) -> bool:
         """Return whether it allows a finding of a rule on an element ``tag:name``."""
@@ -155,11 +158,7 @@ def read(path: Path, instead: bytes | None = None) -> Source:
 
 
 def parse(
-    path: Path,
-    folder: Path,
-    waivers: list[Waiver],
-    files: list[str],
-    instead: bytes | None = None,
+    path: Path, folder: Path, waivers: list[Waiver], files: list[str], instead: bytes | None = None
 ) -> Element:
     """Return the root of a file; ``waivers`` and ``files`` are added to.
 

@@ -21,9 +21,6 @@ MOST_STEPS = 20_000
 SAMPLES, QUARTERS = 400, 4
 """Times at which energy is looked at in it, and parts of which each is compared with the next."""
 
-CHUNK = 64
-"""Steps after which a run is looked at where only its failing counts."""
-
 GAIN = 0.002
 """Share of the kinetic energy by which it grows, from part to part, where it keeps growing."""
 
@@ -48,10 +45,9 @@ def stays_finite(loaded: Loaded, state: State) -> bool:
     It stays finite and, where nothing drives it, gains no energy: growth that goes on would only
     fail later.
     """
-    energies: list[tuple[float, float]] = []
-    if failing_step(loaded, state, energies) is not None:
-        return False
-    return bool(loaded.model.nu or loaded.model.nflex) or not keeps_growing(np.array(energies))
+    step, energies = short_run(loaded, state)
+    driven = loaded.model.nu or loaded.model.nflex
+    return step is None and bool(driven or not keeps_growing(energies))
 
 
 def keeps_growing(energies: Array) -> bool:
@@ -64,42 +60,37 @@ def keeps_growing(energies: Array) -> bool:
     """
     if len(energies) < 2 * QUARTERS:
         return False
-    total = [float(np.max(part)) for part in np.array_split(np.sum(energies, axis=1), QUARTERS)]
-    kinetic = [float(np.max(part)) for part in np.array_split(energies[:, 1], QUARTERS)]
+    total, kinetic = (
+        [float(np.max(part)) for part in np.array_split(values, QUARTERS)]
+        for values in (np.sum(energies, axis=1), energies[:, 1])
+    )
     floor = ROUNDING * float(np.max(np.abs(energies[0])))
     gains = np.diff(total) > GAIN * max(kinetic[0], floor)
     return bool(np.all(gains) and np.all(np.diff(kinetic) > 0))
 
 
-def failing_step(
-    loaded: Loaded, state: State, energies: list[tuple[float, float]] | None = None
-) -> int | None:
-    """Return the step at which a run from a state, a little disturbed, fails, if it does.
+def short_run(loaded: Loaded, state: State) -> tuple[int | None, Array]:
+    """Run a model from a state, a little disturbed.
 
-    To ``energies`` its potential and kinetic ones are added, now and then.
+    Returns
+    -------
+    The step at which it fails, if it does, and its potential and kinetic energy (n, 2) [J].
     """
     lib, model = loaded.mujoco, copy.copy(loaded.model)
     model.opt.disableflags |= loaded.member("mjtDisableBit", "mjDSBL", "autoreset")
-    data, before = loaded.data(state, model), lib.MjData(model)
+    data, energies = loaded.data(state, model), list[Array]()
     departure = np.random.default_rng(0).uniform(-TINY, TINY, model.nv)
     lib.mj_integratePos(model, data.qpos, departure, 1.0)
     steps = min(MOST_STEPS, int(HORIZON / model.opt.timestep) + 1)
-    every = CHUNK if energies is None else max(1, steps // SAMPLES)
-    done = 0
-    for mark in (*range(1, steps, every), steps):
-        lib.mj_copyData(before, model, data)
-        lib.mj_step(model, data, mark - done)
+    for step in range(1, steps + 1):
+        lib.mj_step(model, data)
         if loaded.lost(data):
-            for step in range(done, mark):
-                lib.mj_step(model, before)
-                if loaded.lost(before):
-                    return step + 1
-        done = mark
-        if energies is not None and (mark - 1) % every == 0:
+            return step, np.array(energies)
+        if (step - 1) % max(1, steps // SAMPLES) == 0:
             lib.mj_energyPos(model, data)
             lib.mj_energyVel(model, data)
-            energies.append((float(data.energy[0]), float(data.energy[1])))
-    return None
+            energies.append(data.energy.copy())
+    return None, np.array(energies)
 
 
 def growth(loaded: Loaded, state: State, direction: Array, step: float, horizon: float) -> float:

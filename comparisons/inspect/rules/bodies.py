@@ -7,11 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ....reference.scene import Array
 from ...checks.rules.conditions import NEAR_FLOOR
 from ...engines.mujoco.engine import MuJoCo
-from ..mujoco.model import Numbers
+from ..mujoco.facts import DRAWS
 from ..subject import Hit, InspectedModel
-from .contact import DRAWS
 
 LARGE = 2.0
 """Radius of gyration, in the reach of a body's geoms, beyond which no body of that size has it."""
@@ -30,98 +30,86 @@ UNEVEN = 1e4
 
 
 class Extent(NamedTuple):
-    """What the geoms of a rigid body fill: middle (3,) and reach [m], least and largest volume."""
+    """What the geoms of a body fill that moves by itself, in its own frame.
 
-    middle: np.ndarray
+    Attributes
+    ----------
+    body : int
+    middle : array (3,)
+    reach : float
+        From there to the farthest point [m].
+    volume : float
+        Of the boxes that hold the geoms, the most that they can have [m^3].
+    stated : bool
+        Whether the body has an ``<inertial>`` that counts.
+    """
+
+    body: int
+    middle: Array
     reach: float
     volume: float
+    stated: bool
 
 
-def extents(s: InspectedModel) -> dict[int, Extent]:
-    """Return what the geoms of each body with an explicit inertia fill, in its own frame."""
-    m = s.model
-    planes = s.loaded.of_kind("geom_type", "plane", "hfield")
-    listed = {}
-    for body in range(1, m.nbody):
-        own = np.flatnonzero((m.geom_bodyid == body) & ~planes)
-        if not len(own) or not m.body_mass[body] > 0:
-            continue
-        places, radii = m.geom_pos[own], m.geom_rbound[own]
-        middle = (np.min(places - radii[:, None], 0) + np.max(places + radii[:, None], 0)) / 2
-        reach = float(np.max(np.linalg.norm(places - middle, axis=1) + radii))
-        listed[body] = Extent(middle, reach, float(np.sum(box_volumes(s, own))))
-    return listed
-
-
-def box_volumes(s: InspectedModel, geoms: Numbers) -> np.ndarray:
-    """Return the volumes [m^3] of the boxes that hold geoms, the most that they can have."""
-    sizes = s.model.geom_aabb.reshape(-1, 6)[geoms, 3:]
-    return np.asarray(np.prod(2 * sizes, axis=1))
-
-
-def single(s: InspectedModel) -> dict[int, Extent]:
-    """Return the moving bodies with geoms that are alone in their rigid piece.
+def extents(s: InspectedModel) -> Iterator[Extent]:
+    """Yield what the geoms of moving bodies fill that are alone in their rigid piece.
 
     Where contact is off, geoms are drawings, and tell no size.
     """
     m = s.model
-    if not s.facts.options.contact:
-        return {}
     rigid = np.bincount(m.body_weldid, minlength=m.nbody)
-    return {
-        body: extent
-        for body, extent in extents(s).items()
-        if m.body_weldid[body] == body and rigid[body] == 1
-    }
-
-
-def explicit(s: InspectedModel) -> list[tuple[int, Extent]]:
-    """Return those of them with an ``<inertial>``."""
-    if s.setting("inertiafromgeom") == "true":
-        return []
-    stated = {
-        body
-        for (kind, body), element in s.loaded.places.items()
-        if kind == "body" and any(child.tag == "inertial" for child in element.children)
-    }
-    return [(body, extent) for body, extent in single(s).items() if body in stated]
+    alone = (m.body_weldid == np.arange(m.nbody)) & (rigid == 1) & (m.body_mass > 0)
+    solid = ~s.loaded.of_kind("geom_type", "plane", "hfield") & s.facts.options.contact
+    sizes = 2 * m.geom_aabb.reshape(-1, 6)[:, 3:]
+    for body in range(1, m.nbody):
+        own = np.flatnonzero(solid & (m.geom_bodyid == body))
+        if not (alone[body] and len(own)):
+            continue
+        places, radii = m.geom_pos[own], m.geom_rbound[own]
+        middle = (np.min(places - radii[:, None], 0) + np.max(places + radii[:, None], 0)) / 2
+        element = s.loaded.places.get(("body", body))
+        tags = {child.tag for child in element.children} if element else set[str]()
+        yield Extent(
+            body=body,
+            middle=middle,
+            reach=float(np.max(np.linalg.norm(places - middle, axis=1) + radii)),
+            volume=float(np.sum(np.prod(sizes[own], axis=1))),
+            stated="inertial" in tags and s.setting("inertiafromgeom") != "true",
+        )
 
 
 def odd_inertia(s: InspectedModel) -> Iterator[Hit]:
-    """An inertia that no body of this mass and size has."""
     m = s.model
-    for body, extent in explicit(s):
+    for body, _, reach, _, stated in extents(s):
         gyration = float(np.sqrt(np.max(m.body_inertia[body]) / m.body_mass[body]))
-        share = gyration / extent.reach
-        if np.min(m.body_inertia[body]) <= NEAR_FLOOR * MuJoCo.least_inertia:
+        share = gyration / reach
+        if not stated or np.min(m.body_inertia[body]) <= NEAR_FLOOR * MuJoCo.least_inertia:
             continue  # a point, of which `inertia_floor` speaks
         if not SMALL < share < LARGE:
             size = "larger" if share >= LARGE else "smaller"
             message = (
                 f"its inertia of {np.max(m.body_inertia[body]):.3g} kg m^2 with a mass of "
                 f"{m.body_mass[body]:.4g} kg has a radius of gyration of {gyration:.3g} m, "
-                f"{size} than a body that reaches {extent.reach:.3g} m can have"
+                f"{size} than a body that reaches {reach:.3g} m can have"
             )
             yield s.hit("body", body, message)
 
 
 def far_centre(s: InspectedModel) -> Iterator[Hit]:
-    """A centre of mass far off the geoms."""
-    for body, extent in explicit(s):
-        off = float(np.linalg.norm(s.model.body_ipos[body] - extent.middle))
-        if off > OFF * extent.reach:
+    for body, middle, reach, _, stated in extents(s):
+        off = float(np.linalg.norm(s.model.body_ipos[body] - middle))
+        if stated and off > OFF * reach:
             message = (
                 f"its centre of mass is {off:.3g} m from the middle of its geoms, which reach "
-                f"{extent.reach:.3g} m"
+                f"{reach:.3g} m"
             )
             yield s.hit("body", body, message)
 
 
 def odd_density(s: InspectedModel) -> Iterator[Hit]:
-    """A body heavier than any material, or lighter than air."""
     m = s.model
-    for body, extent in single(s).items():
-        density = float(m.body_mass[body]) / extent.volume if extent.volume > 0 else 1.0
+    for body, _, _, volume, _ in extents(s):
+        density = float(m.body_mass[body]) / volume if volume > 0 else 1.0
         if not THINNEST < density < DENSEST:
             what = "osmium" if density >= DENSEST else "air"
             side = "more than" if density >= DENSEST else "less than"
@@ -133,7 +121,6 @@ def odd_density(s: InspectedModel) -> Iterator[Hit]:
 
 
 def uneven_masses(s: InspectedModel) -> Iterator[Hit]:
-    """A light body that carries a very heavy one."""
     m = s.model
     rigid = np.zeros(m.nbody)
     np.add.at(rigid, m.body_weldid, m.body_mass)
@@ -153,23 +140,21 @@ def uneven_masses(s: InspectedModel) -> Iterator[Hit]:
 
 
 def always_touching(s: InspectedModel) -> Iterator[Hit]:
-    """Geoms of one mechanism that lie in each other wherever its joints are."""
-    for one, other in sorted(s.never_apart):
-        names = f"{s.loaded.name('geom', one)} and {s.loaded.name('geom', other)}"
-        message = (
-            f"{names} lie in each other in all of {DRAWS} random positions within the ranges of "
-            "the joints: the contact never ends"
-        )
-        yield s.hit("geom", one, message)
+    return overlapping(s, always=True)
 
 
 def self_collision(s: InspectedModel) -> Iterator[Hit]:
-    """Geoms of one mechanism that meet within the ranges of its joints."""
-    for (one, other), count in sorted(s.meetings.items()):
-        if count < DRAWS:
-            names = f"{s.loaded.name('geom', one)} and {s.loaded.name('geom', other)}"
+    return overlapping(s, always=False)
+
+
+def overlapping(s: InspectedModel, always: bool) -> Iterator[Hit]:
+    """Yield the pairs of geoms of one mechanism that lie in each other always, or sometimes."""
+    for pair, count in sorted(s.meetings.items()):
+        if (count == DRAWS) == always:
+            names = " and ".join(s.loaded.name("geom", geom) for geom in pair)
             message = (
-                f"{names} lie in each other in {count} of {DRAWS} random positions within the "
-                "ranges of the joints"
+                f"{names} lie in each other in {'all' if always else count} of {DRAWS} random "
+                f"positions within the ranges of the joints"
+                f"{': the contact never ends' if always else ''}"
             )
-            yield s.hit("geom", one, message)
+            yield s.hit("geom", pair[0], message)

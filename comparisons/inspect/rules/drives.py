@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,20 +10,14 @@ import numpy as np
 from ....reference.scene import Array
 from ..mujoco.model import OPENED, Flags, State, numbers
 from ..subject import Hit, InspectedModel
-from .actuation import (
-    Asked,
-    Servo,
-    asked_servos,
-    damping_of,
-    joint_units,
-    motors,
-    position_servos,
-    pulls_to_control,
-    servos,
-    sign_attribute,
-    strengths,
-)
+from .parts import gears
 from .remedies import moments
+
+SPEED = 0.1
+"""Speed [rad/s, m/s] at which the damping of a joint is read, either way."""
+
+MOST_STATES = 8
+"""States in which it is."""
 
 TURNS = 4 * np.pi
 """A position that is asked of a hinge beyond it is one in degrees."""
@@ -57,78 +51,253 @@ SKEWED = 0.01
 """By how much the norm of a quaternion in a keyframe may differ from 1."""
 
 
-def in_degrees(s: InspectedModel, one: Asked) -> bool:
-    """Return whether a range of control looks as if it were in degrees."""
-    hinge = bool(s.loaded.of_kind("jnt_type", "hinge")[one.servo.joint])
-    most = float(np.max(np.abs(one.positions)))
-    wide = one.bounds is None or most > 10 * np.max(np.abs(one.bounds))
-    return hinge and wide and most > TURNS
+class Drive(NamedTuple):
+    """An actuator of one hinge or slide: directly, or by a fixed tendon over that joint alone.
+
+    Attributes
+    ----------
+    actuator, joint, dof : int
+    name, where : str
+        Those of the actuator and of its joint.
+    gear : float
+        The length of the actuator for a unit of the joint's coordinate, not 0.
+    stiffness, damping : float
+        With which it holds the joint back.
+    holds, motor : bool
+        Whether its control is a position, or a force.
+    low, high : float
+        Its least and largest force on the joint, -inf and inf of most.
+    unit, unit_of_force : str
+        In which the joint moves, and is moved.
+    """
+
+    actuator: int
+    joint: int
+    dof: int
+    name: str
+    where: str
+    gear: float
+    stiffness: float
+    damping: float
+    holds: bool
+    motor: bool
+    low: float
+    high: float
+    unit: str
+    unit_of_force: str
+
+
+def drives(s: InspectedModel) -> list[Drive]:
+    """Return the actuators of single hinges and slides."""
+    m, kind, tendons = s.model, s.loaded.of_kind, tendons_of_one_joint(s)
+    simple, hinges = kind("jnt_type", "hinge", "slide"), kind("jnt_type", "hinge")
+    direct, pulled = (
+        kind("actuator_trntype", "joint", "jointinparent"),
+        kind("actuator_trntype", "tendon"),
+    )
+    affine, holds, motor = kind("actuator_biastype", "affine"), pulls_to_control(s), motors(s)
+    listed = []
+    for i, target in enumerate(m.actuator_trnid[:, 0].tolist()):
+        nothing = (target, float(direct[i]))
+        joint, factor = tendons.get(target, nothing) if pulled[i] else nothing
+        gear = float(np.ravel(gears(m, i))[0]) * factor
+        if not gear or not simple[joint]:
+            continue
+        limits = [
+            (m.actuator_forcelimited[i], m.actuator_forcerange[i], gear),
+            (
+                motor[i] & m.actuator_ctrllimited[i],
+                m.actuator_ctrlrange[i],
+                gear * m.actuator_gainprm[i, 0],
+            ),
+            (m.jnt_actfrclimited[joint], m.jnt_actfrcrange[joint], 1.0),
+        ]
+        if pulled[i]:
+            limits.append((m.tendon_actfrclimited[target], m.tendon_actfrcrange[target], factor))
+        low, high = narrowest(limits)
+        _, position, speed = (m.actuator_biasprm[i, :3] * affine[i]).tolist()
+        drive = Drive(
+            actuator=i,
+            joint=joint,
+            dof=int(m.jnt_dofadr[joint]),
+            name=s.loaded.name("actuator", i),
+            where=s.loaded.name("joint", joint),
+            gear=gear,
+            stiffness=-position * gear**2,
+            damping=-speed * gear**2,
+            holds=bool(holds[i]),
+            motor=bool(motor[i]),
+            low=float(low),
+            high=float(high),
+            unit="rad" if hinges[joint] else "m",
+            unit_of_force="Nm" if hinges[joint] else "N",
+        )
+        listed.append(drive)
+    return listed
+
+
+def narrowest(limits: Iterable[tuple[Any, Any, float]]) -> Array:
+    """Return the ends (2,) that ranges leave: whether each counts, it, and its factor."""
+    ends = np.array([-np.inf, np.inf])
+    for limited, own, factor in limits:
+        if limited:
+            ends = np.clip(ends, *np.sort(np.asarray(own) * factor))
+    return ends
+
+
+def tendons_of_one_joint(s: InspectedModel) -> dict[int, tuple[int, float]]:
+    """Return the fixed tendons over one hinge or slide: tendon -> joint and coefficient."""
+    m, listed = s.model, {}
+    over_joint = s.loaded.of_kind("wrap_type", "joint")
+    for tendon, (start, count) in enumerate(zip(m.tendon_adr, m.tendon_num, strict=True)):
+        parts = slice(int(start), int(start + count))
+        used = np.asarray(m.wrap_prm[parts]) != 0
+        joints = np.unique(np.asarray(m.wrap_objid[parts])[used])
+        if np.all(over_joint[parts]) and len(joints) == 1:
+            listed[tendon] = (int(joints[0]), float(np.sum(m.wrap_prm[parts])))
+    return listed
+
+
+def sign_attribute(s: InspectedModel, actuator: int, what: str) -> str:
+    """Return the attribute in which an actuator has its reaction to ``position`` or ``speed``."""
+    element = s.loaded.places.get(("actuator", actuator))
+    tag = element.tag if element else "general"
+    if tag in ("position", "velocity", "intvelocity"):
+        return "kp" if what == "position" else "kv"
+    return "bias" if tag == "cylinder" else "biasprm"
+
+
+def pulls_to_control(s: InspectedModel) -> Flags:
+    """Return which actuators (nu,) have a position for control: gain and stiffness are the same."""
+    m, kind = s.model, s.loaded.of_kind
+    stiffness = -m.actuator_biasprm[:, 1]
+    alike = (stiffness > 0) & np.isclose(m.actuator_gainprm[:, 0], stiffness)
+    affine, plain = kind("actuator_biastype", "affine"), kind("actuator_gaintype", "fixed")
+    return np.asarray(alike & affine & plain)
+
+
+def motors(s: InspectedModel) -> Flags:
+    """Return which actuators (nu,) give a force in proportion to their control."""
+    kind = s.loaded.of_kind
+    plain = kind("actuator_gaintype", "fixed") & kind("actuator_biastype", "none")
+    return np.asarray(plain & kind("actuator_dyntype", "none"))
+
+
+class Asked(NamedTuple):
+    """A servo, and from where to where it may be asked to move its joint.
+
+    ``attribute`` is the range of the actuator that says it, ``bounds`` (2,) that of the joint with
+    those of tendons over it alone, if there is any; ``degrees`` tells whether it looks like them.
+    """
+
+    drive: Drive
+    attribute: str
+    low: float
+    high: float
+    bounds: Array | None
+    degrees: bool
+
+
+def asked_servos(s: InspectedModel) -> Iterator[Asked]:
+    """Yield the position servos that are asked for positions in a range.
+
+    The control of one that integrates is a speed; its activation is the position.
+    """
+    m, integrates = s.model, s.loaded.of_kind("actuator_dyntype", "integrator")
+    for one in drives(s):
+        name = "act" if integrates[one.actuator] else "ctrl"
+        limited, ends = (
+            getattr(m, f"actuator_{name}{what}")[one.actuator] for what in ("limited", "range")
+        )
+        if one.holds and limited:
+            low, high = np.sort(np.asarray(ends) / one.gear).tolist()
+            ranges = [(m.jnt_limited[one.joint], m.jnt_range[one.joint], 1.0)]
+            for tendon, (joint, factor) in tendons_of_one_joint(s).items():
+                if joint == one.joint and factor:
+                    ranges.append((m.tendon_limited[tendon], m.tendon_range[tendon], 1 / factor))
+            ends = narrowest(ranges)
+            bounds = ends if np.all(np.isfinite(ends)) else None
+            most = max(-low, high)
+            wide = bounds is None or most > 10 * np.max(np.abs(bounds))
+            degrees = bool(one.unit == "rad" and wide and most > TURNS)
+            yield Asked(one, f"{name}range", low, high, bounds, degrees)
+
+
+def damping_of(s: InspectedModel, dof: int) -> float:
+    """Return the damping of a degree of freedom by all that acts in it, where it is largest.
+
+    The difference of passive forces and of actuators', not limited, over that of its speed, in
+    the states of the file: joints, tendons, actuators of any kind, fluids.
+    """
+    lib, model = s.loaded.mujoco, s.loaded.sharp()
+    for limited in ("actuator_forcelimited", "jnt_actfrclimited", "tendon_actfrclimited"):
+        getattr(model, limited)[:] = 0
+    values = [0.0]
+    for state in s.loaded.states[:MOST_STATES]:
+        forces = []
+        for speed in (SPEED, -SPEED):
+            data = s.loaded.data(state, model)
+            data.qvel[:] = 0
+            data.qvel[dof] = speed
+            lib.mj_forward(model, data)
+            forces.append(float(data.qfrc_passive[dof] + data.qfrc_actuator[dof]))
+        values.append((forces[1] - forces[0]) / (2 * SPEED))
+    return max(values)
+
+
+# Rules ----------------------------------------------------------------------------------------
 
 
 def control_in_degrees(s: InspectedModel) -> Iterator[Hit]:
-    """A range of control that is in degrees."""
     for one in asked_servos(s):
-        if in_degrees(s, one):
-            low, high = one.positions
+        if one.degrees:
             message = (
-                f"its {one.attribute} of {low:g} to {high:g} rad is up to "
-                f"{max(-low, high) / (2 * np.pi):.3g} turns of {joint_of(s, one.servo)}: controls "
+                f"its {one.attribute} of {one.low:g} to {one.high:g} rad is up to "
+                f"{max(-one.low, one.high) / (2 * np.pi):.3g} turns of {one.drive.where}: controls "
                 "are in radians, whatever the compiler's angle"
             )
-            yield s.hit("actuator", one.servo.actuator, message, attribute=one.attribute)
+            yield s.hit("actuator", one.drive.actuator, message, attribute=one.attribute)
 
 
 def control_beyond_range(s: InspectedModel) -> Iterator[Hit]:
-    """A servo that may be asked for what its hinge cannot reach; grippers press on purpose."""
-    hinges = s.loaded.of_kind("jnt_type", "hinge")
     for one in asked_servos(s):
-        if one.bounds is None or not hinges[one.servo.joint] or in_degrees(s, one):
-            continue
-        (low, high), (least, most) = one.positions, one.bounds
-        if max(least - low, high - most) > BEYOND * (most - least) * (1 + 1e-9):
+        if one.bounds is None or one.drive.unit != "rad" or one.degrees:
+            continue  # grippers press on purpose
+        least, most = one.bounds
+        if max(least - one.low, one.high - most) > BEYOND * (most - least) * (1 + 1e-9):
             message = (
-                f"its {one.attribute} asks {joint_of(s, one.servo)} for {low:.4g} to {high:.4g}, "
+                f"its {one.attribute} asks {one.drive.where} for {one.low:.4g} to {one.high:.4g}, "
                 f"and the joint's range is {least:.4g} to {most:.4g}: it pushes into the limit"
             )
-            yield s.hit("actuator", one.servo.actuator, message, attribute=one.attribute)
+            yield s.hit("actuator", one.drive.actuator, message, attribute=one.attribute)
 
 
 def unlimited_joint(s: InspectedModel) -> Iterator[Hit]:
-    """A joint without a limit that a servo moves within a range."""
     for one in asked_servos(s):
-        if one.bounds is None and not in_degrees(s, one):
-            name = s.loaded.name("actuator", one.servo.actuator)
+        if one.bounds is None and not one.degrees:
             message = (
-                f"it has no limit, and {name} moves it from {one.positions[0]:.4g} to "
-                f"{one.positions[1]:.4g}: a load carries it beyond"
+                f"it has no limit, and {one.drive.name} moves it from {one.low:.4g} to "
+                f"{one.high:.4g}: a load carries it beyond"
             )
-            yield s.hit("joint", one.servo.joint, message)
-
-
-def joint_of(s: InspectedModel, servo: Servo) -> str:
-    """Return the name of the joint that a servo moves."""
-    return s.loaded.name("joint", servo.joint)
+            yield s.hit("joint", one.drive.joint, message)
 
 
 def positive_feedback(s: InspectedModel) -> Iterator[Hit]:
-    """A servo that pushes away from where it shall be, or along with its speed."""
-    for one in servos(s):
-        parts = [("position", one.stiffness), ("speed", one.damping)]
-        for what, resists in parts:
+    for one in drives(s):
+        for what, resists in (("position", one.stiffness), ("speed", one.damping)):
             if resists < 0:
                 message = (
-                    f"its force grows with the {what} of {joint_of(s, one)}, by "
-                    f"{-resists:.4g} for a unit of it: it pushes on what it shall hold back"
+                    f"its force grows with the {what} of {one.where}, by {-resists:.4g} for a unit "
+                    "of it: it pushes on what it shall hold back"
                 )
-                attribute = sign_attribute(s, one, what)
+                attribute = sign_attribute(s, one.actuator, what)
                 hit = s.hit("actuator", one.actuator, message, attribute=attribute)
                 yield hit._replace(fix=f"turn the sign of {attribute}")
 
 
 def undamped_servo(s: InspectedModel) -> Iterator[Hit]:
-    """A servo that nothing damps."""
-    m, every = s.model, servos(s)
-    for one in position_servos(s):
+    m, every = s.model, drives(s)
+    for one in (one for one in every if one.holds):
         critical = 2 * np.sqrt(one.stiffness * float(m.dof_M0[one.dof]))
         own = float(m.dof_damping[one.dof])
         own += sum(other.damping for other in every if other.dof == one.dof)
@@ -138,39 +307,32 @@ def undamped_servo(s: InspectedModel) -> Iterator[Hit]:
         ratio = damping_of(s, one.dof) / critical
         if ratio < DAMPED:
             message = (
-                f"it holds {joint_of(s, one)} with a damping ratio of {ratio:.2g}: a disturbance "
-                "rings for tens of periods"
+                f"it holds {one.where} with a damping ratio of {ratio:.2g}: a disturbance rings "
+                "for tens of periods"
             )
             yield s.hit("actuator", one.actuator, message)
 
 
 def two_servos(s: InspectedModel) -> Iterator[Hit]:
-    """Two servos on one joint, each of which pulls it to its own place, or two motors alike."""
-    m, seen = s.model, dict[tuple[str, int], int]()
-    every = [("hold", one.actuator, one.joint) for one in position_servos(s)]
-    both_ways = motors(s) & ~((m.actuator_ctrllimited != 0) & np.any(m.actuator_ctrlrange == 0, 1))
-    every += [("drive", one.actuator, one.joint) for one in strengths(s) if both_ways[one.actuator]]
-    for what, actuator, joint in every:
-        first = seen.setdefault((what, joint), actuator)
-        if first != actuator:
-            wrong = "with different controls they work against each other"
-            message = (
-                f"it and {s.loaded.name('actuator', first)} both {what} "
-                f"{s.loaded.name('joint', joint)}: "
-                f"{wrong if what == 'hold' else 'their forces add'}"
-            )
-            yield s.hit("actuator", actuator, message)
+    m, seen = s.model, dict[tuple[str, int], str]()
+    idle = (m.actuator_ctrllimited != 0) & np.any(m.actuator_ctrlrange == 0, 1)
+    wrong = {
+        "hold": "with different controls they work against each other",
+        "drive": "their forces add",
+    }
+    for what in wrong:
+        for one in drives(s):
+            if one.holds if what == "hold" else one.motor and not idle[one.actuator]:
+                first = seen.setdefault((what, one.joint), one.name)
+                if first != one.name:
+                    message = f"it and {first} both {what} {one.where}: {wrong[what]}"
+                    yield s.hit("actuator", one.actuator, message)
 
 
 def light_joint(s: InspectedModel) -> Iterator[Hit]:
-    """A joint too light for the force that acts on it, at the step of the file."""
-    m = s.model
-    for one in strengths(s):
-        force = max(-one.low, one.high)
-        inertia = float(m.dof_M0[m.jnt_dofadr[one.joint]])
-        way = force / inertia * s.timestep**2
-        unit, unit_of_force = joint_units(s, one.joint)
-        hinge = unit == "rad"
+    for one in drives(s):
+        force, inertia = max(-one.low, one.high), float(s.model.dof_M0[one.dof])
+        way, hinge = force / inertia * s.timestep**2, one.unit == "rad"
         if np.inf > way > (TURN_IN_A_STEP if hinge else s.facts.size):
             what = (
                 f"inertia of {inertia:.3g} kg m^2 is turned"
@@ -178,15 +340,14 @@ def light_joint(s: InspectedModel) -> Iterator[Hit]:
                 else f"mass of {inertia:.3g} kg is moved"
             )
             message = (
-                f"its {what} by {way:.3g} {unit} in the first step of {s.timestep:g} s under the "
-                f"full force of {s.loaded.name('actuator', one.actuator)}, {force:.3g} "
-                f"{unit_of_force}{'' if hinge else f': the model has {s.facts.size:.3g} m'}"
+                f"its {what} by {way:.3g} {one.unit} in the first step of {s.timestep:g} s under "
+                f"the full force of {one.name}, {force:.3g} {one.unit_of_force}"
+                f"{'' if hinge else f': the model has {s.facts.size:.3g} m'}"
             )
             yield s.hit("joint", one.joint, message)
 
 
 def spring_beyond_range(s: InspectedModel) -> Iterator[Hit]:
-    """A spring that rests beyond the joint's limits."""
     m = s.model
     sprung = (m.jnt_limited != 0) & (m.jnt_stiffness != 0)
     sprung &= s.loaded.of_kind("jnt_type", "hinge", "slide")
@@ -205,16 +366,13 @@ def spring_beyond_range(s: InspectedModel) -> Iterator[Hit]:
 
 
 def zero_quaternion(s: InspectedModel) -> Iterator[Hit]:
-    """A keyframe whose quaternion is none, of a joint or of a mocap body."""
-    m = s.model
-    turning = s.loaded.of_kind("jnt_type", "free", "ball")
-    first = m.jnt_qposadr + 3 * s.loaded.of_kind("jnt_type", "free")
-    places = [
-        ("qpos", m.nq, int(first[i]), s.loaded.name("joint", i)) for i in np.flatnonzero(turning)
-    ]
-    mocap = np.flatnonzero(m.body_mocapid >= 0)
+    m, kind = s.model, s.loaded.of_kind
+    first = m.jnt_qposadr + 3 * kind("jnt_type", "free")
+    turning = np.flatnonzero(kind("jnt_type", "free", "ball"))
+    places = [("qpos", m.nq, int(first[i]), s.loaded.name("joint", i)) for i in turning]
     places += [
-        ("mquat", 4 * m.nmocap, 4 * int(m.body_mocapid[i]), s.loaded.name("body", i)) for i in mocap
+        ("mquat", 4 * m.nmocap, 4 * int(m.body_mocapid[i]), s.loaded.name("body", i))
+        for i in np.flatnonzero(m.body_mocapid >= 0)
     ]
     for key in s.loaded.source.tagged("key"):
         for attribute, size, start, name in places:
@@ -238,26 +396,38 @@ def keyframes(s: InspectedModel) -> Iterator[State]:
 
 
 class KeyframeForces(NamedTuple):
-    """Forces in a keyframe: its data, and some of each degree of freedom (nv,).
+    """Forces in a keyframe, of each degree of freedom (nv,).
 
-    The moment arms (nu, nv) of actuators, what is left over, whether it falls freely, and the most
-    that is left over in its tree at a joint that is neither free nor driven.
+    Attributes
+    ----------
+    force, left : array (nv,)
+        Of the actuators, and what is left over.
+    control : array (nu,)
+    arms : array (nu, nv)
+        Moment arms of the actuators.
+    free : array (nv,)
+        Whether it falls freely.
+    undriven : array (nv,)
+        The most that is left over in its tree at a joint that is neither free nor driven.
     """
 
-    data: Any
-    arms: Array
+    force: Array
     left: Array
+    control: Array
+    arms: Array
     free: Flags
     undriven: Array
 
-    def falls(self, dof: int) -> bool:
-        """Return whether nothing is held about a degree of freedom."""
-        return bool(self.free[dof] or self.undriven[dof] > LOOSE * abs(self.needs(dof)))
+    @property
+    def needs(self) -> Array:
+        """The forces (nv,) of actuators that would hold each degree of freedom."""
+        same = np.isclose(self.force, self.left, rtol=1e-12, atol=0.0)
+        return np.where(same, 0.0, self.force - self.left)
 
-    def needs(self, dof: int) -> float:
-        """Return the force of actuators that would hold a degree of freedom."""
-        force, left = float(self.data.qfrc_actuator[dof]), float(self.left[dof])
-        return 0.0 if np.isclose(force, left, rtol=1e-12, atol=0.0) else force - left
+    @property
+    def falls(self) -> Flags:
+        """Whether nothing is held about each degree of freedom (nv,)."""
+        return np.asarray(self.free | (self.undriven > LOOSE * np.abs(self.needs)))
 
 
 def balance_of(s: InspectedModel, state: State, unlimited: Flags | None = None) -> KeyframeForces:
@@ -269,47 +439,40 @@ def balance_of(s: InspectedModel, state: State, unlimited: Flags | None = None) 
     data, left = s.loaded.data(state, model), np.empty(m.nv)
     s.loaded.mujoco.mj_forward(model, data)
     s.loaded.mujoco.mj_mulM(model, data, left, data.qacc)
-    free = s.loaded.of_kind("jnt_type", "free")
+    free, gravity = s.loaded.of_kind("jnt_type", "free"), np.linalg.norm(s.facts.options.gravity)
     first = m.jnt_dofadr[free]
-    falls = [i for i in first if np.linalg.norm(data.qacc[i : i + 3]) > FALLING * gravity(s)]
+    falls = [i for i in first if np.linalg.norm(data.qacc[i : i + 3]) > FALLING * gravity]
     arms = moments(s.loaded, state)
     bound = np.any(arms, axis=0) | free[m.dof_jntid]
     most = np.zeros(m.ntree)
     np.maximum.at(most, m.dof_treeid, np.where(bound, 0.0, np.abs(left)))
     falling = np.isin(m.dof_treeid, m.dof_treeid[falls])
-    return KeyframeForces(data, arms, left, falling, most[m.dof_treeid])
-
-
-def gravity(s: InspectedModel) -> float:
-    """Return the size of gravity [m/s^2]."""
-    return float(np.linalg.norm(s.facts.options.gravity))
+    force, control = np.array(data.qfrc_actuator), np.array(data.ctrl)
+    return KeyframeForces(force, left, control, arms, falling, most[m.dof_treeid])
 
 
 def saturated_actuator(s: InspectedModel) -> Iterator[Hit]:
-    """An actuator whose load in a keyframe is beyond its largest force."""
-    m, said = s.model, set[int]()
+    said = set[int]()
     for state in keyframes(s):
         balance = balance_of(s, state)
-        for one in strengths(s):
-            dof = int(m.jnt_dofadr[one.joint])
-            need = balance.needs(dof)
+        alone = ~balance.falls & (np.count_nonzero(balance.arms, axis=0) == 1)
+        for one in drives(s):
+            need = float(balance.needs[one.dof])
             room = OVERLOAD * abs(need)
-            alone = not balance.falls(dof) and np.count_nonzero(balance.arms[:, dof]) == 1
             within = one.low - room <= need <= one.high + room
-            if one.actuator in said or not alone or within:
+            if one.actuator in said or not alone[one.dof] or within:
                 continue
             said.add(one.actuator)
-            _, unit = joint_units(s, one.joint)
+            unit = one.unit_of_force
             message = (
-                f"in the state {state.name!r} {s.loaded.name('joint', one.joint)} takes "
-                f"{need:.4g} {unit} to stay, and its limits are {one.low:.4g} to {one.high:.4g} "
-                f"{unit}"
+                f"in the state {state.name!r} {one.where} takes {need:.4g} {unit} to stay, and its "
+                f"limits are {one.low:.4g} to {one.high:.4g} {unit}"
             )
             yield s.hit("actuator", one.actuator, message)
 
 
 def control_not_holding(s: InspectedModel) -> Iterator[Hit]:
-    """A keyframe that its own controls leave.
+    """Find keyframes that their own controls leave.
 
     A servo moves its joint to where its control asks, however weak it is: its force counts without
     limits. Where a joint falls, a servo counts if it gives all its force, and without a load.
@@ -317,12 +480,12 @@ def control_not_holding(s: InspectedModel) -> Iterator[Hit]:
     said = set[int]()
     for state in keyframes(s):
         limited, balance = balance_of(s, state), balance_of(s, state, pulls_to_control(s))
-        force = balance.data.qfrc_actuator
-        full = limited.data.qfrc_actuator != force
-        falls = np.array([limited.falls(dof) for dof in range(s.model.nv)])
-        balance = balance._replace(left=np.where(falls, force, balance.left))
-        ways = [*simple_joints_left(s, limited, balance), *ball_joints_left(s, balance)]
-        for joint, how in ways:
+        full, falls = limited.force != balance.force, limited.falls
+        left = np.where(falls, balance.force, balance.left)
+        for joint, how in (
+            *simple_joints_left(s, limited, left),
+            *ball_joints_left(s, balance.arms, left),
+        ):
             dof = int(s.model.jnt_dofadr[joint])
             if (full[dof] or not falls[dof]) and joint not in said:
                 said.add(joint)
@@ -331,34 +494,32 @@ def control_not_holding(s: InspectedModel) -> Iterator[Hit]:
 
 
 def simple_joints_left(
-    s: InspectedModel, limited: KeyframeForces, balance: KeyframeForces
+    s: InspectedModel, limited: KeyframeForces, unlimited: Array
 ) -> Iterator[tuple[int, str]]:
-    """Yield the hinges and slides that leave a keyframe, and how; servos without their limits."""
-    stiff = {one.actuator: one.stiffness for one in position_servos(s)}
-    driven = motors(s) & (balance.data.ctrl != 0)
-    for one in strengths(s):
-        dof, (unit, unit_of_force) = int(s.model.jnt_dofadr[one.joint]), joint_units(s, one.joint)
-        left, force = float(limited.left[dof]), float(limited.data.qfrc_actuator[dof])
-        name = s.loaded.name("actuator", one.actuator)
-        if one.actuator in stiff:
-            drift = float(balance.left[dof]) / stiff[one.actuator]
-            if abs(drift) > (DRIFT if unit == "rad" else SHIFT * s.facts.size):
-                yield one.joint, f"{name} gives way by about {drift:.3g} {unit}"
-        elif driven[one.actuator] and abs(left) > OFF * abs(force):
-            need = f"{limited.needs(dof):.3g} would hold it"
-            yield one.joint, f"{name} gives {force:.3g} {unit_of_force}, and {need}"
+    """Yield the hinges and slides that leave a keyframe, and how.
+
+    ``unlimited`` (nv,) is what servos without limits leave over.
+    """
+    for one in drives(s):
+        left, force = float(limited.left[one.dof]), float(limited.force[one.dof])
+        if one.holds:
+            drift = float(unlimited[one.dof]) / one.stiffness
+            if abs(drift) > (DRIFT if one.unit == "rad" else SHIFT * s.facts.size):
+                yield one.joint, f"{one.name} gives way by about {drift:.3g} {one.unit}"
+        elif one.motor and limited.control[one.actuator] and abs(left) > OFF * abs(force):
+            need = f"{limited.needs[one.dof]:.3g} would hold it"
+            yield one.joint, f"{one.name} gives {force:.3g} {one.unit_of_force}, and {need}"
 
 
-def ball_joints_left(s: InspectedModel, balance: KeyframeForces) -> Iterator[tuple[int, str]]:
+def ball_joints_left(s: InspectedModel, arms: Array, left: Array) -> Iterator[tuple[int, str]]:
     """Yield the ball joints that leave a keyframe, about the axes on which they have servos."""
     m, kind = s.model, s.loaded.of_kind
     acts = pulls_to_control(s) & kind("actuator_trntype", "joint", "jointinparent")
     for joint in np.flatnonzero(kind("jnt_type", "ball")):
         own = np.flatnonzero(acts & (m.actuator_trnid[:, 0] == joint))
         dofs = slice(int(m.jnt_dofadr[joint]), int(m.jnt_dofadr[joint]) + 3)
-        arms = balance.arms[own, dofs]
-        stiffness = -(arms.T * m.actuator_biasprm[own, 1]) @ arms
-        turn = float(np.linalg.norm(np.linalg.pinv(stiffness) @ balance.left[dofs]))
+        stiffness = -(arms[own, dofs].T * m.actuator_biasprm[own, 1]) @ arms[own, dofs]
+        turn = float(np.linalg.norm(np.linalg.pinv(stiffness) @ left[dofs]))
         if turn > DRIFT:
             names = ", ".join(s.loaded.name("actuator", i) for i in own)
             yield int(joint), f"{names} give way by about {turn:.3g} rad"

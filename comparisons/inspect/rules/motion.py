@@ -10,10 +10,10 @@ import numpy as np
 from ....reference.soft_constraint import IMPEDANCES
 from ...checks.rules import conditions
 from ..mujoco.closures import ClosedLoop
+from ..mujoco.facts import DEEP
 from ..mujoco.model import OPENED
 from ..subject import Hit, InspectedModel, StepLimit, View
-from .contact import DEEP
-from .remedies import MARGIN, NEAR, closure_remedy, rounded_down, step_holds, step_remedies
+from .remedies import MARGIN, NEAR, closure_remedy, rounded, step_holds, step_remedies
 from .stability import fed_by_drive, grows_in_run
 
 OPEN = 1e-6
@@ -24,7 +24,6 @@ WEIGHTLESS = 1e-12
 
 
 def step_limit(s: InspectedModel) -> Iterator[Hit]:
-    """The timestep is beyond the integrator's stability limit."""
     for limit in s.limits_of_file:
         place = f"{limit.place} in the state {limit.state!r}"
         statement = conditions.step_limit(
@@ -53,7 +52,6 @@ def remedies(s: InspectedModel, limit: StepLimit) -> str:
 
 
 def near_step_limit(s: InspectedModel) -> Iterator[Hit]:
-    """It is close to that."""
     for limit in s.limits_of_file:
         if NEAR < limit.share_of(s.timestep) <= 1:
             message = (
@@ -66,20 +64,17 @@ def near_step_limit(s: InspectedModel) -> Iterator[Hit]:
 
 
 def coarse_step(s: InspectedModel) -> Iterator[Hit]:
-    """Few steps in the shortest period."""
     near = any(limit.share_of(s.timestep) > NEAR for limit in s.limits_of_file)
     if s.shortest_period is not None and not near:  # which says it louder
         yield from s.state(conditions.coarse_step(s.timestep, s.shortest_period), "option")
 
 
 def not_finite(s: InspectedModel) -> Iterator[Hit]:
-    """Forces or accelerations are not finite."""
     reasons = [str(view.reason) for view in s.views if view.failed]
     return (s.about("keyframe", "worldbody", message=reason) for reason in reasons)
 
 
 def closure_softness(s: InspectedModel) -> Iterator[Hit]:
-    """A loop opens under its load."""
     said: dict[int, Hit] = {}
     for one in sorted(s.closures, key=lambda item: -item.opening):
         statement = conditions.closure_softness(
@@ -129,7 +124,6 @@ def load_leaves_out(s: InspectedModel, state: str) -> str:
 
 
 def closure_open(s: InspectedModel) -> Iterator[Hit]:
-    """A loop is open as the file has it."""
     said: dict[int, Hit] = {}
     for one in s.closures:
         if one.now > OPEN * size_of(s, one):
@@ -150,12 +144,11 @@ def spaced(values: Iterable[float]) -> str:
 
 
 def solref_raised(s: InspectedModel) -> Iterator[Hit]:
-    """MuJoCo softens a constraint because of the step."""
     least = 2 * s.timestep * (s.facts.options.refsafe and s.facts.options.integrator != "discrete")
     fixes = dict[float, str]()
     for kind, number, (constant, ratio), _ in constraints(s):
         if 0 < constant < least * (1 - 1e-9):
-            step = rounded_down(constant / 2, 4)
+            step = rounded(constant / 2, up=False, digits=4)
             if step not in fixes:
                 fixes[step] = f'timestep="{step:g}" or shorter' if step_holds(s, step) else ""
             message = (
@@ -170,7 +163,6 @@ def solref_raised(s: InspectedModel) -> Iterator[Hit]:
 
 
 def solimp_clamped(s: InspectedModel) -> Iterator[Hit]:
-    """An impedance beyond MuJoCo's limits."""
     hardest = IMPEDANCES[1]
     taken = f"MuJoCo takes {hardest:g}, its largest, without a word"
     for kind, number, _, solimp in constraints(s):
@@ -192,7 +184,6 @@ def constraints(s: InspectedModel) -> Iterator[tuple[str, int, np.ndarray, np.nd
 
 
 def contact_depth(s: InspectedModel) -> Iterator[Hit]:
-    """Bodies lie in each other as the file has them."""
     for view in starts(s) if s.facts.options.contact else ():
         data = s.loaded.data(view.state)
         s.loaded.mujoco.mj_fwdPosition(s.model, data)
@@ -220,7 +211,6 @@ def starts(s: InspectedModel) -> list[View]:
 
 
 def keyframe_outside_range(s: InspectedModel) -> Iterator[Hit]:
-    """A keyframe is beyond a joint's limits."""
     m = s.model
     low, high = m.jnt_range.T
     limited = (m.jnt_limited != 0) & s.loaded.of_kind("jnt_type", "slide", "hinge")
@@ -237,7 +227,6 @@ def keyframe_outside_range(s: InspectedModel) -> Iterator[Hit]:
 
 
 def no_keyframe(s: InspectedModel) -> Iterator[Hit]:
-    """No initial condition is told."""
     if s.model.nv and not s.model.nkey:
         yield s.about(
             "worldbody", message="the file has no keyframe: where a run starts is not told"
@@ -245,19 +234,16 @@ def no_keyframe(s: InspectedModel) -> Iterator[Hit]:
 
 
 def auto_reset(s: InspectedModel) -> Iterator[Hit]:
-    """A run that fails starts anew."""
     if s.facts.options.autoreset:
         message = "auto-reset is on: a run that diverges is set back to its start"
         yield s.about("option/flag", "option", message=message)
 
 
 def clock_rounding(s: InspectedModel) -> Iterator[Hit]:
-    """The clock adds up rounded steps."""
     return s.state(conditions.clock_rounding(s.timestep, "the clock"), "option")
 
 
 def energy_off(s: InspectedModel) -> Iterator[Hit]:
-    """Energy would tell the error of a run, and is not kept."""
     if not s.facts.options.energy and conservative(s):
         message = "nothing here feeds or takes energy, and the flag that keeps its books is off"
         yield s.about("option/flag", "option", message=message)
@@ -273,7 +259,6 @@ def conservative(s: InspectedModel) -> bool:
 
 
 def ill_conditioned(s: InspectedModel) -> Iterator[Hit]:
-    """Rounding leaves few digits of accelerations."""
     statements = (
         conditions.ill_conditioned(
             view.linear.mass, f"in the state {view.state.name!r}", conditions.FEW_DIGITS
@@ -285,7 +270,6 @@ def ill_conditioned(s: InspectedModel) -> Iterator[Hit]:
 
 
 def idle_gravity(s: InspectedModel) -> Iterator[Hit]:
-    """Gravity that nothing feels."""
     lib, m = s.loaded.mujoco, s.model
     if not any(s.facts.options.gravity) or not m.nv:
         return

@@ -10,10 +10,10 @@ import numpy as np
 
 from ...checks.rules import conditions
 from ...engines.mujoco.engine import MuJoCo
+from ..mujoco.facts import exclusions, kinds_of_geom, partners
 from ..mujoco.model import Flags
 from ..mujoco.source import ROOT
 from ..subject import Hit, InspectedModel
-from .contact import exclusions, kinds_of_geom, partners
 
 MERGED = 1e-6
 """Distance [m] below which MuJoCo takes a centre of mass for its body's frame."""
@@ -44,18 +44,18 @@ NAMING = ("body", "body1", "body2", "objname", "refname", "target", "subtree1", 
 
 
 def welded_body(s: InspectedModel) -> Iterator[Hit]:
-    """A body without joint at the end of a branch."""
-    alone = leaves(s) & ~empty(s) & (s.model.body_weldid != 0) & (s.model.body_jntnum == 0)
-    for number in np.flatnonzero(alone):
-        parent = s.loaded.name("body", s.model.body_parentid[number])
-        mass = f"{s.model.body_mass[number]:.4g} kg"
-        yield s.hit(
-            "body", number, f"it has no joint and no child: it is a part of {parent}, of {mass}"
-        )
+    m = s.model
+    return s.hits(
+        "body",
+        leaves(s) & ~empty(s) & (m.body_weldid != 0) & (m.body_jntnum == 0),
+        lambda i: (
+            "it has no joint and no child: it is a part of "
+            f"{s.loaded.name('body', m.body_parentid[i])}, of {m.body_mass[i]:.4g} kg"
+        ),
+    )
 
 
 def empty_body(s: InspectedModel) -> Iterator[Hit]:
-    """A body that holds nothing."""
     return s.hits("body", leaves(s) & empty(s), "it has no mass, no geom, no site and no child")
 
 
@@ -77,7 +77,6 @@ def empty(s: InspectedModel) -> Flags:
 
 
 def locked_joint(s: InspectedModel) -> Iterator[Hit]:
-    """A joint that is held where it is."""
     m = s.model
     locks = s.loaded.of_kind("eq_type", "joint") & (m.eq_obj2id < 0) & (m.eq_active0 != 0)
     yield from s.hits(
@@ -95,7 +94,6 @@ def locked_joint(s: InspectedModel) -> Iterator[Hit]:
 
 
 def idle_joint(s: InspectedModel) -> Iterator[Hit]:
-    """A joint that nothing moves."""
     m = s.model
     if not m.nv or m.nv > MOST_DOFS or m.nflex:
         return
@@ -122,14 +120,12 @@ def idle_joint(s: InspectedModel) -> Iterator[Hit]:
 
 
 def contact_unused(s: InspectedModel) -> Iterator[Hit]:
-    """Contact is on, and nothing can touch."""
     if s.facts.options.contact and not s.model.nflex and not np.any(s.can_touch):
         message = f"contact is on, and none of {s.facts.counts['geoms']} geoms can touch another"
         yield s.about("option/flag", "option", message=message)
 
 
 def geom_never_touches(s: InspectedModel) -> Iterator[Hit]:
-    """A geom for contact without a partner."""
     meant = np.any(s.can_touch) & ((s.model.geom_contype | s.model.geom_conaffinity) != 0)
     return s.hits(
         "geom", meant & ~s.can_touch, "it is made for contact, and no other geom can touch it"
@@ -137,7 +133,6 @@ def geom_never_touches(s: InspectedModel) -> Iterator[Hit]:
 
 
 def contact_leftovers(s: InspectedModel) -> Iterator[Hit]:
-    """Pairs and exclusions without effect."""
     pairs = exclusions(s.loaded)
     names = [" and ".join(s.loaded.name("body", body) for body in pair) for pair in pairs]
     if not s.facts.options.contact:
@@ -153,7 +148,6 @@ def contact_leftovers(s: InspectedModel) -> Iterator[Hit]:
 
 
 def geom_mass(s: InspectedModel) -> Iterator[Hit]:
-    """Mass of a geom beside an explicit inertial."""
     for element in s.loaded.source.tagged("geom"):
         body = element.parent
         if body is None or not any(child.tag == "inertial" for child in body.children):
@@ -168,14 +162,13 @@ def geom_mass(s: InspectedModel) -> Iterator[Hit]:
 
 
 def inertia_floor(s: InspectedModel) -> Iterator[Hit]:
-    """Inertia that only stands for 0."""
     m, said = s.model, dict[tuple[str, int], Hit]()
     rigid = np.bincount(m.body_weldid[m.body_mass > 0], minlength=m.nbody)  # bodies in one piece
     alone = (m.body_weldid != 0) & (m.body_mass > 0) & (rigid[m.body_weldid] == 1)
-    point = np.min(m.body_inertia, axis=1) < (POINT * s.facts.size) ** 2 * m.body_mass
+    least = np.min(m.body_inertia, axis=1)
     inertias = [
-        ("body", int(i), "a principal inertia", "kg m^2", float(np.min(m.body_inertia[i])))
-        for i in np.flatnonzero(alone & point)
+        ("body", int(i), "a principal inertia", "kg m^2", float(least[i]))
+        for i in np.flatnonzero(alone & (least < (POINT * s.facts.size) ** 2 * m.body_mass))
     ] + [
         ("joint", int(joint), "the moved inertia", "(SI)", float(inertia))
         for view in s.views
@@ -192,7 +185,6 @@ def inertia_floor(s: InspectedModel) -> Iterator[Hit]:
 
 
 def inertia_raised(s: InspectedModel) -> Iterator[Hit]:
-    """The compiler changes masses and inertias."""
     m = s.model
     settings = ("boundmass", "boundinertia", "balanceinertia", "settotalmass")
     for element in s.loaded.source.tagged("compiler"):
@@ -219,7 +211,6 @@ def inertia_raised(s: InspectedModel) -> Iterator[Hit]:
 
 
 def merged_centre(s: InspectedModel) -> Iterator[Hit]:
-    """A centre of mass that MuJoCo moves."""
     offset = np.linalg.norm(s.model.body_ipos, axis=1)
     return s.hits(
         "body",
@@ -232,7 +223,6 @@ def merged_centre(s: InspectedModel) -> Iterator[Hit]:
 
 
 def huge_armature(s: InspectedModel) -> Iterator[Hit]:
-    """An armature that drowns the mechanism."""
     linear, armature = s.views[0].linear, np.asarray(s.model.dof_armature)
     if linear is None:
         return iter(())
@@ -250,7 +240,6 @@ def huge_armature(s: InspectedModel) -> Iterator[Hit]:
 
 
 def negative_damping(s: InspectedModel) -> Iterator[Hit]:
-    """A damper that feeds energy."""
     m, message = s.model, "its damping of {:g} feeds energy"
     parts = (("joint", m.dof_damping, m.dof_jntid), ("tendon", m.tendon_damping, None))
     for kind, damping, of in parts:
@@ -267,7 +256,6 @@ LIMITS = {
 
 
 def range_ignored(s: InspectedModel) -> Iterator[Hit]:
-    """A range that does not limit."""
     listed = [
         (element, key, field)
         for wanted, fields in LIMITS.items()
@@ -283,7 +271,6 @@ def range_ignored(s: InspectedModel) -> Iterator[Hit]:
 
 
 def idle_actuator(s: InspectedModel) -> Iterator[Hit]:
-    """An actuator whose force is always 0."""
     m, kind = s.model, s.loaded.of_kind
     gain = ~kind("actuator_gaintype", "fixed") | (m.actuator_gainprm[:, 0] != 0)
     constant = kind("actuator_biastype", "affine") & ~np.any(m.actuator_biasprm[:, :3], axis=1)
@@ -309,7 +296,6 @@ def gears(model: Any, actuator: int) -> Any:
 
 
 def idle_tendon(s: InspectedModel) -> Iterator[Hit]:
-    """A tendon that does nothing."""
     m, joined = s.model, s.loaded.of_kind("eq_type", "tendon")
     sensed = m.sensor_objid[s.loaded.of_kind("sensor_objtype", "tendon")]
     pulled = m.actuator_trnid[s.loaded.of_kind("actuator_trntype", "tendon"), 0]
@@ -325,7 +311,6 @@ def idle_tendon(s: InspectedModel) -> Iterator[Hit]:
 
 
 def duplicate_sensor(s: InspectedModel) -> Iterator[Hit]:
-    """Two sensors of the same."""
     m = s.model
     names = ("type", "objtype", "objid", "reftype", "refid", "cutoff", "dim", "delay", "interval")
     seen: dict[bytes, int] = {}
@@ -337,7 +322,6 @@ def duplicate_sensor(s: InspectedModel) -> Iterator[Hit]:
 
 
 def unused_asset(s: InspectedModel) -> Iterator[Hit]:
-    """An asset that nothing shows."""
     m, kind = s.model, s.loaded.of_kind
     owners = ("geom", "site", "tendon", "skin", "flex")
     named = {element.attributes.get("mesh", "") for element in s.loaded.source.walk()}
@@ -369,7 +353,6 @@ def is_shared(s: InspectedModel, kind: str, number: int) -> bool:
 
 
 def unused_site(s: InspectedModel) -> Iterator[Hit]:
-    """A site that nothing refers to."""
     words = {
         value
         for element in s.loaded.source.walk()
@@ -382,13 +365,11 @@ def unused_site(s: InspectedModel) -> Iterator[Hit]:
 
 
 def inactive_equality(s: InspectedModel) -> Iterator[Hit]:
-    """An equality that is off."""
     message = "it is not active, and holds nothing until a program says so"
     return s.hits("equality", s.model.eq_active0 == 0, message)
 
 
 def switched_off(s: InspectedModel) -> Iterator[Hit]:
-    """A flag switches off what the model has."""
     m = s.model
     limits = np.count_nonzero(m.jnt_limited)
     for flag, (count, what) in {
@@ -406,6 +387,5 @@ def switched_off(s: InspectedModel) -> Iterator[Hit]:
 
 
 def compiler_warning(s: InspectedModel) -> Iterator[Hit]:
-    """What MuJoCo itself warns of."""
     for warning in dict.fromkeys(s.loaded.warnings):
         yield Hit(None, ROOT, f"MuJoCo: {warning}")

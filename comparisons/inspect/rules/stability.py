@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -12,18 +11,21 @@ from ....reference.scene import Array
 from ..mujoco.facts import Facts
 from ..mujoco.linear import Linear
 from ..mujoco.model import OPENED, State
-from ..mujoco.trial import MOST_STEPS, edited, failing_step, growth, stays_finite
+from ..mujoco.trial import MOST_STEPS, edited, growth, short_run, stays_finite
 from ..spectrum import Shape
 from ..subject import Hit, InspectedModel, View
 from ..views import view
-from .actuation import servos, sign_attribute
-from .remedies import in_words, integrator_remedy, moments, rounded_down, rounded_up, set_option
+from .drives import drives, sign_attribute
+from .remedies import in_words, integrator_remedy, joint_edits, moments, option, rounded
 
 SLOWEST = 0.2
 """Growth [1/s] below which nothing is said: a run of seconds does not show it."""
 
 FOLDS = 4.0
 """Times by which a mode may grow by e in the run that shows it; half of that must be seen."""
+
+SLOW = 0.1
+"""Of the rate of a mode that grows, what is the unit of the damping that is tried."""
 
 FED = 0.5
 """Share of the power that feeds a mode from which on an actuator or a damper is to blame."""
@@ -52,45 +54,28 @@ CONCERNED = 0.3
 """Share of the largest power from which on an actuator is named."""
 
 
-class Feeding(NamedTuple):
-    """Mean power that feeds a mode, and the share of it that springs and gravity do not give."""
-
-    total: float
-    foreign: float
-
-
-def feeding(linear: Linear, mode: Shape) -> Feeding:
-    """Return what feeds a mode.
+def is_fed_by_drive(linear: Linear, mode: Shape) -> bool:
+    """Return whether an actuator or a damper gives most of the mean power that feeds a mode.
 
     Of ``f = -C v - K q``, a symmetric K that is negative gives what it gives by itself; a
     negative C and the rotational part of K feed in each cycle.
     """
     parts, rate = linear.simulated.parts, mode.rate
-    gravity = linear.stiffness - parts.servo
-    circulation = power_of(skew(parts.servo), mode, rate.conjugate())
-    damping = [
-        power_of(symmetric(matrix), mode, abs(rate) ** 2)
-        for matrix in (parts.actuator, parts.passive)
+
+    def product(matrix: Array) -> complex:
+        """Real by the symmetric part of a matrix, imaginary by the rotational one."""
+        return complex(np.vdot(mode.vector, matrix @ mode.vector))
+
+    servo = product(parts.servo)
+    powers = [
+        -(rate.conjugate() * 1j * servo.imag).real,
+        -(abs(rate) ** 2) * product(parts.actuator).real,
+        -(abs(rate) ** 2) * product(parts.passive).real,
+        -rate.real * servo.real,
     ]
-    servo = power_of(symmetric(parts.servo), mode, rate.real)
-    own = power_of(symmetric(gravity), mode, rate.real)
-    foreign = sum(max(0.0, value) for value in (circulation, *damping, servo))
-    return Feeding(foreign + max(0.0, own), foreign)
-
-
-def symmetric(matrix: Array) -> Array:
-    """Return the symmetric part."""
-    return np.asarray((matrix + matrix.T) / 2)
-
-
-def skew(matrix: Array) -> Array:
-    """Return the antisymmetric part."""
-    return np.asarray((matrix - matrix.T) / 2)
-
-
-def power_of(matrix: Array, mode: Shape, factor: complex) -> float:
-    """Return the mean power of forces ``-factor matrix q`` on a mode."""
-    return float(-np.real(factor * np.vdot(mode.vector, matrix @ mode.vector)))
+    foreign = sum(max(0.0, power) for power in powers)
+    own = max(0.0, -rate.real * product(linear.stiffness - parts.servo).real)
+    return foreign > FED * (foreign + own)
 
 
 def growing(view: View) -> list[Shape]:
@@ -105,14 +90,11 @@ def growing(view: View) -> list[Shape]:
 def fed_by_drive(view: View) -> Iterator[Shape]:
     """Yield the modes that grow, and that gravity and springs do not feed for the most part."""
     for mode in growing(view):
-        assert view.linear is not None
-        fed = feeding(view.linear, mode)
-        if fed.foreign > FED * fed.total:
+        if view.linear is not None and is_fed_by_drive(view.linear, mode):
             yield mode
 
 
 def unstable_mode(s: InspectedModel) -> Iterator[Hit]:
-    """A mode that an actuator or a damper feeds."""
     said = set[str]()
     for one in s.views:
         for mode in fed_by_drive(one):
@@ -161,29 +143,6 @@ def step_of_run(view: View, mode: Shape, timestep: float, horizon: float) -> flo
     return step if step <= longest else None
 
 
-def why_untold(view: View, facts: Facts) -> str:
-    """Return why no finding is about what grows in a state."""
-    timestep, fed = facts.options.timestep, next(fed_by_drive(view), None)
-    if view.steady_hinge is not None:
-        return "about a steady rotation no run is tried"
-    if fed is not None:
-        horizon = FOLDS / fed.rate.real
-        if step_of_run(view, fed, timestep, horizon) is None:
-            return (
-                f"the run of {horizon:.3g} s that would show it takes more than {MOST_STEPS} "
-                "steps, because of the fastest mode"
-            )
-        return f"a run of {horizon:.3g} s does not show it, or its rule was left out"
-    if all(mode.rate.real <= SLOWEST for mode in view.modes):
-        return f"it grows slowly, by less than {SLOWEST:g} 1/s"
-    if not growing(view):
-        return "contacts, limits or dry friction, which these modes leave out, hold it"
-    if not rests(view, facts):
-        return "only constant forces would hold this state, which a run leaves at once"
-    contacts = view.linear is not None and view.linear.contacts
-    return "contacts are left out of it" if contacts else "its rule was left out"
-
-
 def feeders(s: InspectedModel, view: View, mode: Shape) -> list[int]:
     """Return the numbers of the actuators that push along a mode, and react to where it is."""
     m = s.model
@@ -212,12 +171,9 @@ def ends_growth(s: InspectedModel, one: View, change: Callable[[Any], None]) -> 
 def sign_remedy(s: InspectedModel, one: View, feeding: Sequence[int]) -> str | None:
     """Return the attributes of actuators whose sign is to be turned, if that ends the growth."""
     wrong = [
-        (servo.actuator, column, sign_attribute(s, servo, what))
-        for servo in servos(s)
-        for column, what, resists in (
-            (1, "position", servo.stiffness),
-            (2, "speed", servo.damping),
-        )
+        (servo.actuator, column, sign_attribute(s, servo.actuator, what))
+        for servo in drives(s)
+        for column, what, resists in ((1, "position", servo.stiffness), (2, "speed", servo.damping))
         if servo.actuator in feeding and resists < 0
     ]
 
@@ -234,30 +190,21 @@ def sign_remedy(s: InspectedModel, one: View, feeding: Sequence[int]) -> str | N
 
 def damping_remedy(s: InspectedModel, one: View, joint: int) -> str | None:
     """Return the damping of a joint with which no mode grows there, if some does it."""
-    m, linear = s.model, one.linear
-    assert linear is not None
-    dofs = np.flatnonzero(m.dof_jntid == joint)
-    scale = float(np.max(np.diag(linear.mass)[dofs])) * max(mode.omega for mode in growing(one))
-    for share in np.geomspace(0.01, 100, 17):
-        value = rounded_up(share * scale)
-
-        def change(model: Any, value: float = value) -> None:
-            model.dof_damping[dofs] = value
-
-        if ends_growth(s, one, change):
-            return f'damping="{value:g}" on joint {s.loaded.name("joint", joint)}'
-    return None
+    assert one.linear is not None
+    dofs = s.model.dof_jntid == joint
+    inertia = float(np.max(np.diag(one.linear.mass)[dofs]))
+    edits = joint_edits(s, "damping", dofs, SLOW * inertia * max(m.omega for m in growing(one)))
+    return next((words for words, change in edits if ends_growth(s, one, change)), None)
 
 
 def run_fails(s: InspectedModel) -> Iterator[Hit]:
-    """A run from a state of the file that leaves the range of numbers, whatever the reason."""
     beyond = any(limit.share_of(s.timestep) > 1 for limit in s.limits_of_file)
     beyond |= any(view.failed or any(fed_by_drive(view)) for view in s.views)
     if beyond or s.model.nv > MOST_DOFS:  # other rules say it, and what to do
         return
     named = [one for one in s.loaded.states if one.keys != (OPENED,)]
     for state in (named or list(s.loaded.states))[:MOST_RUNS]:
-        step = failing_step(s.loaded, state)
+        step, _ = short_run(s.loaded, state)
         if step is None:
             continue
         spins = [view.reason for view in s.views if view.state is state and view.reason]
@@ -275,8 +222,8 @@ def run_fails(s: InspectedModel) -> Iterator[Hit]:
 def shorter_step(s: InspectedModel, state: State) -> Iterator[str]:
     """Yield a timestep with which the run goes on."""
     for share in SHORTER:
-        step = rounded_down(share * s.timestep)
-        if stays_finite(edited(s.loaded, partial(set_option, "timestep", step)), state):
+        step = rounded(share * s.timestep, up=False)
+        if stays_finite(edited(s.loaded, option("timestep", step)), state):
             yield f'timestep="{step:g}"'
             return
 
@@ -289,14 +236,12 @@ def rests(view: View, facts: Facts) -> bool:
 
 
 def unstable_equilibrium(s: InspectedModel) -> Iterator[Hit]:
-    """A state of rest that is a maximum of the potential."""
     for one in s.views:
         linear, modes = one.linear, growing(one)
         if linear is None or linear.contacts or not modes or not rests(one, s.facts):
             continue
         mode = max(modes, key=lambda mode: mode.rate.real)
-        fed = feeding(linear, mode)
-        if fed.foreign > FED * fed.total:
+        if is_fed_by_drive(linear, mode):
             continue
         number = int(s.model.dof_jntid[mode.place(linear.mass)])
         message = (

@@ -1,54 +1,19 @@
-"""The rules of inspection, as a table: what each finds, why that matters, what to do.
+"""The rules of inspection, a row each: what it finds, why that matters, what to do, what it needs.
 
-A rule says what is wrong, or what the model could do without; it needs no run. An *error* makes
-results wrong or fails, a *warning* may, a *note* is what the scene does not require, or what a
-reader of results should know.
+A rule says what is wrong, or what the model could do without; it needs no run of the user's. An
+*error* makes results wrong or fails, a *warning* may, a *note* is what the scene does not require,
+or what a reader of results should know.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 from ...checks.rules.conditions import MEANINGS
 from ..subject import ModelRule
-from . import motion, parts, stability, text
-from .mechanics import MECHANICS
+from . import bodies, drives, motion, parts, stability, text
 
-HOUSE = frozenset(
-    {
-        "auto_reset",
-        "clock_rounding",
-        "no_keyframe",
-        "unused_asset",
-        "unused_site",
-        "repeated_default",
-        "unused_class",
-        "welded_body",
-        "unused_setting",
-        "contact_unused",
-        "huge_armature",
-        "empty_body",
-        "geom_never_touches",
-        "implicit_degrees",
-        "idle_gravity",
-        "unused_option",
-        "contact_leftovers",
-        "geom_mass",
-        "idle_tendon",
-        "energy_off",
-        "inactive_equality",
-        "duplicate_sensor",
-        "coarse_step",
-        "self_collision",
-    }
-)
-"""Rules of the house: matters of taste, or of care that only a benchmark takes (``--strict``)."""
-
-REPEATED_DEFAULT = "repeated_default"
-"""The rule that tries what no other rule has found."""
-
-TABLE: Mapping[str, ModelRule] = {
+RULES: Mapping[str, ModelRule] = {
     # how it moves
     "step_limit": ModelRule(
         "error",
@@ -58,6 +23,7 @@ TABLE: Mapping[str, ModelRule] = {
         "small motions about the file's states, and from what the integrator makes of them.",
         "shorten the timestep, choose an integrator with a larger limit, or soften what sets it",
         motion.step_limit,
+        needs="modes",
     ),
     "near_step_limit": ModelRule(
         "warning",
@@ -66,6 +32,7 @@ TABLE: Mapping[str, ModelRule] = {
         "the model may be stiffer.",
         "shorten the timestep, or choose an integrator with a larger limit",
         motion.near_step_limit,
+        needs="modes",
     ),
     "coarse_step": ModelRule(
         "note",
@@ -74,6 +41,8 @@ TABLE: Mapping[str, ModelRule] = {
         "most integrators its amplitude, are lost.",
         "shorten the timestep if that motion matters; waive it if it does not",
         motion.coarse_step,
+        needs="modes",
+        house=True,
     ),
     "unstable_mode": ModelRule(
         "error",
@@ -83,6 +52,7 @@ TABLE: Mapping[str, ModelRule] = {
         "joint away from its reference. A run of the model has shown the growth.",
         "add damping, turn the sign of the gain, or move the state to the servo's reference",
         stability.unstable_mode,
+        needs="modes",
     ),
     "unstable_equilibrium": ModelRule(
         "note",
@@ -90,6 +60,7 @@ TABLE: Mapping[str, ModelRule] = {
         "An inverted pendulum rests there until something disturbs it.",
         "waive it if a controller is to hold it",
         stability.unstable_equilibrium,
+        needs="modes",
     ),
     "run_fails": ModelRule(
         "error",
@@ -98,6 +69,7 @@ TABLE: Mapping[str, ModelRule] = {
         "fast, touches, or reaches a limit is in no small motion, and may be too much for a step.",
         "another integrator, or a shorter timestep",
         stability.run_fails,
+        needs="runs",
     ),
     "not_finite": ModelRule(
         "error",
@@ -105,6 +77,7 @@ TABLE: Mapping[str, ModelRule] = {
         "A run from there fails in its first step, or is reset without a word.",
         "look for values that are zero, huge or missing: inertias, lengths, stiffnesses",
         motion.not_finite,
+        needs="states",
     ),
     "closure_softness": ModelRule(
         "warning",
@@ -115,6 +88,7 @@ TABLE: Mapping[str, ModelRule] = {
         "close it harder, with a higher impedance or a shorter time constant, as far as the "
         "largest stable step allows",
         motion.closure_softness,
+        needs="states",
     ),
     "closure_open": ModelRule(
         "warning",
@@ -122,6 +96,7 @@ TABLE: Mapping[str, ModelRule] = {
         "The run starts with a kick that closes it, and energy that nothing explains.",
         "place the bodies, or the keyframe, so that the loop is closed",
         motion.closure_open,
+        needs="states",
     ),
     "solref_raised": ModelRule(
         "warning",
@@ -145,6 +120,7 @@ TABLE: Mapping[str, ModelRule] = {
         "The run starts with a push that parts them.",
         "move them apart, or exclude the pair",
         motion.contact_depth,
+        needs="states",
     ),
     "keyframe_outside_range": ModelRule(
         "warning",
@@ -152,6 +128,7 @@ TABLE: Mapping[str, ModelRule] = {
         "The run starts with a push back into the range.",
         "change the state or the range",
         motion.keyframe_outside_range,
+        needs="states",
     ),
     "no_keyframe": ModelRule(
         "note",
@@ -159,6 +136,7 @@ TABLE: Mapping[str, ModelRule] = {
         "Whoever opens the file guesses how a run is to start.",
         "add a keyframe, <key name='start'/> if it is the state as opened",
         motion.no_keyframe,
+        house=True,
     ),
     "auto_reset": ModelRule(
         "warning",
@@ -167,6 +145,7 @@ TABLE: Mapping[str, ModelRule] = {
         "a crashed run looks like one that came to rest. The counter of warnings stays at 1.",
         '<option><flag autoreset="disable"/></option>',
         motion.auto_reset,
+        house=True,
     ),
     "clock_rounding": ModelRule(
         "note",
@@ -175,6 +154,7 @@ TABLE: Mapping[str, ModelRule] = {
         "4e-11 s in 1e5 steps, which limits what is compared with a truth to nine digits.",
         "choose the power of two that is next to it",
         motion.clock_rounding,
+        house=True,
     ),
     "energy_off": ModelRule(
         "note",
@@ -182,6 +162,7 @@ TABLE: Mapping[str, ModelRule] = {
         "Where nothing feeds or takes energy, its drift is the error of the integration, for free.",
         '<option><flag energy="enable"/></option>',
         motion.energy_off,
+        house=True,
     ),
     "ill_conditioned": ModelRule(
         "warning",
@@ -190,6 +171,7 @@ TABLE: Mapping[str, ModelRule] = {
         "its own diagonal, so that light and heavy parts side by side do not count.",
         "look for chains of very unequal masses, and joints that nearly do the same",
         motion.ill_conditioned,
+        needs="modes",
     ),
     "idle_gravity": ModelRule(
         "note",
@@ -197,6 +179,7 @@ TABLE: Mapping[str, ModelRule] = {
         "No joint gives way to it in any configuration that was tried.",
         'gravity="0 0 0"',
         motion.idle_gravity,
+        house=True,
     ),
     # what it consists of
     "welded_body": ModelRule(
@@ -206,6 +189,7 @@ TABLE: Mapping[str, ModelRule] = {
         "frame, and hides where the mass is.",
         "move its geoms and its mass to its parent",
         parts.welded_body,
+        house=True,
     ),
     "empty_body": ModelRule(
         "note",
@@ -213,6 +197,7 @@ TABLE: Mapping[str, ModelRule] = {
         "It has no effect on anything.",
         "remove it",
         parts.empty_body,
+        house=True,
     ),
     "locked_joint": ModelRule(
         "warning",
@@ -237,6 +222,7 @@ TABLE: Mapping[str, ModelRule] = {
         "one asked for.",
         '<option><flag contact="disable"/></option>',
         parts.contact_unused,
+        house=True,
     ),
     "geom_never_touches": ModelRule(
         "note",
@@ -244,6 +230,7 @@ TABLE: Mapping[str, ModelRule] = {
         "contype and conaffinity say that it collides, and no other geom answers.",
         'contype="0" conaffinity="0", or the bits that were meant',
         parts.geom_never_touches,
+        house=True,
     ),
     "contact_leftovers": ModelRule(
         "note",
@@ -251,6 +238,7 @@ TABLE: Mapping[str, ModelRule] = {
         "It speaks of a contact that cannot be.",
         "remove it",
         parts.contact_leftovers,
+        house=True,
     ),
     "geom_mass": ModelRule(
         "note",
@@ -258,6 +246,7 @@ TABLE: Mapping[str, ModelRule] = {
         "A body with an <inertial> takes no mass from its geoms; a reader takes it for granted.",
         "remove the attribute, or the <inertial>",
         parts.geom_mass,
+        house=True,
     ),
     "inertia_floor": ModelRule(
         "warning",
@@ -266,6 +255,7 @@ TABLE: Mapping[str, ModelRule] = {
         "joint with next to no inertia does is rounding.",
         "check that what moves it is heavier by many orders, and waive it; else give it inertia",
         parts.inertia_floor,
+        needs="modes",
     ),
     "inertia_raised": ModelRule(
         "warning",
@@ -290,6 +280,8 @@ TABLE: Mapping[str, ModelRule] = {
         "step.",
         "use the rotor's inertia times the gear squared; waive it if that is what it is",
         parts.huge_armature,
+        needs="modes",
+        house=True,
     ),
     "negative_damping": ModelRule(
         "warning",
@@ -319,6 +311,7 @@ TABLE: Mapping[str, ModelRule] = {
         "It is measured in every step, and pulls nothing.",
         "remove it",
         parts.idle_tendon,
+        house=True,
     ),
     "duplicate_sensor": ModelRule(
         "note",
@@ -326,6 +319,7 @@ TABLE: Mapping[str, ModelRule] = {
         "Both show the same numbers.",
         "remove one",
         parts.duplicate_sensor,
+        house=True,
     ),
     "unused_asset": ModelRule(
         "note",
@@ -333,6 +327,7 @@ TABLE: Mapping[str, ModelRule] = {
         "It is loaded with the file, and not used.",
         "remove it",
         parts.unused_asset,
+        house=True,
     ),
     "unused_site": ModelRule(
         "note",
@@ -340,6 +335,7 @@ TABLE: Mapping[str, ModelRule] = {
         "A site is a place for sensors, tendons, actuators and closures.",
         "remove it, or waive it if a program asks for it",
         parts.unused_site,
+        house=True,
     ),
     "inactive_equality": ModelRule(
         "note",
@@ -347,6 +343,7 @@ TABLE: Mapping[str, ModelRule] = {
         "It holds nothing until a program says so.",
         "remove it, or waive it if a program does",
         parts.inactive_equality,
+        house=True,
     ),
     "switched_off": ModelRule(
         "warning",
@@ -362,6 +359,141 @@ TABLE: Mapping[str, ModelRule] = {
         "do what it says",
         parts.compiler_warning,
     ),
+    # what it weighs, and what drives it
+    "odd_inertia": ModelRule(
+        "warning",
+        "an inertia that no body of this mass and size has",
+        "The radius of gyration, sqrt(I / m), lies within a body. Beyond it, or as good as a "
+        "point, inertia and mass have different units: an export that forgot to convert g mm^2.",
+        "convert the inertia to kg m^2 and the mass to kg",
+        bodies.odd_inertia,
+    ),
+    "far_centre": ModelRule(
+        "warning",
+        "a centre of mass far off the body's geoms",
+        "It is given in the frame of the body; in another frame, or in millimetres, it pulls where "
+        "nothing is.",
+        "give it in the body's frame, in metres",
+        bodies.far_centre,
+    ),
+    "odd_density": ModelRule(
+        "warning",
+        "a body denser than any material, or lighter than air",
+        "The mass belongs to another size, or has another unit.",
+        "give the mass in kg, and the geoms in metres",
+        bodies.odd_density,
+    ),
+    "uneven_masses": ModelRule(
+        "note",
+        "a light body that carries a very heavy one",
+        f"From {bodies.UNEVEN:,.0f} times its own mass on, if its joints have no armature: forces "
+        "that the heavy part feels turn the light one by far more than any step resolves, and "
+        "solvers of contact converge slowly.",
+        "give the light body its mass, or its joint armature",
+        bodies.uneven_masses,
+    ),
+    "always_touching": ModelRule(
+        "warning",
+        "geoms of one mechanism that lie in each other wherever its joints are",
+        "A contact that never ends holds the joint between them, or shakes it.",
+        "exclude the pair of bodies from contact, or make the geoms smaller",
+        bodies.always_touching,
+        needs="states",
+    ),
+    "self_collision": ModelRule(
+        "note",
+        "geoms of one mechanism that meet within the ranges of its joints",
+        "Ranges of joints that let parts meet are wider than the mechanism: a controller that "
+        "trusts them runs into contact. Random positions show it; other ones may, too.",
+        "narrow the ranges, or waive it where a controller knows of it",
+        bodies.self_collision,
+        needs="states",
+        house=True,
+    ),
+    "light_joint": ModelRule(
+        "warning",
+        "a joint too light for the force that drives it",
+        "In one step of full force it turns by more than half a turn, or slides by more than the "
+        "size of the model: no integrator follows it.",
+        "give it armature (the rotor's inertia times the gear squared), or a smaller forcerange",
+        drives.light_joint,
+    ),
+    "unlimited_joint": ModelRule(
+        "note",
+        "a joint without a limit that a servo moves within a range",
+        "The range of a control limits what is asked, not where a load carries the joint.",
+        "give the joint the range that it has",
+        drives.unlimited_joint,
+    ),
+    "control_in_degrees": ModelRule(
+        "warning",
+        "a range of control that is in degrees",
+        "The compiler converts angles of joints, not controls: they are radians.",
+        'write the range in radians, or inheritrange="1"',
+        drives.control_in_degrees,
+    ),
+    "control_beyond_range": ModelRule(
+        "warning",
+        "a servo that may be asked for what its joint cannot reach",
+        "It pushes into the joint's limit with all its force, and the soft limit gives way.",
+        'limit what is asked to the range of the joint, or write inheritrange="1"',
+        drives.control_beyond_range,
+    ),
+    "positive_feedback": ModelRule(
+        "warning",
+        "a servo that pushes on what it shall hold back",
+        "Its bias has the wrong sign: what departs is driven further.",
+        "turn the sign of kp or kv, of biasprm of a general actuator",
+        drives.positive_feedback,
+    ),
+    "undamped_servo": ModelRule(
+        "warning",
+        "a servo that nothing damps",
+        "Nothing that acts in the joint has damping or friction: each command starts an "
+        "oscillation that only the integrator's error ends.",
+        'dampratio="1" on the position actuator, or damping on the joint',
+        drives.undamped_servo,
+    ),
+    "two_servos": ModelRule(
+        "warning",
+        "two actuators that hold, or drive, one joint alike",
+        "Two servos pull it each to its own control, and a program that sets one leaves the other "
+        "at 0. Two motors add up.",
+        "remove one",
+        drives.two_servos,
+    ),
+    "saturated_actuator": ModelRule(
+        "warning",
+        "an actuator whose load in a keyframe is beyond its largest force",
+        "Whatever its control is, its joint sags.",
+        "raise forcerange, of a motor ctrlrange, or choose a state that needs less",
+        drives.saturated_actuator,
+        needs="states",
+    ),
+    "control_not_holding": ModelRule(
+        "warning",
+        "a keyframe that its own controls leave",
+        "A run from there starts with a jump: the control asks for another place, or the gain is "
+        "too low for the load.",
+        "give the keyframe the ctrl that holds it: its joint positions, and what the load adds",
+        drives.control_not_holding,
+        needs="states",
+    ),
+    "spring_beyond_range": ModelRule(
+        "note",
+        "a spring that rests beyond the joint's limits",
+        "It presses the joint against its limit; springref counts from the joint's 0, in the "
+        "compiler's unit.",
+        "put springref within the range; waive it if the joint is to be preloaded",
+        drives.spring_beyond_range,
+    ),
+    "zero_quaternion": ModelRule(
+        "warning",
+        "a keyframe with a quaternion that is none",
+        "The body starts with another orientation than the numbers say, without a word.",
+        "write 1 0 0 0 for no rotation",
+        drives.zero_quaternion,
+    ),
     # its text
     "unused_class": ModelRule(
         "note",
@@ -369,6 +501,7 @@ TABLE: Mapping[str, ModelRule] = {
         "It changes nothing, and a reader looks for what has it.",
         "remove it",
         text.unused_class,
+        house=True,
     ),
     "unused_option": ModelRule(
         "note",
@@ -376,6 +509,7 @@ TABLE: Mapping[str, ModelRule] = {
         "It suggests that something depends on it.",
         "remove it",
         text.unused_option,
+        house=True,
     ),
     "unused_setting": ModelRule(
         "note",
@@ -383,6 +517,7 @@ TABLE: Mapping[str, ModelRule] = {
         "It suggests that something depends on it.",
         "remove it, or give the element what it is a setting of",
         text.unused_setting,
+        house=True,
     ),
     "implicit_degrees": ModelRule(
         "note",
@@ -391,6 +526,7 @@ TABLE: Mapping[str, ModelRule] = {
         "radians.",
         '<compiler angle="radian"/>, or angle="degree" to say that degrees are meant',
         text.implicit_degrees,
+        house=True,
     ),
     "angle_unit": ModelRule(
         "warning",
@@ -401,55 +537,35 @@ TABLE: Mapping[str, ModelRule] = {
         text.angle_unit,
     ),
     # what needs all findings
-    REPEATED_DEFAULT: ModelRule(
+    "repeated_default": ModelRule(
         "note",
         "an attribute that changes nothing",
         "Without it the file compiles to the same bytes: it repeats a default, or is not used. "
         "What a file says twice, a reader has to compare.",
         "remove it; waive it where a program replaces the value",
+        needs="findings",
+        house=True,
     ),
     "waiver_reason": ModelRule(
         "error",
         "a waiver that cannot be read, or gives no reason",
         "A waiver without its reason hides what it allows.",
         "<!-- mbcheck: allow RULE, element: reason -->",
+        needs="findings",
     ),
     "waiver_unknown": ModelRule(
         "error",
         "a waiver of a rule that there is not",
         "It allows nothing; a rule may have another name than was thought.",
         "use the id of a rule, as findings show it",
+        needs="findings",
     ),
     "waiver_unused": ModelRule(
         "warning",
         "a waiver that waives nothing",
         "What it allowed is mended, or it names another element.",
         "remove it",
+        needs="findings",
     ),
 }
-"""By id, as they are written here."""
-
-RULES: Mapping[str, ModelRule] = {
-    name: replace(rule, house=name in HOUSE) for name, rule in {**TABLE, **MECHANICS}.items()
-}
 """By id, in the order of reports."""
-
-QUICK = frozenset(MECHANICS) - {
-    "always_touching",
-    "self_collision",
-    "saturated_actuator",
-    "control_not_holding",
-}
-"""These look at no state and no motion, and are asked before all that takes time."""
-
-NEED_MODES = {
-    "step_limit",
-    "unstable_mode",
-    "unstable_equilibrium",
-    "near_step_limit",
-    "coarse_step",
-    "ill_conditioned",
-    "inertia_floor",
-    "huge_armature",
-}
-"""These look at small motions, wholly or in part."""

@@ -33,15 +33,15 @@ JOINT_ANGLES = ("range", "ref", "springref", "springdamper")
 
 
 def repeated_default(
-    s: InspectedModel, stated: Collection[Attribute], budget: float = BUDGET
+    s: InspectedModel, hits: Collection[Hit] = (), budget: float = BUDGET
 ) -> tuple[list[Hit], str | None]:
     """Return attributes without which the file compiles to the same bytes.
 
     Parameters
     ----------
-    s : Subject
-    stated : collection of (Element, str)
-        Attributes that another rule has found.
+    s : InspectedModel
+    hits : collection of Hit
+        Findings of other rules, whose attributes are not tried.
     budget : float
         See `BUDGET`.
 
@@ -49,12 +49,10 @@ def repeated_default(
     -------
     The findings, and why some attributes were not tried, if any were not.
     """
-    source = s.loaded.source
-    whole = s.loaded.dumped(s.model)
+    source, stated = s.loaded.source, {(hit.element, hit.attribute) for hit in hits}
 
     def same(left_out: Collection[Attribute]) -> bool:
-        model = s.loaded.compiled(source.text(left_out))
-        return model is not None and s.loaded.dumped(model) == whole
+        return s.loaded.compiles_alike(source.text(left_out))
 
     if not same([]):
         return [], "the file does not compile to the same from one text"
@@ -70,7 +68,7 @@ def repeated_default(
         for alike in groups.values()
         for value in sorted(alike, key=lambda words: len(words[0]))[:VALUES]
     ]
-    tried = likely[: max(1, int(budget / (len(source.text()) + len(whole))))]
+    tried = likely[: max(1, int(budget / (len(source.text()) + len(s.loaded.bits))))]
     singly = sum(map(len, likely)) <= SINGLY
     idle: list[Attribute] = []
     for group in tried:
@@ -104,7 +102,6 @@ def shortened(text: str, most: int = 40) -> str:
 
 
 def unused_class(s: InspectedModel) -> Iterator[Hit]:
-    """A class of defaults that nothing has."""
     for element in unused_classes(s):
         name = element.attributes["class"]
         yield Hit(element, f"default:{name}", f"no element is of class {name}")
@@ -165,16 +162,12 @@ OPTIONS: dict[tuple[str, ...], tuple[Callable[[InspectedModel], bool], str]] = {
         lambda s: bool(s.model.opt.density or s.model.opt.viscosity),
         "there is no medium: density and viscosity are 0",
     ),
-    ("sleep_tolerance",): (
-        lambda s: s.loaded.enabled("sleep"),
-        "nothing sleeps (flag sleep)",
-    ),
+    ("sleep_tolerance",): (lambda s: s.loaded.enabled("sleep"), "nothing sleeps (flag sleep)"),
 }
 """Attributes of ``option`` -> whether the model has a use for them, and why not."""
 
 
 def unused_option(s: InspectedModel) -> Iterator[Hit]:
-    """An option that nothing uses."""
     uses = {key: OPTIONS[keys] for keys in OPTIONS for key in keys}
     for element in s.loaded.source.tagged("option"):
         for key in element.attributes:
@@ -201,7 +194,6 @@ CONTACT = ("condim", "friction", "solref", "solimp", "solmix", "margin", "gap", 
 
 
 def unused_setting(s: InspectedModel) -> Iterator[Hit]:
-    """An attribute that its element has no use for."""
     m = s.model
     for kind, element in s.loaded.elements:
         made = s.loaded.numbers.get(element, [])
@@ -220,7 +212,6 @@ def useless(element: Element, keys: tuple[str, ...], reason: str) -> list[Hit]:
 
 
 def implicit_degrees(s: InspectedModel) -> Iterator[Hit]:
-    """Angles whose unit the file does not tell."""
     elements = [] if s.setting("angle") else s.loaded.source.walk()
     keys = [(element, key) for element in elements for key in angles(s, element)]
     for element, key in keys[:1]:
@@ -244,7 +235,6 @@ def angles(s: InspectedModel, element: Element) -> list[str]:
 
 
 def angle_unit(s: InspectedModel) -> Iterator[Hit]:
-    """Angles that look as if they were in the other unit."""
     radians, hinges = s.setting("angle") == "radian", s.loaded.of_kind("jnt_type", "hinge")
     for kind, element in s.loaded.elements:
         made = s.loaded.numbers.get(element, [])

@@ -12,8 +12,8 @@ import numpy as np
 from scipy.integrate import quad
 
 from ....reference.speed_regulator.equations import SpeedRegulator, coefficients, inertia, position
-from ....reference.speed_regulator.homoclinic import HomoclinicTorque, homoclinic_limit
 from ....reference.speed_regulator.rest import found_equilibria, static_stiffness
+from ....reference.speed_regulator.theory import Threshold, least_torque
 from ...engines.registry import REFERENCE
 from ...queries.simulate import simulate
 from ..ledger import REPRODUCED, LedgerRow, Numbers, below, equal, holds, statement
@@ -33,12 +33,11 @@ NEAR = 0.01
 """Share of the torque below and above the limit at which motions are looked at."""
 
 
-def limits(session: Session) -> list[HomoclinicTorque]:
+def limits(session: Session) -> list[Threshold]:
     """Return the reference's limit for each damper of figure 5."""
-    own = session.once(
-        (SCENE, "homoclinic limits"), lambda: [homoclinic_limit(damped(c)) for c in DAMPINGS]
+    return session.once(
+        (SCENE, "homoclinic limits"), lambda: [least_torque(damped(c)) for c in DAMPINGS]
     )
-    return [limit for limit in own if limit is not None]
 
 
 def by_weak_damping(p: SpeedRegulator) -> float:

@@ -256,8 +256,7 @@ class Report:
             for (engine, reason), members in skip_reasons(self.results).items()
         ]
         entries = [
-            {**vars(use.entry), "engine": None, "versions": None}
-            | {"results": use.results, "state": use.state, "why": use.why}
+            vars(use.entry) | {"results": use.results, "state": use.state, "why": use.why}
             for use in run.uses
         ]
         return document(

@@ -258,7 +258,6 @@ def stale_item(use: Use, run: Run) -> ReportItem:
         severity="error" if run.strict_known else "warning",
         message=f"{run.stale_line(use)}; remove it",
         file=run.known_file,
-        line=use.entry.line,
         title="stale known deviation",
     )
 

@@ -5,29 +5,18 @@ from __future__ import annotations
 from functools import partial
 from math import pi
 
-from ....reference.hula_hoop import SCENE
-from ...engines.variants import mujoco_probes
+from ...checks.kinds.long_runs import CONSERVATIVE, FREE, LOCKED
 from ...engines.variants.catalogue import (
     AUTOMATIC_STEPS,
     DEFAULT_NEWTON,
     DEFAULT_STEPS,
-    MUJOCO,
     NEWMARK,
     NO_DAMPING,
     OWN_ERROR_CONTROL,
     exudyn,
     mujoco,
 )
-from ..extremes import (
-    CONSERVATIVE,
-    FREE,
-    LOCKED,
-    EngineFailure,
-    EngineProbe,
-    Extreme,
-    FreeVibration,
-    LongMotion,
-)
+from ..extremes import EngineFailure, Extreme, LongMotion
 
 OMEGA = (1000 / 0.495) ** 0.5
 """Natural frequency of main and free mass together [rad/s]."""
@@ -74,14 +63,10 @@ STARTS = (
     point_mass(name="open_by_0.001_m", state={}, horizon=0.5, offset={"y": 1e-3}),
 )
 
-FREE_VIBRATION = FreeVibration(
-    {"damping_ratio": 0.0, "hinge_damping_ratio": 0.0}, "stiffness", "damping_ratio", "theta_dot"
-)
-
 MOTIONS = (
     LongMotion(FREE, "free_undamped"),
     LongMotion(CONSERVATIVE, "free_undamped"),
-    LongMotion(LOCKED, "spinning_3hz_60n", longest=100_000),
+    LongMotion(LOCKED, "spinning_3hz_60n"),
 )
 
 hoop = partial(
@@ -246,31 +231,5 @@ FAILURES = (
             state={"theta": 0.3, "theta_dot": 30.0},
         )
         for of, method, step in ((hoop, "RK4", 2**-8), (tree, "RK67", 2**-7))
-    ),
-)
-
-probe = partial(EngineProbe, engine=MUJOCO, model="tree", case=SCENE.case("spinning_unforced"))
-
-PROBES = (
-    probe(
-        name="energy_before_mj_forward",
-        case=SCENE.case("free_undamped"),
-        observe=mujoco_probes.energy_before_forward,
-    ),
-    probe(name="transition_matrix", method="RK4", observe=mujoco_probes.transition_matrix),
-    probe(name="lost_inertia", observe=mujoco_probes.lost_inertia),
-    probe(
-        name="clock_rounding",
-        case=SCENE.case("spinning_3hz_60n"),
-        method="Euler",
-        step=1e-3,
-        horizon=200.0,
-        observe=mujoco_probes.clock_rounding,
-    ),
-    probe(
-        name="log_in_the_working_directory",
-        method="Euler",
-        step=1024.0,
-        observe=mujoco_probes.log_file,
     ),
 )

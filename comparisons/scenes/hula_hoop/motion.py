@@ -21,6 +21,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ....reference.hula_hoop.equations import HulaHoop, coefficients
+from ....reference.periodic import lowest as least_of_period
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ..bounds import SAFETY, difference, last_harmonics, with_bounds
@@ -77,9 +78,6 @@ WINDOW = 120
 OFF = 1e-6
 """Angle [rad] by which the start of the check is off."""
 
-FINER = 8
-"""Samples of a sum of harmonics for each that it is made from."""
-
 SETTLES, STILL = 0.9, 1e-10
 """Largest share of the change from cycle to cycle that a quarter of the window may leave, and the
 change, by omega, below which it is rounding."""
@@ -132,21 +130,6 @@ def motion(points: Points, window: int = WINDOW) -> QuantityValues:
     return flow.values(values | {"robust": same.astype(int)} | bounds)
 
 
-def from_rest(
-    flow: Flow,
-    theta: float,
-    per_period: float,
-    coarser: int,
-    window: int,
-    per_force: int = SAMPLES,
-) -> dict[str, Array]:
-    """Return the variables of the motions from rest at an angle [rad], robust left out.
-
-    ``per_force`` is the number of samples in a period of the force.
-    """
-    return runs_from_rest(flow, ((theta, coarser),), per_period, window, per_force)[0]
-
-
 def runs_from_rest(
     flow: Flow,
     starts: Sequence[tuple[float, int]],
@@ -154,9 +137,10 @@ def runs_from_rest(
     window: int,
     per_force: int = SAMPLES,
 ) -> list[dict[str, Array]]:
-    """Return the same of several starts, which go on together.
+    """Return the variables of motions from rest, robust left out, which go on together.
 
-    Each start is an angle [rad], and by how much longer its steps are.
+    Each start is an angle [rad], and by how much longer its steps are; ``per_force`` is the number
+    of samples in a period of the force.
     """
     points, number = flow.points, len(starts)
     every = np.tile(np.arange(len(points)), number)
@@ -262,7 +246,6 @@ def unsettled(speed: Array, cycle: Array, per_force: int, lowest: Array) -> Arra
         count = (speed.shape[1] - 1) // size
         cycles = speed[rows, -1 - count * size : -1].reshape(len(rows), count, size)
         spectra = np.fft.rfft(cycles[:, -1], axis=1)
-        fine = np.tile(FINER * np.fft.irfft(spectra, FINER * size, axis=1), 2)
         last, ratio = last_harmonics(2 / size * np.abs(spectra))
         changes = np.max(np.abs(np.diff(cycles, axis=1)), axis=2)
         part = max(1, (count - 1) // 4)
@@ -274,10 +257,8 @@ def unsettled(speed: Array, cycle: Array, per_force: int, lowest: Array) -> Arra
         left = np.where(
             share < SETTLES, late * (1 + part / (1 - np.minimum(share, SETTLES))), np.nan
         )
-        at, near = least(fine), least(fine, 4)
-        off[rows] = (
-            np.abs(lowest[rows] - at) + np.abs(at - near) + SAFETY * last / (1 - ratio) + left
-        )
+        between = np.abs(lowest[rows] - least_of_period(cycles[:, -1]))
+        off[rows] = between + SAFETY * last / (1 - ratio) + left
     return off
 
 

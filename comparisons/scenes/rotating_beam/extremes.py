@@ -7,9 +7,10 @@ from functools import partial
 from ....reference.rotating_beam import SCENE
 from ....reference.rotating_beam.parameters import steady_speed
 from ....reference.rotating_beam.scene import critical_speed
+from ...checks.kinds.long_runs import AFTER_PULSE
 from ...engines.registry import REFERENCE
 from ...engines.variants.catalogue import DEFAULT_STEPS, Variant, exudyn
-from ..extremes import AFTER_PULSE, EngineFailure, Extreme, FreeVibration, LongMotion, Release
+from ..extremes import EngineFailure, Extreme, LongMotion
 
 LINE = 2766.7 * 7.2968e-5
 """Mass per length [kg/m]."""
@@ -38,15 +39,7 @@ STARTS = (
     Extreme(name="straight_in_rotation", case="steady_4", state={"theta_dot": 3.3}, horizon=0.0625),
 )
 
-FREE_VIBRATION = FreeVibration(
-    {"angular_speed": 0.0, "segments": 12.0},
-    "youngs_modulus",
-    None,
-    "angular_speed",
-    release=Release(
-        {"drive": "torque", "torque_amplitude": 0.0}, "theta_dot", "tip_deflection", "length"
-    ),
-)
+FREE_VIBRATION = {"": {"angular_speed": 0.0, "segments": 12.0}}
 
 MOTIONS = (LongMotion(AFTER_PULSE, "pulse_quick", segments=8, periods=(100, 1_000)),)
 
@@ -55,7 +48,6 @@ FAST = SCENE.case("above_critical").parameters
 FAILURES = (
     EngineFailure(
         name="no_second_order_coupling",
-        section="parameters",
         engine=Variant(REFERENCE, "Undeclared"),  # no engine leaves it out
         case="above_critical",
         models=("zero_order",),

@@ -9,8 +9,9 @@ import numpy as np
 from ....reference.rotor_pendulum.cases import AT_SPEED, CASE_2
 from ....reference.rotor_pendulum.equations import operating_speed
 from ....reference.rotor_pendulum.phase import coupling_harmonics
+from ...checks.kinds.long_runs import CONSERVATIVE, FREE, LOCKED
 from ...engines.variants.catalogue import EXUDYN
-from ..extremes import CONSERVATIVE, FREE, LOCKED, Extreme, FreeVibration, LongMotion
+from ..extremes import Extreme, LongMotion
 
 MASS = 114.0
 """All that moves with the platform [kg]."""
@@ -53,10 +54,6 @@ STARTS = (
     startup(name="at_rest", state={}, horizon=0.25),
     startup(name="unstable_phase", state=unstable_phase(), horizon=0.5),
     startup(name="open_by_0.001_m", state={}, horizon=0.1, offset={"x": 1e-3}),
-)
-
-FREE_VIBRATION = FreeVibration(
-    {"platform_damping": 0.0, "rod_damping": 0.0}, "rod_stiffness", "rod_damping", "phi_1_dot"
 )
 
 motion = partial(LongMotion, most_steps={EXUDYN: 1 << 15})

@@ -20,9 +20,9 @@ from ....reference.rotor_pendulum.equations import (
 )
 from ....reference.rotor_pendulum.phase import (
     balanced_phase,
-    forced_response,
     mean_phase,
     orbit_guesses,
+    uniform_rotation,
     wrapped,
 )
 from ....reference.scene import Array
@@ -36,7 +36,7 @@ from ..bounds import (
     with_bounds,
 )
 from ..quantity import Flow, Points, QuantityValues, Variable
-from .steps import DOUBLINGS, NUDGE, RESOLVED, Ints, columns, doubled, fastest_rate
+from .steps import NUDGE, Ints, columns, step_counts
 
 PHASES = ("synphase", "antiphase", "unstable", "none")
 SYNPHASE, ANTIPHASE, UNSTABLE, NONE = range(len(PHASES))
@@ -139,16 +139,9 @@ SAMPLES = 32
 
 
 def steps_per_turn(points: Points) -> Ints:
-    """Return steps in a turn (k,): a power of two times the least, as the springs need."""
-    reference = points.engine == REFERENCE
-    p = points.parameters
-    turns, fastest = columns(points, period(p), fastest_rate(p))
-    longest = RESOLVED[reference] / np.maximum(fastest, 1e-300)
-    least = STEPS_PER_TURN[reference]
-    if points.step is not None:
-        longest, least = np.full(len(points), points.step), SAMPLES
-    points.refuse_step(turns / (least << DOUBLINGS))
-    return doubled(least, turns / longest)
+    """Return steps in a turn (k,)."""
+    (turns,) = columns(points, period(points.parameters))
+    return step_counts(points, turns, STEPS_PER_TURN, SAMPLES)
 
 
 EFFORT = Effort(jacobians=8, chords=3, near=1e-3, within_reach=True)
@@ -221,7 +214,7 @@ def orbits_of(flow: Flow) -> Orbits:
         missing = _missing(flow, orbits)
         missing = missing[np.isfinite(alpha[missing])]
         if missing.size:
-            starts = _uniform_rotation(p, np.nan_to_num(alpha) + offset)[:, missing]
+            starts = uniform_rotation(p, np.nan_to_num(alpha) + offset)[:, missing]
             more = closed_orbits(flow, missing, starts, turns[missing], steps[missing])
             stable = more.closed & (leading_modulus(more) < 1)
             orbits.put(missing[stable], more.at(stable))
@@ -241,14 +234,6 @@ def _missing(flow: Flow, orbits: Orbits) -> Ints:
     return np.array(
         [i for i in np.flatnonzero(~orbits.closed) if i not in flow.problems], dtype=int
     )
-
-
-def _uniform_rotation(p: RotorPendulum, alpha: Array) -> Array:
-    """Return uniform rotation with the linear response (8, k), at phi_1 = 0."""
-    w = operating_speed(p)
-    x, phi_3 = forced_response(p, alpha)
-    rows = (x.real, 0.0, -alpha % (2 * np.pi), phi_3.real, -w * x.imag, w, w, -w * phi_3.imag)
-    return np.array(np.broadcast_arrays(*rows), dtype=float)
 
 
 def _phases(flow: Flow, which: Ints, states: Array, periods: Array, steps: Ints) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 
 from ....reference.rotor_pendulum.equations import RotorPendulum, coefficients
 from ....reference.scene import Array
+from ...engines.registry import REFERENCE
 from ..quantity import Points
 
 Ints = NDArray[np.int_]
@@ -48,7 +50,23 @@ DOUBLINGS = 12
 """Most of the least number of steps."""
 
 
-def doubled(least: int, wanted: Array) -> Ints:
-    """Return numbers of steps, at least those wanted, a power of two times the least."""
-    doublings = np.ceil(np.log2(np.maximum(wanted / least, 1.0)) - 1e-9)
-    return least * 2 ** np.minimum(doublings, DOUBLINGS).astype(int)
+def step_counts(points: Points, spans: Array, least: Mapping[bool, int], shortest: int) -> Ints:
+    """Return how many equal steps spans (k,) [s] take: a power of two times the least.
+
+    Parameters
+    ----------
+    points : Points
+    spans : array (k,)
+    least : mapping of bool to int
+        By whether the reference takes them or an engine.
+    shortest : int
+        The least where ``points.step`` tells the longest step.
+    """
+    reference = points.engine == REFERENCE
+    (fastest,) = columns(points, fastest_rate(points.parameters))
+    longest, fewest = RESOLVED[reference] / np.maximum(fastest, 1e-300), least[reference]
+    if points.step is not None:
+        longest, fewest = np.full(len(points), points.step), shortest
+    points.refuse_step(spans / (fewest << DOUBLINGS))
+    doublings = np.ceil(np.log2(np.maximum(spans / longest / fewest, 1.0)) - 1e-9)
+    return fewest * 2 ** np.minimum(doublings, DOUBLINGS).astype(int)

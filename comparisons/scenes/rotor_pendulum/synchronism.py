@@ -14,7 +14,7 @@ from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ..bounds import difference, with_bounds
 from ..quantity import Flow, Points, QuantityValues, Variable
-from .steps import DOUBLINGS, NUDGE, RESOLVED, Ints, columns, doubled, fastest_rate
+from .steps import NUDGE, Ints, columns, step_counts
 
 OUTCOMES = ("synchronised", "not synchronised", "undecided")
 
@@ -107,7 +107,7 @@ def sync(points: Points) -> QuantityValues:
     spacing = columns(points, period(points.parameters))[0] / SAMPLES_PER_TURN
     starts = np.zeros((8, 2 * count))
     starts[points.scene.coordinates.index("phi_1"), count:] = NUDGE
-    steps = _steps_per_sample(points, spacing)
+    steps = step_counts(points, spacing, ROUGH, 1)
     runs = _run(flow, starts, np.tile(spacing, 2), np.concatenate([steps, 2 * steps]))
     ends = np.array([OUTCOMES.index(run.ends or "undecided") for run in runs])
     kind, other = ends[:count], ends[count:]
@@ -131,18 +131,6 @@ def sync(points: Points) -> QuantityValues:
             "duration_bound": 4 * EPS * samples * spacing,
         }
     )
-
-
-def _steps_per_sample(points: Points, spacing: Array) -> Ints:
-    """Return steps from sample to sample (k,): a power of two times the least."""
-    reference = points.engine == REFERENCE
-    (fastest,) = columns(points, fastest_rate(points.parameters))
-    longest = RESOLVED[reference] / np.maximum(fastest, 1e-300)
-    least = ROUGH[reference]
-    if points.step is not None:
-        longest, least = np.full(len(points), points.step), 1
-    points.refuse_step(spacing / (least << DOUBLINGS))
-    return doubled(least, spacing / longest)
 
 
 def _looks(points: Points) -> Array:

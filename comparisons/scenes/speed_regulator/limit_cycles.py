@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....reference.errors import NoOrbitError
-from ....reference.scene import Array
+from ....reference.scene import Array, coefficients_at
 from ....reference.solve.rk8 import rk8_steps
 from ....reference.speed_regulator import theory
 from ....reference.speed_regulator.equations import (
@@ -79,11 +79,6 @@ class Turn(NamedTuple):
     largest: Array
     time: Array
     exponent: Array
-
-
-def at_points(c: Any, which: NDArray[np.int_]) -> Any:
-    """Return the coefficients of the points that rows belong to."""
-    return type(c)(*(value[which] if np.ndim(value) else value for value in c))
 
 
 def rates(c: Coefficients) -> Callable[[Any, Any], Any]:
@@ -160,11 +155,11 @@ def saddles_of(points: Points) -> tuple[Flags, NDArray[np.int_], Array]:
     for i, shape in enumerate(kinds):
         for arc in unit_arcs(*map(float, shape)):
             rows = np.flatnonzero(kind.ravel() == i)
-            c = at_points(coefficients(p), rows)
+            c = coefficients_at(coefficients(p), rows)
             ends = np.array(arc)[:, None] * np.ones(len(rows))
             below = static_torque(ends, c) < c.torque
             inside = below[0] != below[1]
-            rows, c, ends = rows[inside], at_points(c, inside), ends[:, inside]
+            rows, c, ends = rows[inside], coefficients_at(c, inside), ends[:, inside]
             for _ in range(BISECTIONS):
                 middle = np.mean(ends, axis=0)
                 lower = (static_torque(middle, c) < c.torque) == below[0, inside]
@@ -184,7 +179,7 @@ def theory_regimes(points: Points) -> NDArray[np.int_]:
     turns = driven & ~np.isin(np.arange(len(points)), which)
     rows = driven[which]
     which, angles = which[rows], angles[rows]
-    c = at_points(coefficients(p), which)
+    c = coefficients_at(coefficients(p), which)
     with np.errstate(all="ignore"):
         fine, rough = (from_saddle(angles, c, share) for share in (1, 2))
         error = np.maximum(abs(fine.energy - rough.energy), abs(fine.lowest - rough.lowest))
@@ -234,14 +229,14 @@ def rotations(points: Points) -> LimitCycles:
     left = np.flatnonzero(np.isin(theory_regimes(points), (1, 2)))
     guess = np.broadcast_to(mean_speed(points.parameters), len(points))
     for nodes in NODES:
-        c = at_points(coefficients(points.parameters), left)
+        c = coefficients_at(coefficients(points.parameters), left)
         speed, exponent, good = collocated(guess[left], c, nodes)
         done, speed = left[good], speed[good]
         starts[done] = speed[:, 0]
         means[done] = 1 / np.mean(1 / speed, axis=1)
         multipliers[done] = np.exp(exponent[good])
         bounds[done] = collocation_bound(
-            speed, multipliers[done], at_points(c, np.flatnonzero(good))
+            speed, multipliers[done], coefficients_at(c, np.flatnonzero(good))
         )
         left = left[~good]
     for i in map(int, left):

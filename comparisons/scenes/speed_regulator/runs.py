@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import KroghInterpolator
 
-from ....reference.scene import Array, Case
+from ....reference.scene import Array, Case, coefficients_at
 from ....reference.speed_regulator.equations import (
     Coefficients,
     coefficients,
@@ -30,7 +30,6 @@ from .limit_cycles import (
     SHIFT,
     TURN,
     Flags,
-    at_points,
     regimes_of,
     rotations,
     speed_values,
@@ -126,7 +125,7 @@ class Passings(NamedTuple):
 
 def turns_from(run: Runs, which: NDArray[np.int_], speed: Array, count: int) -> Passings:
     """Follow motions from phi = 0 for some turns."""
-    c = at_points(coefficients(run.points.parameters), which)
+    c = coefficients_at(coefficients(run.points.parameters), which)
     spring = c.stiffness * (position(0.0, c).y - c.rest) ** 2
     fastest = np.sqrt(speed**2 + (spring + 2 * TURN * abs(c.torque)) / inertia(position(0, c), c))
     spacing = TURN / fastest / SAMPLES
@@ -208,7 +207,7 @@ def can_rest(run: Runs) -> tuple[Flags, Flags]:
     """Return whether the spring can hold the crank (k,), and where that could not be told."""
     p = run.points.parameters
     number = len(run.points)
-    c = at_points(
+    c = coefficients_at(
         Coefficients(*(np.broadcast_to(v, number) for v in coefficients(p))), np.arange(number)
     )
     phi = np.linspace(0, TURN, 4096, endpoint=False)[:, None]

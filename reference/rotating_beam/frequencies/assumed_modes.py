@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -118,6 +119,17 @@ def best_mass_position(n: Numbers, modes: int | None = None) -> float:
     return float(minimize_scalar(lower, bounds=around, options={"xatol": 1e-6}).x)
 
 
+def first_rise(function: Callable[[float], float], grid: Array, **accuracy: float) -> float:
+    """Return where a function first turns positive along a grid, NaN if nowhere."""
+    before = function(grid[0])
+    for one, other in pairwise(grid):
+        after = function(other)
+        if before < 0 <= after:
+            return float(brentq(function, one, other, **accuracy))
+        before = after
+    return float("nan")
+
+
 def crossover(n: Numbers, other: float = 0.0, modes: int | None = None) -> float:
     """Return the largest beta at which two masses give the same first chordwise frequency.
 
@@ -138,14 +150,7 @@ def crossover(n: Numbers, other: float = 0.0, modes: int | None = None) -> float
         one = first_frequency(n._replace(beta=beta), modes)
         return one - (at_other or first_frequency(n._replace(beta=beta, alpha=other), modes))
 
-    grid = np.linspace(1, 0.05, 20)
-    before = difference(grid[0])
-    for i in range(1, len(grid)):
-        now = difference(grid[i])
-        if before < 0 <= now:
-            return float(brentq(difference, grid[i], grid[i - 1], xtol=1e-9))
-        before = now
-    return float("nan")
+    return first_rise(difference, np.linspace(1, 0.05, 20), xtol=1e-9)
 
 
 def matching_speed(n: Numbers, position: float, modes: int | None = None) -> float:
@@ -163,14 +168,7 @@ def matching_speed(n: Numbers, position: float, modes: int | None = None) -> flo
     def excess(gamma: float) -> float:
         return best_mass_position(n._replace(gamma=gamma), modes) - position
 
-    grid = np.geomspace(*MATCHED, 13)
-    before = excess(grid[0])
-    for low, high in pairwise(grid):
-        after = excess(high)
-        if before < 0 <= after:
-            return float(brentq(excess, low, high, rtol=1e-4))
-        before = after
-    return float("nan")
+    return first_rise(excess, np.geomspace(*MATCHED, 13), rtol=1e-4)
 
 
 MATCHED = (2.0, 200.0)

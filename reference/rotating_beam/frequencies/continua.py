@@ -2,48 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-import numpy as np
-
 from ...errors import ParameterError, UnknownNameError
-from ...scene import Array
 from ..parameters import RotatingBeam
-from .numbers import numbers, time_unit
+from .numbers import NaturalModes, numbers, time_unit
 from .ritz import ritz
 from .stretching import stretching
 
 CONTINUA = ("inextensible", "extensible", "shear_flexible")
-
-
-@dataclass(frozen=True)
-class BeamModes:
-    """Natural frequencies about steady rotation.
-
-    Attributes
-    ----------
-    plane, continuum : str
-    omega : array (count,)
-        Circular frequencies [rad/s], ascending.
-    bound : array (count,)
-        On their errors [rad/s].
-    places : array (k,)
-        Reference coordinate x of the beam [m], 0 to L.
-    shapes : array (count, k)
-        Deflection of each mode there, 1 at the tip.
-    """
-
-    plane: str
-    continuum: str
-    omega: Array
-    bound: Array
-    places: Array
-    shapes: Array
-
-    @property
-    def hertz(self) -> Array:
-        """Frequencies [Hz]."""
-        return self.omega / (2 * np.pi)
 
 
 def frequencies(
@@ -53,8 +18,8 @@ def frequencies(
     continuum: str = "inextensible",
     shear_stiffness: float | None = None,
     rotary_inertia: bool = False,
-) -> BeamModes:
-    """Lowest natural frequencies of the beam that rotates at ``angular_speed``.
+) -> NaturalModes:
+    """Lowest natural frequencies [rad/s] of the beam that rotates at ``angular_speed``.
 
     Parameters
     ----------
@@ -84,11 +49,4 @@ def frequencies(
             shear = shear_stiffness * p.length**2 / (p.youngs_modulus * p.second_moment)
             rotary = section if rotary_inertia else 0.0
             modes = stretching(n, 1 / section, plane, count, shear, rotary)
-    return BeamModes(
-        plane=plane,
-        continuum=continuum,
-        omega=modes.omega / unit,
-        bound=modes.bound / unit,
-        places=modes.places * p.length,
-        shapes=modes.shapes,
-    )
+    return NaturalModes(modes.omega / unit, modes.bound / unit)

@@ -12,8 +12,6 @@ from ..parameters import RotatingBeam
 
 PLANES = ("chordwise", "flapwise")
 
-EPS = float(np.finfo(float).eps)
-
 
 class Numbers(NamedTuple):
     """Dimensionless parameters (19) of a beam in steady rotation, or hanging at rest.
@@ -68,15 +66,10 @@ def pull(n: Numbers, x: Any) -> Any:
 
 
 class NaturalModes(NamedTuple):
-    """Dimensionless results: frequencies, a bound on their errors, shapes at places.
-
-    ``shapes`` (count, places) are deflections, 1 at the tip.
-    """
+    """Natural frequencies (count,), ascending, and bounds on their errors."""
 
     omega: Array
     bound: Array
-    places: Array
-    shapes: Array
 
 
 def check(n: Numbers, plane: str, count: int) -> None:

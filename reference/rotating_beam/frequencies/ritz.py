@@ -121,11 +121,8 @@ AGREED = 1e-12
 ROUNDING = 2e-14
 """Relative rounding error that an eigenvalue is granted for each unit of cancellation."""
 
-LOCAL = np.linspace(-1, 1, 65)
-"""Points per element at which shapes are given."""
-
-Solve = Callable[[int], tuple[Array, Array, Array]]
-"""From a degree to frequencies, places and shapes."""
+Solve = Callable[[int], Array]
+"""From a degree of the polynomials to frequencies."""
 
 
 def converged(solve: Solve, count: int, cancellation: Callable[[Array], Any]) -> NaturalModes:
@@ -136,12 +133,12 @@ def converged(solve: Solve, count: int, cancellation: Callable[[Array], Any]) ->
     """
     before = None
     for degree in DEGREES:
-        omega, x, shapes = solve(degree)
+        omega = solve(degree)
         if before is not None:
             change = np.abs(omega - before)
             if np.all(change < (AGREED + ROUNDING * cancellation(omega)) * omega):
                 bound = change + ROUNDING * cancellation(omega) * omega
-                return NaturalModes(omega, bound, x, shapes / shapes[:, -1:])
+                return NaturalModes(omega, bound)
         before = omega
     raise MbcheckError(
         f"{count} frequencies need polynomials of a degree above {DEGREES[-1]}: "
@@ -155,7 +152,7 @@ def ritz(n: Numbers, plane: str = "chordwise", count: int = 2) -> NaturalModes:
     ends = element_ends(n)
     shift = n.gamma**2 if plane == "chordwise" else 0.0
 
-    def solve(degree: int) -> tuple[Array, Array, Array]:
+    def solve(degree: int) -> Array:
         at, deflection = basis(ends, degree, *gauss(degree)), at_mass(n, ends, degree)
         inertia = np.column_stack([at.value * np.sqrt(at.weight), deflection])
         stiffness = gram(at.curvature, at.weight)
@@ -164,10 +161,7 @@ def ritz(n: Numbers, plane: str = "chordwise", count: int = 2) -> NaturalModes:
         # the inverse problem, in factors: the lowest frequencies are the best determined, and the
         # others keep their digits beside that of a heavy mass
         of_energy = solve_triangular(factor, inertia, lower=True)
-        inverse, left = (part[..., :count] for part in graded_svd(of_energy.T))
-        vectors = solve_triangular(factor, of_energy @ left / inverse, lower=True, trans="T")
-        at_stations = basis(ends, degree, LOCAL, 0 * LOCAL)
-        omega = np.sqrt(1 / inverse**2 - shift)
-        return omega, at_stations.x, vectors.T @ at_stations.value
+        inverse = graded_svd(of_energy.T)[0][:count]
+        return np.asarray(np.sqrt(1 / inverse**2 - shift))
 
     return converged(solve, count, lambda omega: 1 + shift / omega**2)

@@ -11,7 +11,7 @@ from scipy.linalg import block_diag, cholesky, eigh, solve_triangular
 from ...errors import ParameterError
 from ...scene import Array
 from .numbers import NaturalModes, Numbers, check
-from .ritz import LOCAL, at_mass, basis, converged, element_ends, gauss, gram
+from .ritz import at_mass, basis, converged, element_ends, gauss, gram
 
 
 class Stretched(NamedTuple):
@@ -82,10 +82,8 @@ def hanging_state(n: Numbers, slenderness: float) -> Callable[[Array, Any], Stre
     return at
 
 
-def gyroscopic_frequencies(
-    mass: Array, gyroscopic: Array, stiffness: Array, count: int
-) -> tuple[Array, Array]:
-    """Lowest frequencies and complex shapes (count, n) of ``M a + G v + K q = 0``, G skew.
+def gyroscopic_frequencies(mass: Array, gyroscopic: Array, stiffness: Array, count: int) -> Array:
+    """Lowest frequencies (count,) of ``M a + G v + K q = 0``, G skew.
 
     With M and K positive definite all are real; they are found as 1/omega of a Hermitian
     matrix, so that the lowest are the best determined.
@@ -95,9 +93,8 @@ def gyroscopic_frequencies(
     g = solve_triangular(k, solve_triangular(k, gyroscopic, lower=True).T, lower=True).T
     size = len(mass)
     matrix = 1j * np.block([[-g, -w], [w.T, np.zeros((size, size))]])
-    inverse, vectors = eigh(matrix, subset_by_index=(2 * size - count, 2 * size - 1))
-    shapes = solve_triangular(k.T, vectors[:size], lower=False)
-    return 1 / inverse[::-1], shapes[:, ::-1].T
+    ends = (2 * size - count, 2 * size - 1)
+    return np.asarray(1 / eigh(matrix, eigvals_only=True, subset_by_index=ends)[::-1])
 
 
 def stretching(
@@ -132,14 +129,13 @@ def stretching(
     before, behind = (1 + state(ends[1:-1], number[:-1] + i).force / slenderness for i in (0, 1))
     times = 2 if shear is None else 1
 
-    def solve(degree: int) -> tuple[Array, Array, Array]:
+    def solve(degree: int) -> Array:
         points = gauss(degree + 12)  # what is integrated is no polynomial
         v = basis(ends, degree, *points, times, behind / before)
         y, force = state(v.x, np.repeat(number, len(points[0])))
         steady = 1 + force / slenderness
         deflection_of_mass = at_mass(n, ends, degree, times)
         mass = gram(v.value, v.weight) + np.outer(deflection_of_mass, deflection_of_mass)
-        at_stations = basis(ends, degree, LOCAL, 0 * LOCAL, times, behind / before)
         spin = np.zeros_like(mass)
         if shear is None:  # the angle is v' over the stretch
             twist = v.curvature + v.slope * ((square * y + n.weight) / slenderness / steady)
@@ -152,9 +148,8 @@ def stretching(
             spin = rotary * gram(v.value, v.weight)
             lateral = np.block([[shearing, mixed], [mixed.T, angle]])
         if plane == "flapwise":
-            inverse, vectors = eigh(mass, lateral)
-            omega = 1 / np.sqrt(inverse[::-1][:count])
-            return omega, at_stations.x, vectors[:, ::-1][:, :count].T @ at_stations.value
+            inverse = eigh(mass, lateral, eigvals_only=True)
+            return np.asarray(1 / np.sqrt(inverse[::-1][:count]))
         size = len(mass)
         lateral[:size, :size] -= square * mass
         if shear is not None and rotary == 0:  # the angle follows v at once
@@ -172,11 +167,9 @@ def stretching(
         )
         skew = block_diag(np.zeros_like(axial), np.zeros_like(mass))
         skew[len(axial) :, : len(axial)], skew[: len(axial), len(axial) :] = turn, -turn.T
-        omega, shapes = gyroscopic_frequencies(
+        return gyroscopic_frequencies(
             block_diag(axial_mass, mass), skew, block_diag(axial, lateral), count
         )
-        deflection = shapes[:, len(axial) : len(axial) + size] @ at_stations.value
-        return omega, at_stations.x, (deflection / deflection[:, -1:]).real
 
     stiffest = 10 + (shear or 0.0) / 50  # as springs in series, it costs digits
     return converged(solve, count, lambda omega: stiffest * (1 + square / omega**2))

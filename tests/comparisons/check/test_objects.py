@@ -23,7 +23,7 @@ from mbcheck.reference import get_scene
 from mbcheck.reference.solve import schemes
 
 
-class MyEngine:
+class MyEngine(mbcheck.Engine):
     name, version, reads_mjcf = "mine", "1", False
     methods = (mbcheck.Method("RK4", 4, "RK44"),)
 

@@ -10,7 +10,7 @@ import pytest
 from mbcheck.comparisons.check.request import CheckRequest, check
 from mbcheck.comparisons.checks.suite import checks_of, kinds_of, plan_cases, run_check
 from mbcheck.comparisons.checks.verdict import Result
-from mbcheck.comparisons.engines.plugin.adapter import adapt
+from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import UsageError

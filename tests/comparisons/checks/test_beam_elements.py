@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -168,13 +168,6 @@ class Forgetful(Wrapped):
         """Integrate from what is left."""
         left = {name: value for name, value in case.state.items() if not self.drops(name)}
         return self.engine.simulate(replace(case, state=left), model, method, step, times)
-
-    def simulate_many(
-        self, cases: Sequence[Case], model: str, method: Method, steps: Array, times: Array
-    ) -> list[Any]:
-        """Integrate one after the other."""
-        each = zip(cases, steps, times, strict=True)
-        return [self.simulate(one, model, method, float(h), at) for one, h, at in each]
 
 
 @pytest.mark.slow

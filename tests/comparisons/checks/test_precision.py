@@ -11,7 +11,7 @@ import pytest
 import mbcheck
 from mbcheck.comparisons.checks.suite import KINDS
 from mbcheck.comparisons.checks.verdict import Result
-from mbcheck.comparisons.engines.plugin.adapter import adapt
+from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.models.kinematics import movers, place
 from mbcheck.models.mechanism import Body, Site
 from mbcheck.reference import get_scene

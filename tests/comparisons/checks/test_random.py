@@ -10,15 +10,22 @@ from functools import partial
 import numpy as np
 import pytest
 
+from mbcheck.comparisons.checks.kinds import pushed
+from mbcheck.comparisons.checks.verdict import REFERENCE
 from mbcheck.comparisons.engines.isolation import STATM, isolated
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.variants.catalogue import Misread
-from mbcheck.comparisons.extremes import judge
-from mbcheck.comparisons.extremes.row import FAILED, OUTCOMES, REFERENCE, RIGHT, SKIPPED, WRONG
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.scene import Case
 from mbcheck.tests.support import draws
-from mbcheck.tests.support.draws import Draw, drawn, row_of_draw, row_of_outcome, shape, silent
+from mbcheck.tests.support.draws import (
+    Draw,
+    drawn,
+    result_of_draw,
+    result_of_outcome,
+    shape,
+    silent,
+)
 from mbcheck.tests.support.faults import ENGINES
 
 SECONDS, MEGABYTES = 60.0, 4000.0 if STATM.exists() else None
@@ -81,8 +88,7 @@ FEW: Mapping[tuple[str, str], tuple[int, int]] = {
 def test_a_few_draws(scene: str, engine: str) -> None:
     places = FEW.get((scene, engine), (0, 1))
     draws = drawn(scene, engine, max(places) + 1)
-    for row in map(row_of_draw, [draws[place] for place in places]):
-        assert row.outcome in OUTCOMES
+    for row in map(result_of_draw, [draws[place] for place in places]):
         assert not silent(row), row
 
 
@@ -97,19 +103,19 @@ def test_nothing_is_wrong_in_silence(scene: str, engine: str, share: int) -> Non
     found = drawn(scene, engine, COUNTS[scene] // 2 // share)
     classes: Counter[str] = Counter()
     wrong = []
-    calls = [partial(row_of_draw, draw) for draw in found]
+    calls = [partial(result_of_draw, draw) for draw in found]
     for index, result in isolated(calls, 1, SECONDS, MEGABYTES):
-        row = row_of_outcome(result)
-        classes[row.outcome] += 1
+        row = result_of_outcome(result)
+        classes[row.verdict] += 1
         if row.scene != scene or (silent(row) and found[index] not in OPEN.values()):
-            wrong.append(f"{row.model} {row.method} h = {row.step}: {row.reason}\n{found[index]}")
+            wrong.append(f"{row.id}: {row.reason}\n{found[index]}")
     print(scene, engine, dict(classes))
     assert not wrong, "\n".join(wrong)
     assert sum(classes.values()) == len(found)
     if share == 1:  # a test that skips everything shows nothing
-        assert classes[SKIPPED] < len(found)
+        assert classes["skipped"] < len(found)
         if scene != "rotating_beam":  # whose reference is too dear for most draws
-            assert classes[RIGHT] > len(found) / 5
+            assert classes["pass"] > len(found) / 5
 
 
 SEVEN_RODS = (-169, 72, 172, -96, 20, -394, 363, 93, -179, -31, -179, 500, 439, -394, 100)
@@ -126,7 +132,7 @@ speaks from 1 % on, but so short a run shows the higher ones."""
 
 @pytest.mark.parametrize("name", FOUND)
 def test_what_was_found_is_mended(name: str) -> None:
-    row = row_of_draw(FOUND[name][0])
+    row = result_of_draw(FOUND[name][0])
     assert not silent(row), row
 
 
@@ -153,41 +159,43 @@ MIDDLE = Draw(
 
 
 def test_a_silent_wrong_engine_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert row_of_draw(MIDDLE).outcome == RIGHT
+    assert result_of_draw(MIDDLE).verdict == "pass"
     wrong = Misread(ENGINES["exudyn"](), lambda p: p.replace(stiffness=1.01 * p.stiffness))
     monkeypatch.setattr(draws, "get_engine", lambda name: wrong)
-    row = row_of_draw(MIDDLE)
-    assert (row.outcome, row.noticed_by) == (WRONG, (REFERENCE,))
+    row = result_of_draw(MIDDLE)
+    assert (row.verdict, row.noticed_by) == ("deviation", (REFERENCE,))
     assert silent(row)
 
 
 def test_chaos_is_skipped_with_its_factor(monkeypatch: pytest.MonkeyPatch) -> None:
-    middle = row_of_draw(MIDDLE)
-    row = replace(middle, outcome=WRONG, noticed_by=(REFERENCE,), values={"growth": 3e6})
-    monkeypatch.setattr(draws, "judge", lambda *_, **__: row)
-    found = row_of_draw(MIDDLE)
-    assert found.outcome == SKIPPED
-    assert "grows by 3e+06" in found.reason
-    monkeypatch.setattr(draws, "judge", lambda *_, **__: replace(row, values={"growth": 3e4}))
-    assert silent(row_of_draw(MIDDLE))
+    middle = result_of_draw(MIDDLE)
+    reason = "wrong; errors of the start grow by {}"
+    for growth, verdict in (("3e+06", "skipped"), ("3e+04", "deviation")):
+        wrong = replace(
+            middle, verdict="deviation", noticed_by=(REFERENCE,), reason=reason.format(growth)
+        )
+        monkeypatch.setattr(draws, "run_check", lambda *_, wrong=wrong, **__: [wrong])
+        found = result_of_draw(MIDDLE)
+        assert found.verdict == verdict
+        assert silent(found) == (verdict == "deviation")
 
 
-def test_a_reference_that_takes_too_long_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_check_that_takes_too_long_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
     def endless(*_: object, **__: object) -> None:
         while True:
             np.zeros(1)
 
-    monkeypatch.setattr(judge, "certified", endless)
-    row = row_of_draw(MIDDLE, patience=0.1)
-    assert row.outcome == SKIPPED
-    assert "takes more than 0.1 s" in row.reason
+    monkeypatch.setattr(pushed, "truth_to_the_end", endless)
+    row = result_of_draw(MIDDLE, patience=0.5)
+    assert row.verdict == "skipped"
+    assert "takes more than 0.5 s" in row.reason
 
 
 def test_a_draw_that_takes_its_process_down_fails() -> None:
     from mbcheck.reference.errors import EngineError
 
-    row = row_of_outcome(EngineError("crashed", "SIGSEGV"))
-    assert (row.outcome, row.reason) == (FAILED, "crashed: SIGSEGV")
+    row = result_of_outcome(EngineError("crashed", "SIGSEGV"))
+    assert (row.verdict, row.reason) == ("error", "crashed: SIGSEGV")
 
 
 def test_the_fastest_motion_sets_the_horizon() -> None:

@@ -20,8 +20,8 @@ from mbcheck.comparisons.checks.verdict import PROFILES, Finding, judge
 from mbcheck.comparisons.engines.equations import ModelEquations, scene_equations
 from mbcheck.comparisons.engines.exudyn.engine import EXPLICIT
 from mbcheck.comparisons.engines.protocol import Method
-from mbcheck.comparisons.engines.run import Trajectory, grid_indices, run
-from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.run import Trajectory, grid_indices
+from mbcheck.comparisons.engines.setup import Setup, run
 from mbcheck.comparisons.engines.variants.catalogue import Delegating, Misread, Wrapped
 from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
 from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter

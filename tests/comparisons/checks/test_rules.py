@@ -13,13 +13,11 @@ from mbcheck.comparisons.checks.rules.cautions import RULES, Rule, cautions
 from mbcheck.comparisons.checks.rules.conditions import Statement
 from mbcheck.comparisons.checks.rules.model import frequency_error
 from mbcheck.comparisons.checks.rules.run import RunConditions
-from mbcheck.comparisons.engines.adapter import Adapter
+from mbcheck.comparisons.engines.adapter import Adapter, adapted
 from mbcheck.comparisons.engines.exudyn.engine import Exudyn
-from mbcheck.comparisons.engines.plugin.adapter import adapted
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.engines.run import run
-from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.setup import Setup, run
 from mbcheck.comparisons.engines.variants.catalogue import Delegating
 from mbcheck.comparisons.queries.simulate import simulate
 from mbcheck.reference import SCENES, get_scene

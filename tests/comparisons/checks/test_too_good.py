@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 import mbcheck
 from mbcheck.comparisons.checks.kinds import elements, one_step, order
 from mbcheck.comparisons.checks.verdict import Finding, judge
-from mbcheck.comparisons.engines.plugin.adapter import adapt
+from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Wrapped
 from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter

@@ -11,10 +11,8 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
-from multiprocessing import active_children, forkserver
-from multiprocessing.util import get_temp_dir
+from multiprocessing import active_children
 from pathlib import Path
-from threading import Timer
 from typing import Any
 
 import pytest
@@ -258,32 +256,6 @@ def test_children_of_an_engine_end_with_its_process(how: str) -> None:
     ):
         assert time.monotonic() < late
         time.sleep(0.05)
-
-
-def lose_socket() -> None:
-    """Empty the temporary folder in which the server of processes listens."""
-    for one in Path(get_temp_dir()).iterdir():
-        one.unlink()
-
-
-def end_server() -> None:
-    """Stop the server of processes, and end it while it is waited for."""
-    pid = forkserver._forkserver._forkserver_pid  # type: ignore[attr-defined]
-    os.kill(pid, signal.SIGSTOP)
-    Timer(0.5, os.kill, (pid, signal.SIGKILL)).start()
-
-
-@LINUX
-@pytest.mark.parametrize("deed", [lose_socket, end_server])
-def test_processes_start_without_their_server(deed: Callable[[], None]) -> None:
-    """What it raised was taken for Ctrl-C, or was a traceback."""
-    assert len(hold([os.getpid], jobs=1)) == 1
-    try:
-        deed()
-        assert len(hold([os.getpid], jobs=1)) == 1
-    finally:
-        with suppress(FileNotFoundError):
-            forkserver._forkserver._stop()  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize("end", [KeyboardInterrupt, SystemExit, GeneratorExit])

@@ -7,7 +7,6 @@ import math
 import os
 import pickle
 import re
-import struct
 from base64 import b64encode
 from multiprocessing import Pipe
 from pathlib import Path
@@ -18,9 +17,9 @@ import numpy as np
 import pytest
 
 import mbcheck
-from mbcheck.comparisons.engines.messages import MAX_BYTES, MAX_TEXT, decoded, encoded, received
-from mbcheck.comparisons.engines.plugin.validation import numbers
+from mbcheck.comparisons.engines.messages import MAX_BYTES, MAX_TEXT, decoded, encoded
 from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.validation import numbers
 from mbcheck.reference.errors import (
     BrokenEngineError,
     CannotJudgeError,
@@ -89,15 +88,6 @@ def test_what_is_no_message_is_an_error_of_the_engine(name: str) -> None:
     assert error.message.startswith("what its process sent is no answer: ")
     assert len(error.message) < 400
     assert error.message.isprintable()
-
-
-def test_a_length_is_checked_before_there_is_memory_for_it() -> None:
-    ours, theirs = Pipe()
-    theirs.send_bytes(b"[false, null]")
-    assert received(ours, plain=True) == (False, None)
-    os.write(theirs.fileno(), struct.pack("!i", MAX_BYTES + 1))
-    with pytest.raises(EOFError):
-        received(ours, plain=True)
 
 
 VALUES = [
@@ -188,6 +178,6 @@ def test_the_message_of_the_page_is_read() -> None:
     exec(dedent(lines), space)
     ours, theirs = Pipe()
     os.write(theirs.fileno(), space["message"])
-    ended, motion = received(ours, plain=True)
+    ended, motion = decoded(ours.recv_bytes(MAX_BYTES), plain=True)
     assert ended
     assert motion.positions.tolist() == [[0.0], [0.1]]

@@ -13,12 +13,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from mbcheck.comparisons.engines.protocol import Method
-from mbcheck.comparisons.engines.run import contained, run
-from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.run import contained
+from mbcheck.comparisons.engines.setup import Setup, run
 from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
-from mbcheck.models.clock import CLOCK_INERTIA
 from mbcheck.models.hula_hoop.mjcf import MODELS
-from mbcheck.models.mjcf import Mjcf, bind, export, models, number
+from mbcheck.models.mjcf import bind, export, models, number
 from mbcheck.reference.errors import EngineError, EngineUnavailableError, UnknownNameError
 from mbcheck.reference.hula_hoop.equations import (
     SCENE,
@@ -29,7 +28,6 @@ from mbcheck.reference.hula_hoop.equations import (
     mass_matrix,
 )
 from mbcheck.reference.scene import Array, Case
-from mbcheck.tests.support.faults import Edited
 
 ENGINE = MujocoAdapter()
 
@@ -105,18 +103,6 @@ def error(engine: MujocoAdapter, case: Case, method: Method, step: float) -> flo
 # --- models
 
 
-def test_committed_file_is_bound_to_the_defaults() -> None:
-    assert export(TREE, HulaHoop()) == TREE.path.read_text(encoding="utf-8")
-
-
-def test_every_parameter_but_none_else_changes_the_file() -> None:
-    default = export(TREE, HulaHoop())
-    for name in HulaHoop.names():
-        changed = export(TREE, HulaHoop().replace(**{name: 1.5}))
-        assert changed != default
-        assert len(changed.splitlines()) == len(default.splitlines())
-
-
 def test_what_is_printed_is_kept_from_the_first_letter_on() -> None:
     with contained() as console:
         os.write(1, b"first\nsecond")
@@ -161,23 +147,6 @@ def test_binding_keeps_everything_else() -> None:
 @pytest.mark.parametrize("value", [0.1 + 0.2, 1e300, 2.0**60, 5e-324, -0.0, 1000.0])
 def test_numbers_survive_the_text(value: float) -> None:
     assert float(number(value)) == value
-
-
-@pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
-def test_every_binding_reaches_the_compiled_model(model: Mjcf) -> None:
-    """Each bound attribute, set to another value alone, changes what MuJoCo compiles."""
-
-    def compiled(text: str) -> bytes:
-        loaded = mujoco.MjModel.from_xml_string(text)
-        image = np.empty(mujoco.mj_sizeModel(loaded), np.uint8)
-        mujoco.mj_saveModel(loaded, None, image)
-        return image.tobytes()
-
-    default = compiled(export(model, HulaHoop()))
-    other = OTHER.replace(gravity_x=1.0, gravity_y=-2.0)
-    for key, value in model.bindings.items():
-        text = bind(model.path.read_text(encoding="utf-8"), {key: value}, other)
-        assert compiled(text) != default, key
 
 
 @pytest.mark.parametrize("parameters", [HulaHoop(), OTHER, HulaHoop(force_amplitude=0.0)])
@@ -226,24 +195,6 @@ def test_clock_keeps_time_for_a_thousand_periods(method: str) -> None:
     turn = 2 * np.arcsin(omega * h / 2)  # exact for the semi-implicit Euler method
     expected = 0.06 * np.cos((steps + 0.5) * turn) / np.cos(turn / 2)
     assert data.qpos[0] == pytest.approx(expected, abs=1e-12)
-
-
-def test_batch_runs_many_drives_and_equals_plain_stepping() -> None:
-    batch = pytest.importorskip("mujoco.batch")
-    amplitudes, frequencies = np.array([60.0, 30.0, 0.0, 80.0]), np.array([3.0, 5.0, 2.0, 3.3])
-    model = mujoco.MjModel.from_xml_path(str(TREE.path))
-    many = batch.Batch(model, nsim=4, nthread=2)
-    omega = np.array([coefficients(HulaHoop(force_frequency=f)).omega for f in frequencies])
-    many.joint("foot").stiffness = (CLOCK_INERTIA * omega**2)[:, None]
-    many.joint("foot").qpos[:] = (amplitudes / 1000.0)[:, None]
-    positions = many.bind("qpos")
-    many.step(nstep=300)
-    for row, (force, frequency) in enumerate(zip(amplitudes, frequencies, strict=True)):
-        parameters = HulaHoop(force_amplitude=force, force_frequency=frequency)
-        single = mujoco.MjModel.from_xml_string(export(TREE, parameters))
-        data = mujoco.MjData(single)
-        mujoco.mj_step(single, data, nstep=300)
-        assert np.array_equal(positions[row], data.qpos)
 
 
 def test_the_claim_differs_only_where_mujoco_has_no_point_mass() -> None:
@@ -344,38 +295,6 @@ def test_linearised_about_a_moving_state() -> None:
     assert np.allclose(damping, [[c.damping, -2 * speed * sin], [0, c.hinge_damping]], atol=1e-9)
     expected = [[c.stiffness, -sin * a[1] - cos * speed**2], [0, -sin * a[0]]]
     assert np.allclose(stiffness, expected, rtol=1e-10, atol=1e-9)
-
-
-# --- broken models are far outside what a right one shows
-
-
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        ('mass="0.045"', 'mass="0.045045"'),
-        ('inertial pos="0.05 0 0"', 'inertial pos="0.05005 0 0"'),
-        ('damping="5.056498968474317e-05"', 'damping="0"'),
-        ('gravity="0 0 0"', 'gravity="0 -9.81 0"'),
-        ('stiffness="1000"', 'stiffness="1001"'),
-        ('ref="0.06" armature="1.152921504606847e+18"', 'ref="0.06" armature="1.153e+18"'),
-    ],
-    ids=["free mass", "rod", "hinge damping", "gravity", "spring", "force frequency"],
-)
-def test_broken_model_is_far_off(old: str, new: str) -> None:
-    case = case_of(None, SPINNING, 0.25)
-    right = error(ENGINE, case, RK4, 2.0**-12)
-    assert error(Edited(old, new), case, RK4, 2.0**-12) > 1e3 * right
-
-
-def test_force_that_is_late_by_one_step_is_far_off() -> None:
-    class Late(MujocoAdapter):
-        def motion(self, case: Case, model: str, time: float, state: Array) -> Any:
-            late = 2.0**-12 if any(state) else 0.0  # not of how the file opens
-            return super().motion(case, model, time - late, state)
-
-    case = case_of(None, SPINNING, 0.25)
-    right = error(ENGINE, case, RK4, 2.0**-12)
-    assert error(Late(), case, RK4, 2.0**-12) > 1e3 * right
 
 
 # --- manners

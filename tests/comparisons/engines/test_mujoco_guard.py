@@ -8,10 +8,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.engines.mujoco.library import quiet
-from mbcheck.comparisons.engines.mujoco.runs import integrate
-from mbcheck.comparisons.engines.run import Trajectory, guard, run
-from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.mujoco.library import integrate, quiet
+from mbcheck.comparisons.engines.run import Trajectory
+from mbcheck.comparisons.engines.setup import Setup, guard, run
 from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.hula_hoop.equations import (

@@ -14,7 +14,7 @@ import pytest
 
 import mbcheck
 from mbcheck.comparisons.engines import registry as engines
-from mbcheck.comparisons.engines.plugin.adapter import adapt
+from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.models.mechanism import Term
 from mbcheck.reference import get_scene
@@ -269,7 +269,7 @@ def test_what_an_engine_cannot_do_is_skipped_with_its_reason() -> None:
 
 
 def test_an_engine_may_tell_no_more_than_runs() -> None:
-    class Bare:
+    class Bare(mbcheck.Engine):
         name, version, methods = "bare", "1", toy_class().methods
 
         def simulate(self, *arguments: Any) -> Any:
@@ -285,7 +285,7 @@ def test_an_engine_may_tell_no_more_than_runs() -> None:
 
 
 def test_an_engine_without_mass_matrix_is_still_told_which_inertia_is_wrong() -> None:
-    class Blind:
+    class Blind(mbcheck.Engine):
         name, version, methods = "blind", "1", toy_class().methods
 
         def __init__(self) -> None:
@@ -310,7 +310,8 @@ def test_an_engine_may_tell_its_own_linearisation(factor: float, verdict: str) -
     asked = []
 
     class Linear(toy_class()):  # type: ignore[misc]
-        accelerations = None
+        def accelerations(self, *arguments: Any) -> Any:
+            raise mbcheck.Unsupported("none")
 
         def linearise(self, system: Any) -> Any:
             asked.append(system.case.name)
@@ -338,7 +339,7 @@ def test_an_engine_may_tell_its_own_linearisation(factor: float, verdict: str) -
 def test_a_dropped_part_is_named_without_a_mass_matrix(pattern: str, said: str) -> None:
     """Where other parts could stand for it only in shares that rounding hides."""
 
-    class Blind:
+    class Blind(mbcheck.Engine):
         name, version, methods = "blind", "1", toy_class().methods
         reads = staticmethod(toy_class())
 
@@ -401,7 +402,7 @@ def test_an_engine_that_ends_the_process_ends_one_check(
 
 
 def test_an_engine_that_reads_no_mjcf_speaks_the_scenes_coordinates() -> None:
-    class Own:
+    class Own(mbcheck.Engine):
         name, version = "own", "1"
         methods = (mbcheck.Method("midpoint", 2, "ExplicitMidpoint"),)
         reads_mjcf = False

@@ -14,7 +14,7 @@ import pytest
 import mbcheck
 from mbcheck.comparisons.checks.suite import KINDS, kinds_of
 from mbcheck.comparisons.engines import registry as engines
-from mbcheck.comparisons.engines.plugin.adapter import adapt
+from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.models import mjcf
 from mbcheck.models.kinematics import gaps
@@ -46,7 +46,7 @@ def failing() -> None:
 
 
 LOADED: dict[str, tuple[Callable[[], Any], str]] = {
-    "no name": (lambda: type("Nothing", (), {}), "has no name; see docs/engines.md"),
+    "no name": (lambda: type("Nothing", (mbcheck.Engine,), {}), "has no name; see docs/engines.md"),
     "a path for a name": (lambda: with_attributes(name="a/b"), "calls itself 'a/b'"),
     "a name that turns the line round": (
         lambda: with_attributes(name="\u202eenigne"),
@@ -66,7 +66,10 @@ LOADED: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: with_attributes(methods=(mbcheck.Method("RK 4/5", 4),)),
         "calls a method 'RK 4/5'; a name has",
     ),
-    "order 0": (lambda: with_attributes(methods=(mbcheck.Method("a", 0),)), "order of 1 or more"),
+    "order 0": (
+        lambda: with_attributes(methods=(mbcheck.Method("a", 0),)),
+        "order must be 1 or more",
+    ),
     "an unknown scheme": (
         lambda: with_attributes(methods=(mbcheck.Method("a", 4, "RK4"),)),
         "did you mean 'RK44'?",
@@ -81,7 +84,7 @@ LOADED: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     "a word for yes or no": (
         lambda: with_attributes(methods=(mbcheck.Method("a", 1, scheme_with_loops="no"),)),  # type: ignore[arg-type]
-        "scheme_with_loops must be True or False, not 'no'",
+        "scheme_with_loops must be True or False, not str 'no'",
     ),
     "two of a name": (
         lambda: with_attributes(methods=(mbcheck.Method("a", 1),) * 2),
@@ -140,7 +143,9 @@ def test_places_that_are_none_are_told_apart(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)
-    (tmp_path / "half_engine.py").write_text("class Half: pass\nclass Taken:\n name='mujoco'\n")
+    (tmp_path / "half_engine.py").write_text(
+        "import mbcheck\nclass Half: pass\nclass Taken(mbcheck.Engine):\n name='mujoco'\n"
+    )
     (tmp_path / "torn_engine.py").write_text("import nothing_of_this_name\n")
     with pytest.raises(EngineUnavailableError, match="no_such_module cannot be imported"):
         engines.get_engine("no_such_module:Engine")

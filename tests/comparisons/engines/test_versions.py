@@ -17,8 +17,7 @@ import pytest
 from packaging.requirements import Requirement
 
 from mbcheck.comparisons.engines.exudyn import engine as exudyn
-from mbcheck.comparisons.engines.exudyn.engine import Exudyn
-from mbcheck.comparisons.engines.exudyn.settings import RENAMED, assign
+from mbcheck.comparisons.engines.exudyn.engine import RENAMED, Exudyn, assign
 from mbcheck.comparisons.engines.mujoco import engine as mujoco
 from mbcheck.comparisons.engines.mujoco.engine import MuJoCo
 from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter

@@ -21,6 +21,7 @@ from mbcheck.comparisons.maps import compare, draw, execute, run, store
 from mbcheck.comparisons.maps.request import Axis, Request, evaluate, quantities, resolved
 from mbcheck.comparisons.maps.store import Map
 from mbcheck.comparisons.scenes.quantity import Quantity, QuantityValues, Variable
+from mbcheck.reference import solve as backends
 from mbcheck.reference.errors import MbcheckError, UnknownNameError, UsageError
 from mbcheck.tests.support.command import MAIN, invoke
 from mbcheck.tests.support.documents import validated
@@ -458,6 +459,15 @@ def test_help_names_every_option() -> None:
     for option in ("--x", "--quantity", "--resume", "--workers", "--dask", "--refine", "--plot"):
         assert option in done
     assert sys.executable not in done
+
+
+def test_a_backend_that_is_not_there_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(UsageError, match="known: auto, numpy, heyoka"):
+        backends.takes_heyoka("jax")
+    monkeypatch.setattr(backends, "find_spec", lambda name: None)
+    with pytest.raises(UsageError, match=r"mbcheck\[fast\]"):
+        backends.takes_heyoka("heyoka")
+    assert not backends.takes_heyoka("auto")
 
 
 @pytest.mark.skipif(find_spec("heyoka") is None, reason="heyoka is not installed")

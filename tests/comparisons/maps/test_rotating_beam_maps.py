@@ -181,16 +181,16 @@ def test_an_engine_without_foreshortening_is_found_out(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Its stiffness is that at rest, less what the speed takes."""
-    from mbcheck.comparisons.engines.plugin.adapter import PluginAdapter
+    from mbcheck.comparisons.engines.adapter import Adapter
 
-    true = PluginAdapter.linearise
+    true = Adapter.linearise
 
     def linearise(self: Any, case: Any, model: str, state: Any) -> Any:
         speed = state[len(state) // 2]
         mass, damping, stiffness = true(self, case, model, 0 * state)
         return mass, damping, stiffness - speed**2 * mass
 
-    monkeypatch.setattr(PluginAdapter, "linearise", linearise)
+    monkeypatch.setattr(Adapter, "linearise", linearise)
     found, _ = evaluated("stability", {"angular_speed": [2.0, 4.0]}, "mujoco", segments=4)
     assert found.values["stable"].tolist() == [1, 0]
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.engines.plugin.adapter import PluginAdapter
+from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.queries.simulate import simulate
 from mbcheck.comparisons.scenes.quantity import NO_VALUE, Flow, Points, QuantityValues
 from mbcheck.comparisons.scenes.rotor_pendulum import phase
@@ -206,19 +206,12 @@ def test_an_engine_with_another_damper_is_seen(monkeypatch: pytest.MonkeyPatch) 
 
 def light(monkeypatch: pytest.MonkeyPatch) -> None:
     """Take most of the rod's damper from MuJoCo."""
-    for name in ("simulate", "simulate_many"):
-        if not hasattr(PluginAdapter, name):
-            continue
-        plain = getattr(PluginAdapter, name)
+    plain = Adapter.simulate
 
-        def changed(self: Any, cases: Any, *more: Any, plain: Any = plain) -> Any:
-            if isinstance(cases, list):
-                cases = [without_damper(case) for case in cases]
-            else:
-                cases = without_damper(cases)
-            return plain(self, cases, *more)
+    def changed(self: Any, case: Any, *more: Any) -> Any:
+        return plain(self, without_damper(case), *more)
 
-        monkeypatch.setattr(PluginAdapter, name, changed)
+    monkeypatch.setattr(Adapter, "simulate", changed)
 
 
 def without_damper(case: Any) -> Any:
@@ -230,7 +223,7 @@ def test_a_failing_engine_leaves_no_value(monkeypatch: pytest.MonkeyPatch) -> No
     stiff = at(CASE_2, n_x=0.01)
     where = points([CASE_2, stiff], "mujoco", None, step=1.3e-3)
     unstable = replace(where, method="RK4")
-    monkeypatch.setattr(phase, "doubled", lambda least, wanted: np.full(len(wanted), least))
+    monkeypatch.setattr(phase, "step_counts", lambda where, *_: np.full(len(where), SAMPLES))
     found = evaluate("phase", unstable)
     assert list(found.problems) == [1]
     assert found.values["class"][1] == NO_VALUE

@@ -26,8 +26,9 @@ from mbcheck.reference.bounds.orbits import orbit_bounds
 from mbcheck.reference.errors import NoOrbitError, ParameterError
 from mbcheck.reference.orbits import find_orbit
 from mbcheck.reference.speed_regulator import theory
-from mbcheck.reference.speed_regulator.equations import SpeedRegulator
+from mbcheck.reference.speed_regulator.equations import SpeedRegulator, coefficients
 from mbcheck.reference.speed_regulator.orbit import mean_speed
+from mbcheck.reference.speed_regulator.rest import found_equilibria, static_stiffness
 
 SCENE = get_scene("speed_regulator")
 HOMOCLINIC = 0.0526104
@@ -90,8 +91,12 @@ CORNERS: dict[str, dict[str, Any]] = {
 @pytest.mark.parametrize("name", CORNERS)
 def test_regimes_are_those_of_the_theory_point_by_point(name: str) -> None:
     where = points(**CORNERS[name])
-    expected = [theory.regime(where.one(i)) for i in range(len(where))]
-    assert [REGIMES[int(i)] for i in theory_regimes(where)] == expected
+    for place, p in zip(theory_regimes(where), map(where.one, range(len(where))), strict=True):
+        c = coefficients(p)
+        rests = any(static_stiffness(phi, c) > 0 for phi in found_equilibria(p).values())
+        regime = REGIMES[int(place)]
+        assert (regime in ("rest", "coexistence")) == rests
+        assert (regime in ("rotation", "coexistence")) == theory.rotates(p)
 
 
 QUICK = ("ordinary", "no torque, no damper", "lengths")

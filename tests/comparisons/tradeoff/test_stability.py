@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from mbcheck.comparisons.checks.kinds import boundary
-from mbcheck.comparisons.cli.tradeoff import draw_all, with_pictures
+from mbcheck.comparisons.cli.tradeoff import write
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.reports.files import Destination
 from mbcheck.comparisons.reports.text import markdown_table
 from mbcheck.comparisons.tradeoff import pages
 from mbcheck.comparisons.tradeoff.report import Tradeoff
-from mbcheck.comparisons.tradeoff.series import STEP, Cost, Point, StepSeries
-from mbcheck.comparisons.tradeoff.stability import BoundaryShift, boundary_shift, order_of, tasks
+from mbcheck.comparisons.tradeoff.stability import AXIS, boundary_shift, tasks
+from mbcheck.comparisons.tradeoff.table import STEP, Cost, Point, StepSeries
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.scene import Case
@@ -41,10 +40,10 @@ def test_engines_converge_to_the_reference_with_their_order(
     pytest.importorskip(engine, exc_type=ImportError)
     model = get_engine(engine).models("hula_hoop")[0]
     found = boundary_shift(case, engine, model, method, (40, 80))
-    assert all(bound is not None and bound < 1e-6 for bound in found.bounds)
+    assert all(point.bound is not None and point.bound < 1e-6 for point in found.points)
     assert found.slope == pytest.approx(order, abs=0.35)
-    assert (found.order, found.unit, found.parameter) == (order, "N", "force_amplitude")
-    row = markdown_table(("",) * 9, [pages.shifts(found)[:7]], pages.DIGITS).splitlines()[2]
+    assert (found.order, found.unit, found.quantity) == (order, "N", "force_amplitude")
+    row = markdown_table(("",) * 9, [pages.shift_cells(found)[:7]], pages.DIGITS).splitlines()[2]
     assert row in (DOCS / "tradeoff.md").read_text()
 
 
@@ -73,38 +72,35 @@ def test_where_there_is_no_point_it_says_why(case: Case, monkeypatch: pytest.Mon
 
     monkeypatch.setattr(boundary, "engine_point", fails)
     found = boundary_shift(case, "mujoco", "tree", "RK4", (40, 80, 160))
-    assert found.shifts[:2] == found.bounds[:2] == (None, None)
-    assert found.shifts[2] == pytest.approx(4.5e-6, rel=0.02)
+    assert [point.error for point in found.points[:2]] == [None, None]
+    assert found.points[2].error == pytest.approx(4.5e-6, rel=0.02)
     assert found.slope is None
-    assert "no number came back" in found.reason
+    assert "no number came back" in found.points[0].reason
 
 
-def test_the_order_is_that_of_the_last_halving_above_the_bounds() -> None:
-    assert order_of((16e-6, 1e-6, 5e-9), (1e-9,) * 3) == pytest.approx(4)
-    assert order_of((16e-6, None, 1e-6), (1e-9, None, 1e-9)) is None
-    assert order_of((1e-9, 1e-10), (1e-9, 1e-9)) is None
-
-
-def shift(method: str, *shifts: float | None) -> BoundaryShift:
-    bounds = tuple(None if one is None else 1e-9 for one in shifts)
-    counts = (40, 80, 160, 320, 640)
-    words = ("hula_hoop", "a case", "mujoco", "tree", method, 1, "force_amplitude", "N", counts)
-    return BoundaryShift(*words, shifts, bounds, 1.0)
+def shift(method: str, *shifts: float | None) -> StepSeries:
+    points = tuple(
+        Point(None, one, {} if one is None else {"force_amplitude": -one}, value=count, bound=1e-9)
+        for count, one in zip((40, 80, 160, 320, 640), shifts, strict=True)
+    )
+    return StepSeries(
+        "hula_hoop", "a case", "mujoco", "tree", method, 1, {}, points, 1.0, 1e-9,
+        axis=AXIS, unit="N", quantity="force_amplitude",
+    )  # fmt: skip
 
 
 def test_a_page_shows_its_pictures(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
-    points = tuple(Point(2.0**-k, 4.0**-k, {}, Cost(1, 1, 1, 1, None, None), STEP) for k in (3, 4))
+    points = tuple(Point(2.0**-k, 4.0**-k, {}, Cost(1, 1, 1, 1), STEP) for k in (3, 4))
     series = StepSeries("hula_hoop", "a case", "mujoco", "tree", "RK4", 4, {}, points)
     shifts = [shift("RK4", 1.0, 0.5, 0.25, 0.125, 0.0625), shift("Euler", None, 2, 1, 0.5, 0.25)]
-    result = Tradeoff((0.01,), ("hula_hoop",), ("mujoco",), [series], stability=shifts)
-    document = validated("tradeoff", json.loads(json.dumps(result.as_json(), default=vars)))
-    assert document["stability"][1]["shifts"] == [None, 2, 1, 0.5, 0.25]
-    pictures = draw_all(result, tmp_path / "one.png")
-    assert [path.name for _, path in pictures] == ["one.png", "one_stability.png"]
-    assert all(path.read_bytes().startswith(b"\x89PNG") for _, path in pictures)
-    place = Destination("--markdown", str(tmp_path / "page.md"))
-    page = with_pictures(pages.markdown(result), pictures, place)
+    result = Tradeoff((0.01,), ("hula_hoop",), ("mujoco",), series=[series, *shifts])
+    document = validated("tradeoff", result.as_json())
+    assert [point["error"] for point in document["series"][2]["points"]] == [None, 2, 1, 0.5, 0.25]
+    page, plot = tmp_path / "page.md", tmp_path / "one.png"
+    write(result, None, Destination("--markdown", str(page)), Destination("--plot", str(plot)))
+    for name in ("one.png", "one_stability.png"):
+        assert (tmp_path / name).read_bytes().startswith(b"\x89PNG")
     title = "What a step costs in stability"
-    assert f"## {title}\n\n![{title}](one_stability.png)\n\n| scene |" in page
-    assert "| Euler | 1 | - | 2 | 1 | 0.5 | 0.25 | 1 | 1e-09 |" in page
+    assert f"## {title}\n\n![{title}](one_stability.png)\n\n| scene |" in page.read_text()
+    assert "| Euler | 1 | - | -2 | -1 | -0.5 | -0.25 | 1 | 1e-09 |" in page.read_text()

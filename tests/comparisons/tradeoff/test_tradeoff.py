@@ -17,44 +17,50 @@ from mbcheck.comparisons.cli.group import program
 from mbcheck.comparisons.engines import registry as engines
 from mbcheck.comparisons.engines.equations import scene_equations
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.engines.setup import run
 from mbcheck.comparisons.scenes.tradeoff import relative_error
-from mbcheck.comparisons.tradeoff.report import Choice, Tradeoff, choose, pareto, tradeoff
-from mbcheck.comparisons.tradeoff.series import (
+from mbcheck.comparisons.tradeoff.report import Tradeoff, choose, tradeoff
+from mbcheck.comparisons.tradeoff.sweep import (
+    SMALL,
+    beside,
+    case_of,
+    horizon_of,
+    setup_of,
+    sweeps,
+    thinned,
+)
+from mbcheck.comparisons.tradeoff.sweep import swept as sweep
+from mbcheck.comparisons.tradeoff.table import (
     MODEL,
     ROUND_OFF,
     STEP,
     UNEXPLAINED,
+    Choice,
     Cost,
     Point,
     StepSeries,
-)
-from mbcheck.comparisons.tradeoff.sweep import (
-    SMALL,
-    Sweep,
-    beside,
-    case_of,
-    horizon_of,
-    measure,
-    setup_of,
-    sweeps,
+    pareto,
+    trials_of,
 )
 from mbcheck.reference import SCENES
 from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.documents import validated
 
 
-def swept(scene: str, engine: str, model: str, method: str, **settings: float) -> StepSeries:
+def header(scene: str, engine: str, model: str, method: str, **settings: float) -> StepSeries:
+    """Return a series that is to be measured."""
+    order = next(one.order for one in get_engine(engine).methods if one.name == method)
+    return StepSeries(scene, case_of(scene).name, engine, model, method, order, settings)
+
+
+def swept(*words: str, **settings: float) -> StepSeries:
     """Return a series, each run made once."""
-    return measure(Sweep(scene, engine, model, method, tuple(settings.items())), repeats=1)
-
-
-def cost(seconds: float, spread: float = 0.0) -> Cost:
-    return Cost(seconds, seconds - spread, seconds + spread, 1.0, None, None)
+    return sweep(header(*words, **settings), repeats=1).series[0]
 
 
 def series(*points: tuple[float, float, float], engine: str = "mujoco", **words: Any) -> StepSeries:
     """Return a series of (step, error, seconds)."""
-    listed = tuple(Point(h, e, {}, cost(t), STEP, "step") for h, e, t in points)
+    listed = tuple(Point(h, e, {}, Cost(t, t, t, 1.0), STEP, "step") for h, e, t in points)
     return StepSeries("hula_hoop", "a case", engine, "tree", "RK4", 4, words, listed)
 
 
@@ -158,7 +164,7 @@ def test_second_axes_are_swept() -> None:
     settings = {
         (one.scene, one.engine, name)
         for one in sweeps((), ("mujoco", "exudyn"))
-        for name, _ in one.settings
+        for name in one.settings
     }
     assert {
         ("speed_regulator", "mujoco", "closure_time"),
@@ -185,11 +191,11 @@ def test_all_methods_are_swept() -> None:
 def test_steps_are_powers_of_two_and_samples_are_shared(scene: str) -> None:
     span = horizon_of(case_of(scene))
     assert np.log2(span.coarsest) == round(np.log2(span.coarsest))
-    finest = span.samples(span.spacing) * span.spacing
+    finest = span.times(span.spacing)
     assert len(finest) >= 64
     for halvings in range(10):
-        step = span.coarsest / 2**halvings
-        assert np.array_equal(span.samples(step) * step, finest[span.rows(step)])
+        times = span.times(span.coarsest / 2**halvings)
+        assert np.array_equal(thinned(finest[None], len(times))[0], times)
 
 
 # Choices
@@ -199,16 +205,17 @@ def test_pareto_front() -> None:
     one = series((0.1, 1e-2, 1.0), (0.05, 1e-3, 2.0), (0.02, 1e-3, 3.0))
     other = series((0.1, 5e-2, 0.5), (0.05, 5e-4, 2.5), (0.01, 2.0, 0.1))
     places = ((other, 0), (one, 0), (one, 1), (other, 1))
-    assert pareto([one, other]) == [(of, of.points[i]) for of, i in places]
+    assert pareto(trials_of([one, other])) == [(of, of.points[i]) for of, i in places]
 
 
 def test_the_cheapest_that_meets_the_target() -> None:
     one = series((0.1, 1e-2, 1.0), (0.05, 1e-3, 2.0), (0.02, 1e-5, 3.0))
     assert choose([one], 1e-2)[0].step == 0.1
     assert choose([one], 2e-3)[0].step == 0.05
+    one = replace(one, points=(*one.points, replace(one.points[-1], error=9e-6, step=0.01)))
     none = choose([one], 1e-6)[0]
     assert not none.met
-    assert none.error == 1e-5
+    assert none.error == 9e-6
     assert "RK4" in none.limit
 
 
@@ -238,22 +245,21 @@ def test_margin_to_instability() -> None:
     assert choose([one], 1e-2)[0].margin == pytest.approx(2.5)
 
 
-def fresh_error(sweep: Sweep, step: float) -> float:
+def fresh_error(series: StepSeries, step: float) -> float:
     """Return the error of one run of a series, as in `Point.error`, run anew."""
-    setup = setup_of(sweep)
+    setup = setup_of(series)
     span, names = horizon_of(setup.case), setup.scene.observables
-    equations, times = scene_equations(setup.case), span.times(setup.case, step)
-    right = roundoff_reference(equations, setup.case, times, names)
-    run = setup.simulate(step, span.samples(step))
-    return relative_error(run.matrix(names), right)
+    times = span.times(step)
+    right = roundoff_reference(scene_equations(setup.case), setup.case, times, names)
+    return relative_error(run(setup.with_step(step), times).matrix(names), right)
 
 
-def sweep_of(choice: Choice) -> Sweep:
+def series_of(choice: Choice) -> StepSeries:
     """Return the series of a choice that meets its target."""
     assert choice.model is not None
     assert choice.method is not None
-    settings = tuple((choice.settings or {}).items())
-    return Sweep(choice.scene, choice.engine, choice.model, choice.method, settings)
+    words = (choice.scene, choice.engine, choice.model, choice.method)
+    return header(*words, **dict(choice.settings or {}))
 
 
 @pytest.mark.parametrize(
@@ -275,7 +281,7 @@ def test_recommendations_hold_when_run_afresh(
     assert len(choices) == 3
     for choice in choices:
         assert choice.step is not None
-        fresh = fresh_error(sweep_of(choice), choice.step)
+        fresh = fresh_error(series_of(choice), choice.step)
         assert fresh <= choice.target
         assert fresh == pytest.approx(choice.error, rel=1e-6)
 
@@ -286,15 +292,8 @@ def test_every_recommendation_holds_when_run_afresh() -> None:
     assert not found.failures
     assert {choice.scene for choice in found.choices if choice.met} == set(found.scenes)
     for choice in found.choices:
-        if choice.step is not None:
-            assert fresh_error(sweep_of(choice), choice.step) <= choice.target, choice
-
-
-def test_an_error_is_that_of_the_sweep() -> None:
-    sweep = Sweep("speed_regulator", "exudyn", "one_dof", "RK44")
-    found = measure(sweep, repeats=1)
-    fresh = fresh_error(sweep, found.points[3].step)
-    assert fresh == pytest.approx(found.points[3].error, rel=1e-6)
+        if choice.step is not None and choice.axis == "step":
+            assert fresh_error(series_of(choice), choice.step) <= choice.target, choice
 
 
 # The verb
@@ -306,12 +305,18 @@ def test_settings_are_in_the_name_of_a_series() -> None:
     assert "speed_regulator exudyn redundant GeneralizedAlpha newton_tolerance 0.0001" in names
 
 
-def test_document_and_order_of_targets(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        "mbcheck.comparisons.tradeoff.report.sweeps",
-        lambda scenes, who: [Sweep("speed_regulator", "exudyn", "one_dof", "RK67")],
-    )
-    monkeypatch.setattr("mbcheck.comparisons.tradeoff.minimal.tasks", lambda *asked: [])
+@pytest.fixture
+def one_method(monkeypatch: pytest.MonkeyPatch) -> pytest.MonkeyPatch:
+    """Only one method is swept."""
+    report = "mbcheck.comparisons.tradeoff.report"
+    only = header("speed_regulator", "exudyn", "one_dof", "RK67")
+    monkeypatch.setattr(f"{report}.sweeps", lambda scenes, who: [only])
+    monkeypatch.setattr(f"{report}.smallest.tasks", lambda *asked: [])
+    return monkeypatch
+
+
+@pytest.mark.usefixtures("one_method")
+def test_document_and_order_of_targets() -> None:
     states: list[tuple[int, int, str]] = []
     found = tradeoff(["speed_regulator"], ["exudyn"], [1e-4, 1e-2], lambda *it: states.append(it))
     assert states[-1][:2] == (1, 1)
@@ -321,19 +326,34 @@ def test_document_and_order_of_targets(monkeypatch: pytest.MonkeyPatch) -> None:
     assert document["pareto"]["speed_regulator"]
 
 
-def test_an_engine_that_dies_costs_one_series(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        "mbcheck.comparisons.tradeoff.report.sweeps",
-        lambda scenes, who: [Sweep("speed_regulator", "exudyn", "one_dof", "RK67")],
-    )
-    monkeypatch.setattr(
-        "mbcheck.comparisons.tradeoff.minimal.tasks", lambda *asked: [("a beam", os.abort)]
-    )
-    found = tradeoff(["speed_regulator"], ["exudyn"], [1e-2])
-    assert len(found.failures) == 1
-    assert found.failures[0].startswith("a beam: ")
-    assert "crashed" in found.failures[0]
-    assert found.choices[0].method == "RK67"
+def test_what_was_done_is_kept_and_resumed(one_method: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """An engine that dies costs one piece; the others are not run again."""
+    tasks = "mbcheck.comparisons.tradeoff.report.smallest.tasks"
+    one_method.setattr(tasks, lambda *asked: [("a beam", os.abort)])
+    file = str(tmp_path / "runs.json")
+
+    def found(**more: Any) -> Tradeoff:
+        words: dict[str, Any] = {"targets": [1e-2], "resume": file} | more
+        result = Tradeoff.asked(["speed_regulator"], ["exudyn"], **words)
+        result.done = [what for _, _, what in result.work()]  # type: ignore[attr-defined]
+        return result
+
+    first, again = found(), found()
+    for one in (first, again):
+        assert len(one.failures) == 1
+        assert one.failures[0].startswith("a beam: ")
+        assert "crashed" in one.failures[0]
+        assert one.choices[0].method == "RK67"
+    assert len(first.done) == 2  # type: ignore[attr-defined]
+    assert again.done == ["a beam"]  # type: ignore[attr-defined]
+    assert again.as_json() == first.as_json()
+    with pytest.raises(UsageError, match="is of another target"):
+        found(targets=[1e-3])
+    broken = json.loads(Path(file).read_text())
+    broken["entries"] = {key: {"series": 1} for key in broken["entries"]}
+    Path(file).write_text(json.dumps(broken))
+    with pytest.raises(UsageError, match="holds no runs"):
+        found()
 
 
 @pytest.mark.parametrize("target", [0.0, 1.0, -1e-3, float("nan")])

@@ -12,7 +12,7 @@ pytest.importorskip("matplotlib")
 
 from mbcheck.comparisons.reports import drawing
 from mbcheck.comparisons.tradeoff import draw
-from mbcheck.comparisons.tradeoff.series import FAILED, MODEL, STEP, Cost, Point, StepSeries
+from mbcheck.comparisons.tradeoff.table import FAILED, MODEL, STEP, Cost, Point, StepSeries
 
 
 def series(engine: str, method: str, order: int, floor: float = 0.0) -> StepSeries:

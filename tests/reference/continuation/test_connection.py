@@ -9,7 +9,7 @@ from mbcheck.reference import get_scene
 from mbcheck.reference.continuation.connection import ConnectionAlong
 from mbcheck.reference.errors import NoOrbitError
 from mbcheck.reference.scene import Array
-from mbcheck.reference.speed_regulator.homoclinic import homoclinic_limit
+from mbcheck.reference.speed_regulator.theory import least_torque
 
 REGULATOR = get_scene("speed_regulator")
 
@@ -30,8 +30,7 @@ def found(along: ConnectionAlong) -> tuple[float, float]:
 def test_the_torque_is_that_of_shooting_over_the_angle(damping: float, torque: float) -> None:
     """But for what straight directions of the saddle leave, the third power of the distance."""
     along = sought(damping, torque)
-    limit = homoclinic_limit(along.parameters)
-    assert limit is not None
+    limit = least_torque(along.parameters)
     off = []
     for offset in (0.02, 0.01):
         value, bound = found(sought(damping, torque, 4.7, offset))

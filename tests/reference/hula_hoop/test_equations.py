@@ -16,7 +16,7 @@ from mbcheck.reference.hula_hoop.equations import HulaHoop
 from mbcheck.reference.hula_hoop.theory import nondimensional
 from mbcheck.reference.linear import linearise, modes
 from mbcheck.reference.orbits import find_orbit
-from mbcheck.reference.solve.batched import BatchMethod, solve_many
+from mbcheck.reference.solve.batched import solve_many
 from mbcheck.reference.solve.schemes import SCHEMES, TABLEAUS, ScalarEquations, integrate
 from mbcheck.reference.solve.single import solve
 
@@ -138,14 +138,10 @@ def test_the_linear_response_on_the_invariant_line_is_within_the_bound() -> None
 def test_two_routes_to_the_reference_agree_to_1e_10(state: dict[str, float]) -> None:
     times = np.linspace(0, 1, 11)[1:]
     one = solve(SCENE, HulaHoop(), SCENE.state(state), times)
-    for backend in ("numpy", "auto"):
-        many = solve_many(
-            SCENE, HulaHoop(), SCENE.state(state), times, method=BatchMethod(1e-12, backend)
-        )
-        size = np.max(np.abs(one.states), axis=1)
-        apart = np.max(np.abs(one.states - many.states), axis=1)
-        assert np.all(apart < 1e-10 * size)
-        assert np.all(apart <= one.error_bound + many.error_bound)
+    many = solve_many(SCENE, HulaHoop(), SCENE.state(state), times, tolerance=1e-12)
+    apart = np.max(np.abs(one.states - many.states), axis=1)
+    assert np.all(apart < 1e-10 * np.max(np.abs(one.states), axis=1))
+    assert np.all(apart <= one.error_bound + many.error_bound)
 
 
 @pytest.mark.slow
@@ -155,8 +151,8 @@ def test_the_bound_of_many_points_is_honest() -> None:
         force_frequency=np.linspace(1, 10, 24)[::-1],  # type: ignore[arg-type]
     )
     times = np.array([0.2, 0.5])
-    rough = solve_many(SCENE, p, SCENE.state({}), times, method=BatchMethod(1e-6, "numpy"))
-    fine = solve_many(SCENE, p, SCENE.state({}), times, method=BatchMethod(1e-13, "numpy"))
+    rough = solve_many(SCENE, p, SCENE.state({}), times, tolerance=1e-6)
+    fine = solve_many(SCENE, p, SCENE.state({}), times, tolerance=1e-13)
     error = np.max(np.abs(rough.states - fine.states), axis=-1)
     assert np.all(error <= rough.error_bound + fine.error_bound)
     assert np.max(error) > 1e-12  # the rough run was rough

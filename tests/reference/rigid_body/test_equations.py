@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.special import ellipj, ellipkinc
 
 from mbcheck.reference import quaternions
 from mbcheck.reference.body.parameters import body_inertia
@@ -22,7 +23,6 @@ from mbcheck.reference.rigid_body.equations import (
     forces,
     mass_matrix,
 )
-from mbcheck.reference.rigid_body.integrals import axes_in_order, free_rates
 from mbcheck.reference.scene import Array
 from mbcheck.reference.solve.single import solve
 from mbcheck.tests.support.exact.charts import by_rotation_vector
@@ -94,6 +94,48 @@ def test_a_second_formulation_agrees(p: RigidBody) -> None:
     bound = float(np.max(solution.error_bound))
     assert np.max(np.abs(rotations - others)) < 4 * bound + 1e-12
     assert np.max(np.abs(rates - spins)) < 4 * bound + 1e-11
+
+
+def free_rates(moments: Array, omega: Array, times: Array) -> Array:
+    """Return the rates (3, n_t) of a free body about its principal axes, by Jacobi's functions.
+
+    Landau, Lifshitz, (37.8)-(37.12). About the axis that the angular momentum goes round, that of
+    the largest or of the smallest moment, the rate keeps its sign and is a dn. Rotation about one
+    axis, and the separatrix, are limits.
+
+    Parameters
+    ----------
+    moments : array (3,)
+        In any order.
+    omega : array (3,)
+        At t = 0.
+    times : array (n_t,)
+    """
+    twice, square = float(moments @ omega**2), float(moments**2 @ omega**2)
+    order = axes_in_order(moments, omega)
+    one, two, three = (float(moments[axis]) for axis in order)
+    near, far = square - twice * one, twice * three - square
+    if near == 0 or far == 0 or two == three or np.count_nonzero(omega) == 1:
+        return np.outer(omega, np.ones_like(times))
+    sizes = np.sqrt(
+        [far / (one * (three - one)), far / (two * (three - two)), near / (three * (three - one))]
+    )
+    rate = np.sqrt((three - two) * near / (one * two * three))
+    modulus = min((two - one) * far / ((three - two) * near), 1.0)
+    start, sign = omega[order], np.copysign(1.0, omega[order[2]])
+    way = sign * np.copysign(1.0, np.linalg.det(np.eye(3)[order])) * np.copysign(1.0, three - one)
+    phase = ellipkinc(np.arctan2(way * start[1] / sizes[1], start[0] / sizes[0]), modulus)
+    sn, cn, dn, _ = ellipj(rate * times + phase, modulus)
+    rates = np.empty((3, len(times)))
+    rates[order] = sizes[:, None] * [cn, way * sn, sign * dn]
+    return rates
+
+
+def axes_in_order(moments: Array, omega: Array) -> Any:
+    """Return the axes so that the angular momentum goes round the last one."""
+    order = np.argsort(moments)
+    twice, square = moments @ omega**2, moments**2 @ omega**2
+    return order if square >= twice * moments[order[1]] else order[::-1]
 
 
 PANEL, NODES = 0.5, 20

@@ -10,8 +10,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from mbcheck.comparisons.checks.kinds import elements
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.engines.run import run
-from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.setup import Setup, run
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam, steady_speed
 from mbcheck.reference.rotating_beam.scene import SCENE
 from mbcheck.reference.scene import Array, Case

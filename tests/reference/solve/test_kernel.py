@@ -1,4 +1,4 @@
-"""Kernels compute what the equations say; orbits by harmonic balance are those of shooting."""
+"""Kernels compute what the equations say."""
 
 from __future__ import annotations
 
@@ -162,10 +162,10 @@ def test_sines_and_cosines_from_the_tangent_of_half_the_angle() -> None:
     extended = np.longdouble
     rng = np.random.default_rng(1)
     x = np.concatenate([rng.uniform(-700, 700, 20000), [0.0, np.pi / 2, np.pi, -np.pi, 1e-300]])
-    sine, cosine = np.empty_like(x), np.empty_like(x)
-    sine_and_cosine(x, sine, cosine)
+    sine, cosine = np.empty(x.shape, complex), np.empty(x.shape, complex)
+    sine_and_cosine(x + 0j, sine, cosine)
     for found, function in ((sine, np.sin), (cosine, np.cos)):
-        off = np.abs(found - function(x.astype(extended)))
+        off = np.abs(found.real - function(x.astype(extended)))
         assert np.max(off) < 1.7 * np.finfo(float).eps
     assert sine[-5] == 0
 
@@ -211,7 +211,6 @@ def test_a_drive_without_a_force_is_left_out() -> None:
         p = scene.parameters().replace(force_amplitude=force, gravity_y=gravity)
         kernel = scene.right_hand_side(p).kernel(0.0, x)
         assert kernel is not None
-        assert bool(kernel.waves) == bool(force)
-        assert not kernel.needs_time
+        assert kernel.needs_time == bool(force)
         calls.append(len(kernel.calls))
     assert calls[0] < calls[1] < calls[2]

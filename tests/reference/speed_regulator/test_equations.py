@@ -13,11 +13,12 @@ import sympy as sp
 from numpy.typing import NDArray
 from scipy.integrate import quad
 
+from mbcheck.reference.differences import by_complex_step
 from mbcheck.reference.errors import NoOrbitError, ParameterError
 from mbcheck.reference.linear import linearise, modes
 from mbcheck.reference.orbits import find_orbit, orbit_samples
 from mbcheck.reference.periodic import extremes
-from mbcheck.reference.solve.flow import transition_matrix
+from mbcheck.reference.solve.rk8 import rk8_steps
 from mbcheck.reference.speed_regulator import theory
 from mbcheck.reference.speed_regulator.equations import (
     SpeedRegulator,
@@ -473,7 +474,10 @@ def test_the_closed_multiplier_is_the_variational_one(factor: float) -> None:
     p = p.replace(torque=least_torque(p).torque * factor)
     cycle = theory.rotation(p)
     start = np.array([0.0, cycle.start_speed])
-    flow, jacobian = transition_matrix(SCENE, p, start, cycle.period)
+    derivative = SCENE.right_hand_side(p)
+    flow, jacobian = by_complex_step(
+        lambda x: rk8_steps(derivative, x, 0.0, cycle.period, 2000), start
+    )
     np.testing.assert_allclose(flow, [2 * np.pi, start[1]], rtol=1e-8)
     assert np.linalg.det(jacobian) == pytest.approx(cycle.multiplier, rel=1e-6)
     assert 0 < cycle.multiplier < 1

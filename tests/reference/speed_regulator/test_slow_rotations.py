@@ -35,4 +35,4 @@ def test_a_crank_that_creeps_ends_with_the_budget() -> None:
     """Strong damping takes an explicit method more steps than anyone waits for."""
     p = DEFAULT.replace(damping=1e6, torque=1.1)
     with pytest.raises(UsageError, match="budget"), within(0.01):
-        theory.rotates(p)
+        theory.rotation(p)

@@ -19,8 +19,7 @@ import mbcheck
 from mbcheck.comparisons.checks.suite import Check, checks_of, kinds_of, run_check
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines import registry
-from mbcheck.comparisons.engines.adapter import Adapter
-from mbcheck.comparisons.engines.plugin.adapter import adapt
+from mbcheck.comparisons.engines.adapter import Adapter, adapt
 from mbcheck.comparisons.engines.variants.catalogue import Misread
 from mbcheck.comparisons.reports.run.located import LEVELS, located
 from mbcheck.examples.mujoco_engine import MujocoPlugin

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mbcheck.comparisons.checks.suite import KINDS, Check, kinds_of, run_check
 from mbcheck.comparisons.checks.verdict import Result
-from mbcheck.comparisons.engines.plugin.adapter import PluginAdapter
+from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.reference import get_scene
 
@@ -27,7 +27,7 @@ TOO_FINE = "least_error"
 """Quantity that is skipped where a step leaves less than the reference knows."""
 
 
-def results(engine: PluginAdapter, scene: str, kinds: tuple[str, ...]) -> list[Result]:
+def results(engine: Adapter, scene: str, kinds: tuple[str, ...]) -> list[Result]:
     """Return what kinds of check say of a scene's model, with the engine's first method."""
     model, *cases = PLACES[scene]
     found = []

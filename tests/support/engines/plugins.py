@@ -173,7 +173,6 @@ ODD: dict[str, tuple[str, str, str]] = {
         "        return 5 if Bad.asked > 3 else None\n",
         "must return a reason",
     ),
-    "server": ("", "    def why_not(self, *a): os.kill(os.getppid(), 9)\n", "exit code 255"),
     "models_5": ("", "    def models(self, *a): return 5\n", "a tuple of names"),
     "models_nul": ("", "    def models(self, *a): return ('a\\0',)\n", "calls a model"),
     "models_many": (
@@ -207,11 +206,6 @@ HARMLESS: dict[str, tuple[str, str]] = {
     "prints_in_a_call": ("", f"{SIMULATE}        os.write(1, b'x' * 999)\n"
                          "        return super().simulate(system, method, step, times)\n"),
     "word": ("", "    version = Word('1')\n"),
-    "emptied": (
-        "import shutil, tempfile\nassert tempfile.gettempdir().endswith('emptied')\n"
-        "for one in os.scandir(tempfile.gettempdir()): shutil.rmtree(one)",
-        "",
-    ),
     "child": ("subprocess.Popen(['sleep', '600'])", ""),
     "thread": ("threading.Thread(target=time.sleep, args=(600,)).start()", ""),
     "leaving": ("import atexit; atexit.register(os._exit, 0)", ""),

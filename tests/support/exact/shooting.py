@@ -7,7 +7,8 @@ from itertools import pairwise
 import numpy as np
 from scipy.optimize import brentq
 
-from mbcheck.reference.rotating_beam.frequencies.numbers import EPS, Numbers, check, pull
+from mbcheck.reference.differences import EPS
+from mbcheck.reference.rotating_beam.frequencies.numbers import Numbers, check, pull
 from mbcheck.reference.rotating_beam.frequencies.ritz import ROUNDING
 from mbcheck.reference.scene import Array
 

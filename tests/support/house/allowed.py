@@ -24,11 +24,10 @@ ALLOWED: Mapping[str, Mapping[str, str]] = {
         "comparisons/engines/isolation.py::answer_next": FOREIGN,
         "comparisons/engines/messages.py::decoded": FOREIGN,
         "comparisons/engines/messages.py::encoded": FOREIGN,
-        "comparisons/engines/mujoco/engine.py::MuJoCo.simulate_many": FOREIGN,
         "comparisons/engines/run.py::call_engine": FOREIGN,
         "comparisons/engines/run.py::traceback_of": FOREIGN,
         "comparisons/engines/variants/mujoco_probes.py::transition_matrix": FOREIGN,
-        "comparisons/extremes/judge.py::builds": FOREIGN,
+        "comparisons/checks/kinds/pushed.py::builds": FOREIGN,
         "comparisons/inspect/mujoco/model.py::Loaded.compiled": "MuJoCo refuses in several ways",
         "comparisons/inspect/mujoco/model.py::load": "MuJoCo refuses in several ways",
         "comparisons/papers/assess.py::attempt": "runs engines and matplotlib",
@@ -38,7 +37,6 @@ ALLOWED: Mapping[str, Mapping[str, str]] = {
     },
     "private_words": {
         "comparisons/judge/judge.py::judged": DOCUMENT,
-        "comparisons/tradeoff/closures.py::knob": DOCUMENT,
     },
     "patched_constants": {
         "tests/comparisons/engines/test_isolation.py::STATM": "stands for other platforms",

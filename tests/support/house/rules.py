@@ -23,7 +23,9 @@ ENGINES: Mapping[str, tuple[str, ...]] = {"mujoco": ("mujoco", "mjcf"), "exudyn"
 DOWN = ("cli", "", "terminal", "reports", "scenes", "queries", "checks", "engines", "documents")
 """Folders of `comparisons` from the highest layer down; features, all others, stand for ""."""
 
-BESIDE = {("papers", "maps"), ("check", "papers")}
+BESIDE = {
+    ("papers", "maps"), ("check", "papers"), ("extremes", "check"), ("tradeoff", "inspect"),
+}  # fmt: skip
 """Features that import another feature: (importer, what it imports)."""
 
 # fmt: off

@@ -57,22 +57,6 @@ def heap(count: int) -> str:
     )
 
 
-def plates(count: int) -> str:
-    """Return one free body with many geoms, a floor, and a mesh of inline vertices."""
-    geoms = "\n".join(
-        f'<geom type="box" size="0.02 0.02 0.005" pos="{0.05 * (i % 25)} {0.05 * (i // 25)} 0"/>'
-        for i in range(count)
-    )
-    return (
-        head(f"{count} geoms")
-        + '<asset><mesh name="wedge" vertex="0 0 0  1 0 0  0 1 0  0 0 1"/></asset>\n'
-        + '<worldbody><geom type="plane" size="5 5 0.1"/>'
-        + '<geom type="mesh" mesh="wedge" pos="3 3 0"/>'
-        + f'<body pos="0 0 1"><freejoint/>\n{geoms}\n</body></worldbody>\n'
-        + '<keyframe><key name="above"/></keyframe>\n</mujoco>\n'
-    )
-
-
 LIMB = """
       <body name="{side}_thigh" pos="0 {y} -0.1">
         <joint name="{side}_hip" type="ball" damping="2" stiffness="8"/>
@@ -104,19 +88,13 @@ HUMANOID = (
     <default class="wrap">
       <geom contype="0" conaffinity="0" mass="0" rgba="0.2 0.6 0.3 0.4"/>
     </default>
-    <tendon width="0.006" rgba="0.8 0.1 0.1 1"/>
     <position kp="40" ctrlrange="-1 1"/>
   </default>
   <asset>
     <mesh name="foot" file="foot.stl" scale="0.5 0.5 0.5"/>
-    <mesh name="head" vertex="-0.1 -0.1 0  0.1 -0.1 0  0 0.12 0  0 0 0.25"/>
-    <texture name="checker" type="2d" builtin="checker" width="64" height="64"
-      rgb1="0.2 0.3 0.4" rgb2="0.1 0.2 0.3"/>
-    <material name="floor" texture="checker" texrepeat="8 8"/>
   </asset>
   <worldbody>
-    <light pos="0 0 4"/>
-    <geom name="floor" type="plane" size="4 4 0.1" material="floor"/>
+    <geom name="floor" type="plane" size="4 4 0.1"/>
     <body name="pelvis" pos="0 0 1.02">
       <freejoint name="root"/>
       <geom class="limb" fromto="0 -0.08 0 0 0.08 0" size="0.1"/>
@@ -126,23 +104,6 @@ HUMANOID = (
       <body name="trunk" pos="0 0 0.12">
         <joint name="waist" type="ball" stiffness="300" damping="10"/>
         <geom class="limb" fromto="0 0 0 0 0 0.35" size="0.12"/>
-        <body name="head" pos="0 0 0.5">
-          <joint name="neck" axis="0 1 0" range="-0.6 0.6"/>
-          <geom type="mesh" mesh="head" density="900"/>
-        </body>
-        <body name="arm" pos="0 -0.2 0.3">
-          <joint name="shoulder_x" axis="1 0 0"/>
-          <joint name="shoulder_y" axis="0 1 0"/>
-          <geom class="limb" fromto="0 0 0 0 -0.25 0" size="0.035"/>
-          <body name="forearm" pos="0 -0.26 0">
-            <joint name="elbow" axis="0 0 1" range="-2.4 0.1"/>
-            <geom class="limb" fromto="0 0 0 0 -0.22 0" size="0.03"/>
-            <body name="hand" pos="0 -0.25 0">
-              <joint name="grip" type="slide" axis="0 1 0" range="-0.03 0.03"/>
-              <geom name="hand" class="limb" type="sphere" size="0.04"/>
-            </body>
-          </body>
-        </body>
       </body>
     </body>
     <body name="crank" pos="1 1 0.5">
@@ -193,16 +154,10 @@ HUMANOID = (
     <tendon name="gait" tendon1="knees" tendon2="ankles" polycoef="0 0.1 0 0 0"/>
   </equality>
   <actuator>
-    <position name="neck" joint="neck"/>
-    <position name="elbow" joint="elbow"/>
+    <position name="knee" joint="left_knee"/>
     <motor name="quad" tendon="right_quad" ctrlrange="0 200"/>
-    <velocity name="grip" joint="grip" kv="20"/>
   </actuator>
   <sensor>
-    <accelerometer name="acceleration" site="imu"/>
-    <gyro name="spin" site="imu"/>
-    <touch name="left_sole" site="left_sole"/>
-    <touch name="right_sole" site="right_sole"/>
     <subtreecom name="balance" body="pelvis"/>
   </sensor>
   <keyframe>
@@ -219,7 +174,7 @@ def humanoid(folder: Path) -> Path:
     (folder / "foot.stl").write_bytes(stl())
     left, right = (LIMB.format(side=side, y=y) for side, y in (("left", 0.1), ("right", -0.1)))
     leg = "1 0 0 0 -0.4 0 0"
-    parts = ("0 0 0.9 1 0 0 0", leg, leg, "1 0 0 0", "0 0 0 0 0", "0 0 0", "-1 0 0.6 1 0 0 0", "0")
+    parts = ("0 0 0.9 1 0 0 0", leg, leg, "1 0 0 0", "0 0 0", "-1 0 0.6 1 0 0 0", "0")
     crouched = " ".join(parts)
     path = folder / "humanoid.xml"
     text = HUMANOID.replace("{left}", left).replace("{right}", right)

@@ -128,19 +128,13 @@ OVERLAPPING = (
     '<geom name="bob" size="0.1" pos="0 0 {}"/></body></body>'
 )
 
-SOLID = (
-    (FLAG, ON),
-    after(WORLD, '<geom name="floor" type="plane" size="1 1 0.1" pos="0 0 -2"/>'),
-)
+SOLID = ((FLAG, ON), after(WORLD, '<geom name="floor" type="plane" size="1 1 0.1" pos="0 0 -2"/>'))
 """With contact, geoms are what a body is, and no drawings."""
 
 Edits = tuple[tuple[str, str], ...]
 
 MISTAKES: dict[str, tuple[Edits, Edits]] = {
-    "step_limit": (
-        ((OPTION, '<option timestep="2" integrator="RK4">'),),
-        (),
-    ),
+    "step_limit": (((OPTION, '<option timestep="2" integrator="RK4">'),), ()),
     "near_step_limit": (
         (
             (OPTION, '<option timestep="0.03125" integrator="RK4">'),
@@ -185,10 +179,7 @@ MISTAKES: dict[str, tuple[Edits, Edits]] = {
     ),
     "no_keyframe": (((KEY, ""),), ()),
     "auto_reset": (((FLAG, '<flag contact="disable"/>'),), ()),
-    "clock_rounding": (
-        ((OPTION, '<option timestep="0.001" integrator="RK4">'),),
-        (),
-    ),
+    "clock_rounding": (((OPTION, '<option timestep="0.001" integrator="RK4">'),), ()),
     "energy_off": (
         ((' damping="0.1"', ""),),
         ((' damping="0.1"', ""), (FLAG, FLAG[:-2] + ' energy="enable"/>')),
@@ -213,12 +204,7 @@ MISTAKES: dict[str, tuple[Edits, Edits]] = {
     ),
     "empty_body": ((after(GEOM, '<body name="tip" pos="0 0 -1"/>'),), ()),
     "locked_joint": (
-        (
-            after(
-                END,
-                '<equality><joint joint1="swing" solimp="0.999 0.999 0.001"/></equality>',
-            ),
-        ),
+        (after(END, '<equality><joint joint1="swing" solimp="0.999 0.999 0.001"/></equality>'),),
         (),
     ),
     "idle_joint": (
@@ -263,10 +249,7 @@ MISTAKES: dict[str, tuple[Edits, Edits]] = {
         (),
     ),
     "inertia_raised": (((COMPILER, COMPILER[:-2] + ' boundmass="2"/>'),), ()),
-    "merged_centre": (
-        (after(GEOM, TIP.format("5e-7")),),
-        (after(GEOM, TIP.format("5e-6")),),
-    ),
+    "merged_centre": ((after(GEOM, TIP.format("5e-7")),), (after(GEOM, TIP.format("5e-6")),)),
     "huge_armature": ((joint('armature="1000"'),), (joint('armature="0.1"'),)),
     "negative_damping": ((('damping="0.1"', 'damping="-0.1"'),), ()),
     "range_ignored": ((joint('range="1 1"'),), (joint('range="-1 1"'),)),
@@ -274,49 +257,14 @@ MISTAKES: dict[str, tuple[Edits, Edits]] = {
         (after(END, '<actuator><general name="motor" joint="swing" gainprm="0"/></actuator>'),),
         (after(END, '<actuator><motor name="motor" joint="swing"/></actuator>'),),
     ),
-    "idle_tendon": (
-        (
-            after(
-                END,
-                TENDON.format(""),
-            ),
-        ),
-        (
-            after(
-                END,
-                TENDON.format(' damping="1"'),
-            ),
-        ),
-    ),
+    "idle_tendon": ((after(END, TENDON.format("")),), (after(END, TENDON.format(' damping="1"')),)),
     "duplicate_sensor": (
-        (
-            after(
-                END,
-                SENSORS.format("jointpos"),
-            ),
-        ),
-        (
-            after(
-                END,
-                SENSORS.format("jointvel"),
-            ),
-        ),
+        (after(END, SENSORS.format("jointpos")),),
+        (after(END, SENSORS.format("jointvel")),),
     ),
     "unused_asset": (
-        (
-            (
-                WORLD,
-                ASSETS + WORLD,
-            ),
-            (GEOM, GEOM + '<geom type="mesh" mesh="m"/>'),
-        ),
-        (
-            (
-                WORLD,
-                ASSETS + WORLD,
-            ),
-            (GEOM, GEOM + '<geom type="mesh" mesh="m" material="blue"/>'),
-        ),
+        ((WORLD, ASSETS + WORLD), (GEOM, GEOM + '<geom type="mesh" mesh="m"/>')),
+        ((WORLD, ASSETS + WORLD), (GEOM, GEOM + '<geom type="mesh" mesh="m" material="blue"/>')),
     ),
     "unused_site": (
         (after(GEOM, '<site name="tip" pos="0 0 -1"/>'),),
@@ -325,10 +273,7 @@ MISTAKES: dict[str, tuple[Edits, Edits]] = {
             after(END, '<sensor><accelerometer name="a" site="tip"/></sensor>'),
         ),
     ),
-    "inactive_equality": (
-        (*closed(SOLREF + ' active="false"'),),
-        closed(),
-    ),
+    "inactive_equality": ((*closed(SOLREF + ' active="false"'),), closed()),
     "switched_off": (((FLAG, FLAG[:-2] + ' damper="disable"/>'),), ()),
     "odd_inertia": (
         (*SOLID, (INERTIAL, INERTIAL.replace("0.1 0.1 0.01", "100 100 10"))),
@@ -354,10 +299,7 @@ MISTAKES: dict[str, tuple[Edits, Edits]] = {
         ((FLAG, ON), after(GEOM, OVERLAPPING.format("-0.6", "-0.3"))),
         ((FLAG, ON), after(GEOM, OVERLAPPING.format("-2", "-0.2"))),
     ),
-    "light_joint": (
-        held('motor forcerange="-2e6 2e6"'),
-        held('motor forcerange="-2e5 2e5"'),
-    ),
+    "light_joint": (held('motor forcerange="-2e6 2e6"'), held('motor forcerange="-2e5 2e5"')),
     "unlimited_joint": (
         held('position kp="9" ctrlrange="-1 1"'),
         (LIMITED, *held('position kp="9" ctrlrange="-1 1"')),
@@ -370,18 +312,12 @@ MISTAKES: dict[str, tuple[Edits, Edits]] = {
         (LIMITED, *held('position kp="9" ctrlrange="-3 3"')),
         (LIMITED, *held('position kp="9" ctrlrange="-1.6 1.6"')),
     ),
-    "positive_feedback": (
-        (after(END, SERVO.format("3")),),
-        (after(END, SERVO.format("-3")),),
-    ),
+    "positive_feedback": ((after(END, SERVO.format("3")),), (after(END, SERVO.format("-3")),)),
     "undamped_servo": (
         ((' damping="0.1"', ""), *held('position kp="9"')),
         ((' damping="0.1"', ""), *held('position kp="9" kv="1"')),
     ),
-    "two_servos": (
-        held('position kp="9"', 'position kp="8"'),
-        held('position kp="9"', "motor"),
-    ),
+    "two_servos": (held('position kp="9"', 'position kp="8"'), held('position kp="9"', "motor")),
     "saturated_actuator": (
         held('position kp="100" kv="1" forcerange="-1 1"', key='qpos="0.5" ctrl="0.55"'),
         held('position kp="100" kv="1" forcerange="-90 90"', key='qpos="0.5" ctrl="0.55"'),

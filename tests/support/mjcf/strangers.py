@@ -14,10 +14,10 @@ MODEL = """<mujoco><worldbody><body><joint name="{}" damping="-1"/><geom size="0
 SCREEN = {"width": 80}
 
 
-def end_in(way: str, file: str, budget: float) -> FileReport:
+def end_in(way: str, file: str) -> FileReport:
     """Inspect a file, and end as hostile ones do before anything of it is returned."""
     options = {"rotation": {}, "modes": False, "full": True, "fail_on": "error"}
-    found = inspect_file(file, InspectRequest(), options, SCREEN, budget)
+    found = inspect_file(file, InspectRequest(), options, SCREEN)
     if file == "good.xml":
         return found
     if way == "killed":

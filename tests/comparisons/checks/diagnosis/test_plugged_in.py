@@ -12,7 +12,7 @@ import mbcheck
 from mbcheck.comparisons.checks.diagnosis.steps import ANOTHER_MODEL, order_of
 from mbcheck.comparisons.checks.suite import plan, quick, run_check
 from mbcheck.comparisons.checks.verdict import Result
-from mbcheck.comparisons.engines.plugin.adapter import adapt
+from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.models.system import System
 from mbcheck.reference import get_scene

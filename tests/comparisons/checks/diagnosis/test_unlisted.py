@@ -11,7 +11,7 @@ import pytest
 import mbcheck
 from mbcheck.comparisons.checks.suite import run_check
 from mbcheck.comparisons.checks.verdict import Result
-from mbcheck.comparisons.engines.plugin.adapter import adapt
+from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.reference import get_scene
 from mbcheck.reference.quaternions import conjugate
 from mbcheck.tests.support.engines.solved import Solved

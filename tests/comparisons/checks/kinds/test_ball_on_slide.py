@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.checks.suite import plan_cases, run_check
-from mbcheck.comparisons.engines.plugin.adapter import adapt
+from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.reference import get_scene
 from mbcheck.tests.support.engines.sliding import sliding
 from mbcheck.tests.support.example import by_quantity, seen

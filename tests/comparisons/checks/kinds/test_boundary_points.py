@@ -12,14 +12,14 @@ import mbcheck
 from mbcheck.comparisons.checks.kinds.boundary import true_boundary
 from mbcheck.comparisons.checks.suite import KINDS, Check, plan, run_check
 from mbcheck.comparisons.checks.verdict import Result
-from mbcheck.comparisons.engines.plugin.adapter import PluginAdapter
+from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Misread
 from mbcheck.reference import get_scene
 from mbcheck.reference.parameters import BoundarySearch
 from mbcheck.reference.scene import Case
-from mbcheck.reference.speed_regulator.homoclinic import homoclinic_limit
+from mbcheck.reference.speed_regulator.theory import least_torque
 from mbcheck.tests.support.engines.solved import Single, Solved
 
 HOOP = get_scene("hula_hoop").case("loss_of_symmetry_5hz")
@@ -39,9 +39,9 @@ def found(case: Case, engine: Any) -> dict[str, Result]:
     return {item.quantity: item for item in run_check(check_of(case, engine), "strict", engine)}
 
 
-def scheme(name: str, order: int, **more: Any) -> PluginAdapter:
+def scheme(name: str, order: int, **more: Any) -> Adapter:
     """Return an engine that is a published scheme on the scene's own equations."""
-    return PluginAdapter(Solved(mbcheck.Method(name, order), name, **more))
+    return Adapter(Solved(mbcheck.Method(name, order), name, **more))
 
 
 def default_check(case: Case, engine: str) -> Check:
@@ -86,7 +86,7 @@ def test_an_engine_of_others_passes() -> None:
     pytest.importorskip("mujoco", exc_type=ImportError)
     from mbcheck.examples.mujoco_engine import MujocoPlugin
 
-    results = found(HOOP, PluginAdapter(MujocoPlugin()))
+    results = found(HOOP, Adapter(MujocoPlugin()))
     assert {item.verdict for item in results.values()} == {"pass"}
 
 
@@ -124,8 +124,7 @@ def test_least_torques_are_those_of_the_homoclinic_orbit(name: str, order: int) 
     results = found(REGULATOR, scheme(name, order))
     assert {item.verdict for item in results.values()} == {"pass"}
     assert "steps along it; halving divides the shift by" in results["boundary"].reason
-    limit = homoclinic_limit(REGULATOR.parameters)
-    assert limit is not None
+    limit = least_torque(REGULATOR.parameters)
     assert results["extrapolated"].reference == pytest.approx(limit.torque, rel=4e-7)
     assert results["extrapolated"].value == pytest.approx(limit.torque, rel=1e-6)
 
@@ -153,7 +152,7 @@ def test_a_closed_loop_has_the_least_torque() -> None:
 
 
 def test_another_order_than_declared_deviates() -> None:
-    wrong = PluginAdapter(Solved(mbcheck.Method("RK44", 4), "ExplicitMidpoint"))
+    wrong = Adapter(Solved(mbcheck.Method("RK44", 4), "ExplicitMidpoint"))
     results = found(HOOP, wrong)
     assert results["boundary"].verdict == "deviation"
     assert results["extrapolated"].verdict == "skipped"
@@ -167,7 +166,7 @@ def test_an_engine_whose_boundary_is_far_deviates() -> None:
 
 
 def test_what_cannot_be_judged_is_skipped() -> None:
-    single = PluginAdapter(Single(mbcheck.Method("RK44", 4, precision="float32"), "RK44"))
+    single = Adapter(Single(mbcheck.Method("RK44", 4, precision="float32"), "RK44"))
     elsewhere = replace(HOOP, boundary=BoundarySearch("fold", "force_amplitude"))
     for case, engine, words in (
         (HOOP, single, "32 bits"),
@@ -191,7 +190,7 @@ class Late(Solved):
 
 
 def test_an_engine_that_fails_on_the_way_is_told_how() -> None:
-    engine = PluginAdapter(Late(mbcheck.Method("RK44", 4), "RK44"))
+    engine = Adapter(Late(mbcheck.Method("RK44", 4), "RK44"))
     for item in found(HOOP, engine).values():
         assert item.verdict == "error"
         assert "it broke" in item.reason
@@ -212,7 +211,7 @@ class Rounding(Solved):
 
 
 def test_a_scatter_of_runs_is_not_called_a_shift() -> None:
-    engine = PluginAdapter(Rounding(mbcheck.Method("RK44", 4), "RK44"))
+    engine = Adapter(Rounding(mbcheck.Method("RK44", 4), "RK44"))
     for item in found(HOOP, engine).values():
         assert item.verdict == "skipped"
 

@@ -8,7 +8,7 @@ import pytest
 
 from mbcheck.comparisons.checks.suite import run_check
 from mbcheck.comparisons.checks.verdict import Result
-from mbcheck.comparisons.engines.plugin.adapter import adapt
+from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.tests.support.example import all_checks
 

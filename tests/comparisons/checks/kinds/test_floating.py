@@ -11,7 +11,7 @@ import pytest
 
 from mbcheck.comparisons.checks.kinds.energy import sensor_gaps
 from mbcheck.comparisons.checks.suite import plan_cases, run_check
-from mbcheck.comparisons.engines.plugin.adapter import adapt
+from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.models import exudyn_body
 from mbcheck.models.floating_platform import exudyn_model

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from mbcheck.comparisons.checks.suite import plan_cases, run_check
-from mbcheck.comparisons.engines.plugin.adapter import adapt
+from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.models.floating_beam import exudyn_model
 from mbcheck.models.floating_beam.exudyn_model import rods
 from mbcheck.reference import get_scene

@@ -9,7 +9,7 @@ import pytest
 
 from mbcheck.comparisons.checks.suite import kinds_of, run_check
 from mbcheck.comparisons.checks.verdict import Result
-from mbcheck.comparisons.engines.plugin.adapter import adapt
+from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.examples.mujoco_engine import MujocoPlugin
 from mbcheck.reference import get_scene
 from mbcheck.reference.scene import Case

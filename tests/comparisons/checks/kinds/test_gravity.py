@@ -9,7 +9,7 @@ from dataclasses import replace
 import pytest
 
 from mbcheck.comparisons.checks.suite import kinds_of, run_check
-from mbcheck.comparisons.engines.plugin.adapter import adapt
+from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.models.mechanism import mechanism
 from mbcheck.models.mjcf import attribute_text
 from mbcheck.reference import get_scene

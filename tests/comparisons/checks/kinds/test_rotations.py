@@ -12,8 +12,8 @@ import pytest
 
 from mbcheck.comparisons.checks.diagnosis.motions import Part, explanation, looked_at
 from mbcheck.comparisons.checks.suite import plan_cases, run_check
+from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.comparisons.engines.equations import ModelEquations
-from mbcheck.comparisons.engines.plugin.adapter import adapt
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.examples.mujoco_engine import MujocoPlugin

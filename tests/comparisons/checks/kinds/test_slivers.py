@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import mbcheck
-from mbcheck.comparisons.engines.plugin.adapter import adapt
-from mbcheck.comparisons.engines.run import missed, noting, run
-from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.adapter import adapt
+from mbcheck.comparisons.engines.run import noting
+from mbcheck.comparisons.engines.setup import Setup, missed, run
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.solve import schemes

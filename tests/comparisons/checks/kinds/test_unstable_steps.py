@@ -13,9 +13,8 @@ from mbcheck.comparisons.checks.free_vibrations import stable_step
 from mbcheck.comparisons.checks.refusals import refuse_unstable
 from mbcheck.comparisons.checks.suite import KINDS, plan
 from mbcheck.comparisons.checks.truth import truth
-from mbcheck.comparisons.engines.plugin.adapter import adapt
-from mbcheck.comparisons.engines.run import run
-from mbcheck.comparisons.engines.setup import Setup, power_of_two
+from mbcheck.comparisons.engines.adapter import adapt
+from mbcheck.comparisons.engines.setup import Setup, power_of_two, run
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import CannotJudgeError, EngineError
 from mbcheck.tests.support.campaigns.seeded import Plugged

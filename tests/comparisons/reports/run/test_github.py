@@ -39,8 +39,8 @@ ROOT = Path(__file__).resolve().parents[4]
 WORKFLOWS = [*ROOT.glob("docs/workflow.yml"), *ROOT.glob(".github/workflows/*.yml")]
 RUN = "check hula_hoop --engine mujoco --kind frequency -j 1"
 
-STALE = Use(Entry(2, 9, "*/RK9/*", "gone"), 0, "stale", "no check has such an id")
-USED = Use(Entry(1, 3, "*/RK67/*", "listed"), 1, "used")
+STALE = Use(Entry(2, "*/RK9/*", "gone"), 0, "stale", "no check has such an id")
+USED = Use(Entry(1, "*/RK67/*", "listed"), 1, "used")
 
 
 pytestmark = pytest.mark.usefixtures("own_folder")
@@ -216,7 +216,7 @@ def test_annotations() -> None:
         "(25 x its tolerance)",
         f"mbcheck check --id '{MIXED[2].id}'",
     ]
-    assert lines[3][1] == {"file": "k.toml", "line": "9", "title": "stale known deviation"}
+    assert lines[3][1] == {"file": "k.toml", "line": "1", "title": "stale known deviation"}
     strict = [obeyed(line) for line in workflow_commands(outcome(MIXED, strict=True))]
     assert [line[0] for line in strict] == ["error", "error", "error", "error", "notice"]
 

@@ -32,7 +32,7 @@ WHEN = datetime(2026, 1, 2, 3, 4, tzinfo=UTC)
 HOSTILE = "<script>alert(1)</script>\"'&{{7*7}}{% raw %} $x_{^ \x1b[31m\x00\ud800</td></table>"
 """What an engine might call itself."""
 
-STALE = Use(Entry(1, 3, "verification/*/gone/*", HOSTILE), 0, "stale", f"matches nothing {HOSTILE}")
+STALE = Use(Entry(1, "verification/*/gone/*", HOSTILE), 0, "stale", f"matches nothing {HOSTILE}")
 TIMES = np.linspace(0.1, 2, 20)
 OVER_TIME = Series("time", TIMES, np.sin(TIMES) + 1e-3 * TIMES**2, np.sin(TIMES))
 OVER_STEP = Series("step", 2.0 ** -np.arange(4.0, 10.0), TIMES[:6], TIMES[:6])

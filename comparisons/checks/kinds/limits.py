@@ -1,0 +1,328 @@
+"""Kind *limits*: the largest stable step of a method, by bisection on runs, beside the theory.
+
+The engine vibrates freely with a small amplitude about a state of rest, in the shape of the mode
+that the method bears least. What is to be found is the same bisection on powers of the
+amplification matrix, from the same start, by the same measure. A run counts as unstable if an
+observable comes to `GROWTH` times the size that it really has, or if the guard stops it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import expm
+
+from ....reference.amplification import AMPLIFICATION, GROWTH, first_order
+from ....reference.differences import by_complex_step
+from ....reference.errors import CannotJudgeError, EngineError, Unsupported
+from ....reference.scene import Array, Case
+from ...engines.setup import Setup
+from ..free_vibrations import START, Critical, Place, critical, places, stable_step
+from ..rules.cautions import noticing_rules
+from ..verdict import REFERENCE, Finding, detected_by
+
+QUANTITY = "step_limit"
+
+PERIODS = 20
+"""Periods of the fastest mode over which a vibration must stay bounded."""
+
+STEPS = 200
+"""Steps of the runs of a method without a limit."""
+
+AMPLITUDE = 1e-7
+"""Amplitude of the start [m, rad]: what is not linear in it lies far below what a bisection
+resolves. A soft closure hardens within MuJoCo's ``width`` of 1e-3 m."""
+
+SEEN = 256
+"""Most times at which a run is sampled."""
+
+BEYOND = 1.02
+"""Share of its limit at which a method shows which mode it bears least."""
+
+RESOLUTION = 1e-3
+"""Relative width in which the bisection ends."""
+
+AGREEMENT = 2 * RESOLUTION
+"""Largest relative distance of two limits that agree: each is known to `RESOLUTION`."""
+
+UNLIMITED = (1000.0, 100.0, 10.0)
+"""Periods of the fastest mode in a step that a method without a limit must bear; if not the first,
+then which."""
+
+OVERSHOOT = 1.01
+"""Factor on the growth of the amplification matrix: round-off with steps of a thousand periods."""
+
+
+def quantities(setup: Setup) -> tuple[str, ...]:
+    """Return the name of what is measured."""
+    return (QUANTITY,)
+
+
+def measure(setup: Setup) -> list[Finding]:
+    """Find the largest stable step on runs, and compare it with that of the amplification matrix.
+
+    Of a method without a limit, compare the growth with steps of `UNLIMITED` periods.
+    """
+    scheme = setup.linear_scheme
+    if scheme is None:
+        raise CannotJudgeError("no theory of this method")
+    rests = places(setup, scheme)
+    rests = tuple(at for at in rests if at.name != START) or rests
+    at = max(rests, key=fastest_rate)
+    omega = fastest_rate(at)
+    horizon = PERIODS * 2 * np.pi / omega
+    limit = stable_step(setup, horizon, [at])
+    if limit is None:
+        return [without_limit(Vibration(setup, at, scheme, *fastest_mode(at)))]
+    free = Vibration(setup, at, scheme, *least_stable_mode(scheme, at, limit.step))
+    around = limit.step / 4, 4 * limit.step
+    expected = bisected(lambda h: free.by_matrix(h, horizon) > GROWTH, *around)
+    try:
+        measured = bisected(lambda h: free.grows_in_run(h, horizon), *around)
+    except EngineError as error:
+        raise Unsupported(f"{error.message}; {free.words}, theory {limit.step:.4g} s") from error
+    omega = free.mode.omega
+    reason = (
+        f"{free.words}: h omega = {measured * omega:.4g}, theory {limit.step * omega:.4g}, from "
+        f"this start {expected * omega:.4g}"
+    )
+    error, tolerance = abs(measured - expected), AGREEMENT * expected
+    # beside a limit all steps are coarse: no rule tells that it is a wrong one
+    noticed = (REFERENCE,)
+    return [Finding(QUANTITY, "s", measured, expected, error, tolerance, reason, None, noticed)]
+
+
+def bisected(bad: Callable[[float], bool], low: float, high: float) -> float:
+    """Return the largest value that is not bad between two, in steps of the logarithm.
+
+    They are moved by factors of 4 until the lower is good and the higher bad; where there is no
+    such pair, the last that was tried is returned.
+    """
+    for _ in range(12):
+        if not bad(low):
+            break
+        low, high = low / 4, low
+    else:
+        return low
+    for _ in range(12):
+        if bad(high):
+            break
+        low, high = high, 4 * high
+    else:
+        return high
+    while high > low * (1 + RESOLUTION):
+        middle = math.sqrt(low * high)
+        low, high = (low, middle) if bad(middle) else (middle, high)
+    return low
+
+
+def without_limit(free: Vibration) -> Finding:
+    """Return what a method without a limit makes of a vibration with very long steps.
+
+    Generalized-alpha is stable and yet multiplies a start before it settles: as much as its
+    matrix does is granted.
+
+    Raises
+    ------
+    Unsupported
+        If the engine refuses such steps.
+    """
+    words, result = f"{free.words}: none by theory", None
+    for periods in UNLIMITED:
+        step = periods * 2 * np.pi / free.mode.omega
+        words += f"; with {periods:g} periods in a step "
+        try:
+            growth = free.by_run(step, STEPS * step)
+        except EngineError as error:
+            words += f"{error.kind}: {error.message}"
+            if error.kind == "step":
+                raise Unsupported(words) from error
+            noticed = (detected_by(error), *free.rules(step))
+            result = Finding(QUANTITY, "1", np.inf, 0.0, np.inf, GROWTH, words, None, noticed)
+            continue
+        most = max(GROWTH, OVERSHOOT * free.by_matrix(step, STEPS * step))
+        words += f"{growth:.3g} times as large as it is, {most:.3g} granted"
+        if growth <= most:
+            break
+        noticed = (*free.rules(step), REFERENCE)
+        result = Finding(QUANTITY, "1", growth, 0.0, growth, most, words, None, noticed)
+    if result is None:
+        return Finding(QUANTITY, "1", growth, 0.0, growth, most, words)
+    return replace(result, reason=words)
+
+
+def fastest_rate(at: Place) -> float:
+    """Return the largest modulus of the eigenvalues about a place [1/s]."""
+    return float(np.max(np.abs(at.rates)))
+
+
+def least_stable_mode(scheme: str, at: Place, limit: float) -> tuple[Critical, Array]:
+    """Return the mode that a method multiplies most beyond its limit [s], and its shape (2 w,)."""
+    values, vectors = np.linalg.eig(AMPLIFICATION[scheme](at.matrices, BEYOND * limit))
+    shape = vectors[:, np.argmax(np.abs(values))].real
+    return critical(scheme, at, BEYOND * limit), shape[: 2 * len(at.coordinates)]
+
+
+def fastest_mode(at: Place) -> tuple[Critical, Array]:
+    """Return the fastest mode, and its shape (2 w,) at its largest displacement."""
+    values, vectors = np.linalg.eig(first_order(at.matrices))
+    row = int(np.argmax(np.abs(values) * (values.imag >= 0)))
+    width = len(at.coordinates)
+    place = int(np.argmax(np.abs(vectors[:width, row])))
+    shape = (vectors[:, row] / vectors[place, row]).real
+    shape[width:] = 0.0
+    return Critical(float(abs(values[row])), at.coordinates[place]), shape
+
+
+@dataclass(frozen=True)
+class Vibration:
+    """A mode about a state of rest, and how it starts.
+
+    Attributes
+    ----------
+    setup : Setup
+    at : Place
+    scheme : str
+    mode : Critical
+    shape : array (2 w,)
+        Of the matrices' coordinates and their rates, in any size.
+    """
+
+    setup: Setup
+    at: Place
+    scheme: str
+    mode: Critical
+    shape: Array
+
+    @property
+    def words(self) -> str:
+        """The mode in words."""
+        mode = self.mode
+        return f"mode of {mode.coordinate}, {mode.omega:.5g} rad/s about {self.at.name}"
+
+    @property
+    def rows(self) -> list[int]:
+        """Rows of the matrices' states that are the model's, a drive's left out."""
+        n, width = len(self.setup.equations.scene.coordinates), len(self.at.coordinates)
+        return [*range(n), *range(width, width + n)]
+
+    @cached_property
+    def departure(self) -> Array:
+        """Departure (2 n,) of the model equations' state from rest, at the start."""
+        shape = self.shape[self.rows]
+        q, v = np.split(np.abs(shape), 2)
+        return AMPLITUDE * shape / max(np.max(q), np.max(v) / fastest_rate(self.at))
+
+    @property
+    def case(self) -> Case:
+        """The case that starts off a state of rest as the vibration does."""
+        setup, own = self.setup, self.setup.equations.scene
+        values = dict(zip(own.state_names, (self.at.state + self.departure).tolist(), strict=True))
+        if own is setup.scene or setup.scene.discretisation_coordinates:
+            return replace(setup.case, state=values)
+        # a soft loop: the scene's own coordinates, and how far the others are from closing it
+        names = setup.scene.state_names
+        case = replace(setup.case, state={name: values[name] for name in names})
+        closed = dict(zip(own.state_names, setup.equations.start(case).tolist(), strict=True))
+        apart = {name: values[name] - closed[name] for name in values if name not in names}
+        return replace(case, inconsistency=apart)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Observables that are looked at.
+
+        Where something is free to drift, angles that turn do with what round-off gives their
+        speed, and only their rates are looked at.
+        """
+        drifting = self.setup.scene.rotations_per_period if np.any(self.at.rates == 0) else ()
+        known = set(self.setup.equations.scene.observables) - set(drifting)
+        return tuple(name for name in self.setup.scene.observables if name in known)
+
+    @cached_property
+    def linear(self) -> tuple[Array, Array, Array]:
+        """Observables at rest (k,), their slopes (k, 2 n), and their sizes (k,) in the vibration.
+
+        An observable that hardly moves has an infinite size.
+        """
+        equations = self.setup.equations
+
+        def observe(states: Any) -> Any:
+            values = equations.scene.observe(states, equations.parameters)
+            return np.array(
+                [np.broadcast_to(values[name], states.shape[1:]) for name in self.names]
+            )
+
+        rest, slopes = by_complex_step(observe, self.at.state)
+        matrix = first_order(self.at.matrices)[np.ix_(self.rows, self.rows)]
+        advance = expm(matrix * (2 * np.pi / fastest_rate(self.at) / 16))
+        x, size = self.departure, np.abs(slopes @ self.departure)
+        for _ in range(32):
+            x = advance @ x
+            size = np.maximum(size, np.abs(slopes @ x))
+        return rest, slopes, np.where(size > 1e-6 * np.max(size), size, np.inf)
+
+    def largest(self, values: Array) -> float:
+        """Return the largest departure (k, n_t) of an observable, in the size that it has."""
+        if not np.all(np.isfinite(values)):
+            return np.inf
+        with np.errstate(all="ignore"):
+            return float(np.max(np.abs(values) / self.linear[2][:, None]))
+
+    def by_run(self, step: float, horizon: float) -> float:
+        """Run the engine and return the largest departure, in the size that it really has.
+
+        Raises
+        ------
+        EngineError
+            Of the engine or the guard.
+        """
+        run = self.setup.with_case(self.case).simulate(step, step_numbers(step, horizon))
+        return self.largest(run.matrix(self.names) - self.linear[0][:, None])
+
+    def by_matrix(self, step: float, horizon: float) -> float:
+        """Return the largest departure by the amplification matrix."""
+        matrix = AMPLIFICATION[self.scheme](self.at.matrices, step)
+        width, x = len(self.at.coordinates), np.zeros(len(matrix))
+        x[self.rows] = self.departure
+        if len(matrix) > 2 * width:  # generalized-alpha carries accelerations
+            x[2 * width :] = (first_order(self.at.matrices) @ x[: 2 * width])[width:]
+        numbers = step_numbers(step, horizon)
+        with np.errstate(all="ignore"):
+            advance = np.linalg.matrix_power(matrix, int(numbers[0]))
+            states = (advance @ x)[:, None]
+            while states.shape[1] < len(numbers):  # twice as many each time
+                states = np.hstack([states, advance @ states])
+                advance = advance @ advance
+            return self.largest(self.linear[1] @ states[self.rows, : len(numbers)])
+
+    def grows_in_run(self, step: float, horizon: float) -> bool:
+        """Run the engine and return whether the vibration grows, or the guard stops it.
+
+        Raises
+        ------
+        EngineError
+            ``step``, where the engine refuses it.
+        """
+        try:
+            return self.by_run(step, horizon) > GROWTH
+        except EngineError as error:
+            if error.kind == "step":
+                raise
+            return True
+
+    def rules(self, step: float) -> tuple[str, ...]:
+        """Return the rules that warn of a step."""
+        return noticing_rules(self.setup.with_step(step), STEPS * step)
+
+
+def step_numbers(step: float, horizon: float) -> NDArray[np.int_]:
+    """Return at which steps a run is sampled: evenly spread, at most `SEEN`."""
+    count = max(2, math.ceil(horizon / step))
+    every = math.ceil(count / SEEN)
+    return every * np.arange(1, count // every + 1)

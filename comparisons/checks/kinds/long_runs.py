@@ -1,0 +1,326 @@
+"""Kind *long*: what hundreds of periods leave of energy, phase, closure and clock.
+
+Every drift of a right engine vanishes with the step: a second run with half of it tells how much is
+left with the whole. Beside that a motion counts as lost where a tenth of its amplitude or of its
+period is gone, however well that is predicted. A soft closure takes energy at any step; of such a
+model only the latter is asked.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.linalg import eigh
+
+from ....reference import get_scene
+from ....reference.errors import MbcheckError
+from ....reference.linear import linearise
+from ....reference.orbits import Orbit, find_orbit
+from ....reference.scene import Array, Case
+from ...engines.equations import invariants_of, scene_equations
+from ...engines.run import EPS, VIOLATIONS, Trajectory
+from ...engines.setup import Setup, shortest_period
+from ..rules.cautions import noticing_rules
+from ..tolerances import RICHARDSON_SAFETY, VIOLATION, rounding
+from ..verdict import REFERENCE, Finding, Inconclusive
+from .energy import drifts as invariant_drifts
+
+FREE, CONSERVATIVE, LOCKED, AFTER_PULSE = "free", "conservative", "locked", "after_pulse"
+"""What is followed, as the `watch` of a case: small free vibrations about a state of rest; motion
+without forces and dampers; the rotation on the periodic orbit; what is left when a drive ends."""
+
+AMPLITUDE, AMPLITUDE_IF_PUSHED = 1e-4, 1e-6
+"""Of free vibrations, in the size of the scene (1 rad, its shortest length): what is not linear
+changes frequencies by its square. Where a coordinate has no spring the vibration pushes it away
+with a force of second order, all the time: there the amplitude is less."""
+
+WINDOW = 32
+"""Samples of a period at the start and at the end."""
+
+MARKS = 512
+"""Samples of a run whose energy is followed."""
+
+LOSS = 0.1
+"""Part of an amplitude, or of a period, whose loss makes a motion wrong though as predicted."""
+
+MOST_LOST = {"energy": 2 * LOSS, "phase": 2 * np.pi * LOSS}
+"""The same of each quantity: relative, and [rad]."""
+
+Drifts = dict[str, tuple[float, float]]
+"""Drift of each quantity over a run, and what round-off and the size of the motion leave of it."""
+
+
+@dataclass(frozen=True)
+class LongRun:
+    """A motion of a setup that is followed for long.
+
+    Attributes
+    ----------
+    setup : Setup
+        With its step; its case starts the motion and has the horizon.
+    period : float
+        [s]
+    samples : int array (n_t,)
+        Step numbers.
+    drifts : callable ``(trajectory) -> Drifts``
+    """
+
+    setup: Setup
+    period: float
+    samples: Any
+    drifts: Callable[[Trajectory], Drifts]
+
+    def simulate(self, division: int) -> Trajectory:
+        """Run the engine with a fraction of the step."""
+        return self.setup.simulate(self.setup.step_size / division, self.samples * division)
+
+    def drifts_of(self, trajectory: Trajectory) -> Drifts:
+        """Return the drifts of a trajectory, and how far loops were open."""
+        by_name = self.drifts(trajectory)
+        length = shortest_length(self.setup.case.parameters)
+        if has_rigid_loops(self.setup):
+            for name, unit in zip(VIOLATIONS, (1.0, 2 * np.pi / self.period), strict=True):
+                opening = float(np.max(np.abs(trajectory.values[name])))
+                by_name[name] = opening, VIOLATION * length * unit
+        return by_name
+
+
+def conserves(setup: Setup) -> bool:
+    """Return whether the model takes nothing from a motion: a soft closure does."""
+    return bool(setup.scene.discretisation_coordinates) or not setup.has_soft_closure
+
+
+def has_rigid_loops(setup: Setup) -> bool:
+    """Return whether the model closes loops by constraints that do not give way."""
+    return setup.has_constraints and conserves(setup)
+
+
+def followed(setup: Setup) -> tuple[str, ...]:
+    """Return the names of what is followed."""
+    if setup.case.watch == AFTER_PULSE:
+        return tuple(invariants_of(setup.equations))
+    return {FREE: ("energy", "phase"), LOCKED: ("phase",)}.get(setup.case.watch, ("energy",))
+
+
+def quantities(setup: Setup) -> tuple[str, ...]:
+    """Return the names of what is measured."""
+    names = followed(setup)
+    drifting = [f"{name}_drift" for name in names if conserves(setup)]
+    lost = [f"{name}_lost" for name in names if name in MOST_LOST]
+    return (*drifting, *lost, *(VIOLATIONS if has_rigid_loops(setup) else ()), "clock")
+
+
+def measure(setup: Setup) -> list[Finding | Inconclusive]:
+    """Follow a motion with the step and with half of it, and judge what drifts."""
+    run = RUNS[setup.case.watch](setup)
+    step, horizon = run.setup.step_size, run.setup.case.horizon
+    whole, half = run.simulate(1), run.simulate(2)
+    first, second = run.drifts_of(whole), run.drifts_of(half)
+    gain = 2**run.setup.integrator.order
+    span = f"after {horizon / run.period:.4g} periods with h = {step:.3g} s"
+    findings = []
+    for name, (drift, floor) in first.items():
+        other = second.get(name, (np.inf, 0.0))[0]
+        reason = f"{name} {drift:.3g} {span}, {other:.3g} with half of it"
+        left, left_by_half = (in_logarithms(name, one) for one in (drift, other))
+        tolerance = RICHARDSON_SAFETY * gain / (gain - 1) * abs(left - left_by_half) + floor
+        quantity = name if name in VIOLATIONS else f"{name}_drift"
+        findings.append(Finding(quantity, "1", left, 0.0, abs(left), tolerance, reason))
+        if name in MOST_LOST:
+            lost, most = max(abs(drift), abs(other)), MOST_LOST[name]
+            findings.append(Finding(f"{name}_lost", "1", lost, 0.0, lost, most, reason))
+    late = float(np.max(np.abs(whole.clock - whole.times)))
+    dyadic = np.frexp(step)[0] == 0.5
+    granted = 0.0 if dyadic else EPS * whole.steps * float(whole.times[-1])
+    findings.append(Finding("clock", "s", late, 0.0, late, granted, f"{late:.2g} s off {span}"))
+    noticed: tuple[str, ...] = ()
+    if any(not one.error <= one.tolerance for one in findings):
+        noticed = (*noticing_rules(run.setup, horizon), REFERENCE)
+    asked = {one.quantity: replace(one, noticed_by=noticed) for one in findings}
+    gone = "less is left of the motion than it is distorted by"
+    return [asked.get(name, Inconclusive(name, gone)) for name in quantities(setup)]
+
+
+def in_logarithms(name: str, drift: float) -> float:
+    """Return a drift in a measure that goes with the rate of loss: of an energy, ln(1 + drift)."""
+    return float(np.log1p(max(drift, -1 + EPS))) if name == "energy" else drift
+
+
+# Free vibrations ----------------------------------------------------------------------------
+
+
+class FreeMode(NamedTuple):
+    """An undamped mode about a state of rest of a scene.
+
+    Attributes
+    ----------
+    rest : array (2 n,)
+    omega : float
+        [rad/s]
+    shape : array (n,)
+        Normed by the mass matrix.
+    mass : array (n, n)
+    push : float
+        0 where every coordinate has a spring; else the ratio of the largest inertia to the least,
+        with which the forces of second order push one that has none.
+    """
+
+    rest: Array
+    omega: float
+    shape: Array
+    mass: Array
+    push: float
+
+    @property
+    def amplitude(self) -> float:
+        """`AMPLITUDE`, or less."""
+        return AMPLITUDE_IF_PUSHED if self.push else AMPLITUDE
+
+    def amplitudes(self, states: Array) -> Any:
+        """Return ``a - i a'/omega`` (n_t,), which turns with ``exp(i omega t)``."""
+        q, v = np.split(states - self.rest[:, None], 2)
+        shape = self.shape @ self.mass
+        return shape @ q - 1j * (shape @ v) / self.omega
+
+
+def free_mode(case: Case) -> FreeMode:
+    """Return the fastest mode about the first stable state of rest.
+
+    Raises
+    ------
+    MbcheckError
+        If there is no stable one.
+    """
+    scene, size = get_scene(case.scene), sizes(case)
+    for where in scene.equilibria.values():
+        rest = scene.state(where(case.parameters))
+        mass, _, stiffness = linearise(scene, case.parameters, rest)
+        squares, shapes = eigh((stiffness + stiffness.T) / 2, mass)
+        if squares[0] > -1e-9 * squares[-1] and squares[-1] > 0:
+            ratio = float(np.linalg.cond(mass * np.outer(size, size)))
+            push = ratio if squares[0] < 1e-9 * squares[-1] else 0.0
+            return FreeMode(rest, float(np.sqrt(squares[-1])), shapes[:, -1], mass, push)
+    raise MbcheckError(f"{case.scene} has no stable state of rest here")
+
+
+def started(case: Case, mode: FreeMode) -> Case:
+    """Return the case that starts at the largest displacement of a mode."""
+    share = mode.amplitude / np.max(np.abs(mode.shape) / sizes(case))
+    state = mode.rest + np.append(share * mode.shape, 0 * mode.shape)
+    names = get_scene(case.scene).state_names
+    return replace(case, state=dict(zip(names, state.tolist(), strict=True)), start_time=0.0)
+
+
+def sizes(case: Case) -> Array:
+    """Return the size (n,) of each coordinate: 1 rad, or the shortest length."""
+    scene = get_scene(case.scene)
+    angles = [scene.units[name] == "rad" for name in scene.coordinates]
+    return np.where(angles, 1.0, shortest_length(case.parameters))
+
+
+def shortest_length(parameters: Any) -> float:
+    """Return the shortest length of a scene [m], 1 m if it has none."""
+    endings = ("length", "radius", "eccentricity")
+    lengths = [value for name, value in parameters.as_dict().items() if name.endswith(endings)]
+    return min((value for value in lengths if isinstance(value, float) and value > 0), default=1.0)
+
+
+def free_vibration(setup: Setup) -> LongRun:
+    """Return how energy and phase of the fastest mode change from the first period to the last."""
+    mode, step = free_mode(setup.case), setup.step_size
+    period = 2 * np.pi / mode.omega
+    count = int(period / step)
+    begin = np.arange(1, count + 1, max(1, count // WINDOW))
+    samples = np.concatenate([begin, int(setup.case.horizon / step) - begin[::-1] + 1])
+    angle = mode.omega * samples * step
+    rotation = np.exp(-1j * angle)
+    tolerance = 0.0 if setup.integrator.scheme else setup.engine.newton_tolerance
+    noise = rounding(int(samples[-1]), 1.0)
+    noise += tolerance * setup.case.horizon / period / mode.amplitude
+    bend = mode.amplitude**2 * angle[-1] * max(1.0, mode.push * angle[-1])
+
+    def drifts(trajectory: Trajectory) -> Drifts:
+        amplitudes = mode.amplitudes(trajectory.matrix(setup.scene.state_names))
+        first, last = np.split(amplitudes, 2)
+        left = float(np.mean(np.abs(last) ** 2) / np.mean(np.abs(first) ** 2))
+        before, after = (np.mean(part) for part in np.split(amplitudes * rotation, 2))
+        by_name = {"energy": (left - 1, noise + mode.amplitude + bend)}
+        if np.sqrt(left) > noise + mode.amplitude:
+            by_name["phase"] = float(np.angle(after / before)), noise + bend
+        return by_name
+
+    return LongRun(setup, period, samples, drifts)
+
+
+# Motions of any size ------------------------------------------------------------------------
+
+
+def conservative(setup: Setup) -> LongRun:
+    """Return what a motion loses of its energy, or after a drive of all that it conserves.
+
+    What is lost at the end is the mean of the last eighth; by how much the first one wavers is
+    left open.
+    """
+    case, step = setup.case, setup.step_size
+    after_drive = case.watch == AFTER_PULSE
+    equations = setup.equations if after_drive else scene_equations(case)
+    end = equations.scene.drive_end_time(equations.parameters) if after_drive else 0.0
+    samples = np.union1d(marks(end, step, WINDOW), marks(case.horizon, step, MARKS))
+
+    def drifts(trajectory: Trajectory) -> Drifts:
+        by_name = {}
+        for name, drift in invariant_drifts(
+            equations, case, trajectory.times, trajectory.values
+        ).items():
+            if name in followed(setup):
+                first, *_, last = np.array_split(drift, 8)
+                wave = float(np.max(np.abs(first - np.mean(first))))
+                by_name[name] = float(np.mean(last)), wave + rounding(int(samples[-1]), 1.0)
+        return by_name
+
+    return LongRun(setup, shortest_period(case), samples, drifts)
+
+
+def marks(span: float, step: float, count: int) -> Any:
+    """Return about so many step numbers, evenly spread over a span [s]."""
+    numbers = np.unique(np.round(np.linspace(0, round(span / step), count + 1)).astype(int))
+    return numbers[numbers > 0]
+
+
+def locked(setup: Setup) -> LongRun:
+    """Return by what angle a rotation leaves the periodic orbit."""
+    scene, case, longest = setup.scene, setup.case, setup.step_size
+    orbit = known_orbit(case.scene, case.parameters)
+    per_period = int(np.ceil(orbit.period / longest))
+    periods = int(case.horizon / orbit.period)
+    state = dict(zip(scene.state_names, orbit.state.tolist(), strict=True))
+    case = replace(case, state=state, start_time=0.0, horizon=periods * orbit.period)
+    setup = setup.with_case(case).with_step(orbit.period / per_period)
+    angle, turns = next(iter(scene.rotations_per_period.items()))
+    samples = marks(periods, 1.0, 2 * WINDOW) * per_period
+    floor = rounding(int(samples[-1]), 1.0) * 2 * np.pi * periods
+
+    def drifts(trajectory: Trajectory) -> Drifts:
+        whole = 2 * np.pi * turns * periods
+        return {"phase": (float(trajectory.values[angle][-1]) - state[angle] - whole, floor)}
+
+    return LongRun(setup, orbit.period, samples, drifts)
+
+
+@lru_cache(maxsize=8)
+def known_orbit(scene: str, parameters: Any) -> Orbit:
+    """Return the reference's periodic orbit, remembered within a process."""
+    return find_orbit(get_scene(scene), parameters)
+
+
+RUNS: Mapping[str, Callable[[Setup], LongRun]] = {
+    FREE: free_vibration,
+    CONSERVATIVE: conservative,
+    LOCKED: locked,
+    AFTER_PULSE: conservative,
+}
+"""By what a case watches."""

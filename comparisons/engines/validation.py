@@ -1,0 +1,469 @@
+"""What engines that are plugged in must be, and what their answers must be."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Collection, Mapping
+from typing import Any
+
+import numpy as np
+
+from ...reference import get_scene
+from ...reference.amplification import AMPLIFICATION
+from ...reference.errors import EngineError, UnknownNameError, UsageError
+from ...reference.scene import Array, Case, EquationsOfMotion
+from ...reference.solve.schemes import SCHEMES
+from .equations import invariants_of, scene_equations
+from .protocol import Engine, Method, Motion, Option, OwnModel, System
+from .run import VIOLATIONS, grid_indices
+
+PRECISIONS = ("float64", "float32")
+CLOSURES = ("rigid", "mjcf", "soft")
+
+LONGEST_NAME, LONGEST_VERSION = 63, 200
+"""Characters of the name of an engine or a method, which stands in ids and in tables, and of the
+version of an engine."""
+
+MAX_NAMES = 100
+"""Methods of an engine, or models of a scene, above which it is refused: each has its checks."""
+
+
+def numbers(what: str, value: Any, shape: tuple[int, ...], finite: bool = False) -> Array:
+    """Return an engine's answer as an array of floats of this shape.
+
+    Raises
+    ------
+    EngineError
+        ``returned``, with what is wrong.
+    """
+    try:
+        array = np.asarray(value)
+        array = np.asarray(array.tolist()) if array.dtype.kind == "O" else array
+        if array.dtype.kind not in "biuf" or np.ma.is_masked(value):
+            raise TypeError
+        array = np.array(array, dtype=float)
+    except (TypeError, ValueError):
+        raise EngineError(
+            "returned", f"{what} must be real numbers, not {in_short(value)}"
+        ) from None
+    if array.shape != shape:
+        hint = "; it is transposed" if array.ndim > 1 and array.shape[::-1] == shape else ""
+        raise EngineError("returned", f"{what} has shape {array.shape}, expected {shape}{hint}")
+    if finite and not np.all(np.isfinite(array)):
+        raise EngineError("non_finite", f"{what} holds {array[~np.isfinite(array)][0]}")
+    return array
+
+
+def matrices(answer: Any, size: int | None = None) -> Array:
+    """Return an engine's answer as M, C, K (3, n, n); without a size n is that of M.
+
+    Raises
+    ------
+    EngineError
+        ``returned``, with what is wrong.
+    """
+    try:
+        n = len(answer[0]) if size is None else size
+    except (TypeError, LookupError):
+        n = 0
+    return numbers("M, C, K of linearise", answer, (3, n, n), finite=True)
+
+
+UNIT, UNITS = 1e-9, 256
+"""By how much the length of a quaternion may be off 1: so much, or so many units of rounding."""
+
+
+def refuse_lost_length(system: System, times: Array, positions: Array, precision: str) -> None:
+    """Refuse quaternions in positions (n_t, n_q) that are not of length 1.
+
+    Raises
+    ------
+    EngineError
+        ``returned``
+    """
+    room = max(UNIT, UNITS * float(np.finfo(precision).eps))
+    for place in system.layout.quaternions:
+        lengths = np.linalg.norm(positions[:, place], axis=1)
+        off = np.flatnonzero(np.abs(lengths - 1) > room)
+        if off.size:
+            raise EngineError(
+                "returned",
+                f"a quaternion has the length {lengths[off[0]]:.9g} at t = {times[off[0]]:.6g} s: "
+                "normalise it as you integrate it; its order is (w, x, y, z), after the place of a "
+                "free joint",
+            )
+
+
+def refuse_lost_joints(system: System, times: Array, states: Array) -> None:
+    """Refuse states (n_t, n_q + n) that are not finite.
+
+    Raises
+    ------
+    EngineError
+        ``non_finite``, with the first joint.
+    """
+    lost = np.argwhere(~np.isfinite(states))
+    if lost.size:
+        time, joint = times[lost[0][0]], joint_of(system, int(lost[0][1]))
+        raise EngineError("non_finite", f"the joint {joint} is not finite at t = {time:.6g} s")
+
+
+def refuse_one_state(system: System, positions: Array, velocities: Array) -> None:
+    """Refuse positions (n_t, n_q) and velocities (n_t, n) that are all one, and not the first.
+
+    Raises
+    ------
+    EngineError
+        ``returned``
+    """
+    same = all(np.all(rows == rows[:1]) for rows in (positions, velocities))
+    moved = len(positions) > 1 and not np.allclose(positions[0], system.positions)
+    if same and moved and np.any(velocities):
+        raise EngineError(
+            "returned",
+            "all states of the run are the same, and they move: copy each as it comes, if they are "
+            "views of a buffer that the next step overwrites",
+        )
+
+
+def refuse_no_tables(motion: Motion) -> None:
+    """Refuse a motion with other things where it must have values by name.
+
+    Raises
+    ------
+    EngineError
+        ``returned``
+    """
+    for name, what in (("warnings", "counts"), ("observables", "values")):
+        if not isinstance(value := vars(motion)[name], Mapping):
+            raise EngineError(
+                "returned", f"Motion.{name} must be {what} by name, not {in_short(value)}"
+            )
+
+
+def refuse_step_across_end(system: System, step: float, times: Array) -> None:
+    """Refuse a step [s] that leads across the time at which the drive ends.
+
+    Raises
+    ------
+    UsageError
+    """
+    end = system.drive_end
+    if end is None or not system.start_time < end < times[-1]:
+        return
+    try:
+        grid_indices(np.array([end]), system.start_time, step)
+    except UsageError as error:
+        raise UsageError(f"the drive ends between two steps: {error}") from None
+
+
+def options_of(answer: Any) -> tuple[Option, ...]:
+    """Return the options that an engine tells.
+
+    Raises
+    ------
+    EngineError
+        ``returned``, if they are none.
+    """
+    if not (isinstance(answer, tuple | list) and all(isinstance(x, Option) for x in answer)):
+        raise EngineError(
+            "returned", f"options must return a tuple of mbcheck.Option, not {in_short(answer)}"
+        )
+    return tuple(answer)
+
+
+INTEGRALS = ("energy", "momentum")
+"""Of motion, which a scene conserves in some of its cases alone: an engine may tell them in all."""
+
+
+def observables_of(motion: Motion, case: Case, shape: tuple[int, ...]) -> dict[str, Array]:
+    """Return what sensors show in a motion of a case, by name, each of this shape.
+
+    Raises
+    ------
+    EngineError
+        ``returned`` for other names, at which nobody would look, and for other values.
+    """
+    if not motion.observables:
+        return {}
+    conserved = (*invariants_of(scene_equations(case)), *INTEGRALS)
+    known = (*get_scene(case.scene).observables, *conserved, *VIOLATIONS)
+    for name in motion.observables:
+        if name not in known:
+            raise EngineError(
+                "returned",
+                f"Motion.observables holds {name!r}; known: {', '.join(dict.fromkeys(known))}",
+            )
+    return {
+        name: numbers(f"Motion.observables[{name!r}]", rows, shape)
+        for name, rows in motion.observables.items()
+    }
+
+
+def joint_of(system: System, column: int) -> str:
+    """Return the joint of a column of positions and velocities side by side."""
+    count = system.layout.size[0]
+    slices = system.layout.positions if column < count else system.layout.velocities
+    column -= count * (column >= count)
+    return next(n for n, at in zip(system.joints, slices, strict=True) if column < at.stop)
+
+
+def in_short(value: Any) -> str:
+    """Return an answer in one short line."""
+    text = " ".join(repr(value).split())
+    return f"{type(value).__name__} {text if len(text) <= 40 else text[:37] + '...'}"
+
+
+def count(name: str, value: Any) -> int:
+    """Return a number that a `Motion` tells as a whole one."""
+    return int(numbers(f"Motion.{name}", value, (), finite=True))
+
+
+def optional_count(name: str, value: Any) -> int | None:
+    """Return a number that a `Motion` may tell, or None."""
+    return None if value is None else count(name, value)
+
+
+def declared(name: str, author: Any) -> Engine:
+    """Return an object that follows the protocol as an `Engine`.
+
+    Raises
+    ------
+    UsageError
+        If it does not; says in what.
+    """
+    if not isinstance(author, Engine):
+        raise UsageError(f"engine {name} is no mbcheck.Engine: inherit from it")
+    for attribute in ("name", "version", "methods"):
+        if not hasattr(author, attribute):
+            raise UsageError(f"engine {name} has no {attribute}; see docs/engines.md")
+    refuse_name(f"engine {name} calls itself", author.name)
+    version, methods, table = author.version, author.methods, attributes(author)
+    text = isinstance(version, str) and version.isprintable()
+    listed = isinstance(methods, tuple | list) and 0 < len(methods) <= MAX_NAMES
+    needs: dict[str, tuple[bool, str]] = {
+        "version": (
+            text and 0 < len(version) <= LONGEST_VERSION,
+            f"text of at most {LONGEST_VERSION} characters",
+        ),
+        "methods": (listed, f"a tuple of mbcheck.Method, of {MAX_NAMES} at most"),
+        **{flag: (isinstance(table[flag], bool | np.bool_), "True or False") for flag in FLAGS},
+        **{one: (is_size(table[one]), "a number") for one in NUMBERS},
+    }
+    refuse_unfit(f"engine {name}", table, needs)
+    for method in methods:
+        refuse_method(name, method)
+    names = [method.name for method in methods]
+    if len(set(names)) < len(names):
+        raise UsageError(f"engine {name}: two methods have the same name: {', '.join(names)}")
+    for function, arguments in CALLS.items():
+        refuse_signature(name, function, getattr(author, function), arguments)
+    if author.reads_mjcf and author.closure != "soft" and "own_model" in own_functions(author):
+        raise UsageError(
+            f'engine {name}: own_model needs reads_mjcf = False, or closure = "soft"; {RENAME}'
+        )
+    words = [("precision", author.precision, PRECISIONS), ("closure", author.closure, CLOSURES)]
+    words += [
+        ("precision", one.precision, PRECISIONS) for one in methods if one.precision is not None
+    ]
+    for attribute, word, allowed in words:
+        if word not in allowed:
+            raise UnknownNameError(
+                f"{attribute} of engine {name}", str(word)[:LONGEST_NAME], allowed
+            )
+    return author
+
+
+def is_size(value: Any) -> bool:
+    """Return whether a value is a number that is not negative."""
+    return isinstance(value, int | float) and value >= 0
+
+
+def refuse_unfit(
+    where: str, values: Mapping[str, Any], needs: Mapping[str, tuple[bool, str]]
+) -> None:
+    """Refuse the first of some values that is not what it must be.
+
+    Raises
+    ------
+    UsageError
+    """
+    for name, (right, need) in needs.items():
+        if not right:
+            raise UsageError(f"{where}: {name} must be {need}, not {in_short(values[name])}")
+
+
+def attributes(author: Engine) -> dict[str, Any]:
+    """Return the attributes of the protocol that an engine has."""
+    return {name: getattr(author, name) for name in ATTRIBUTES}
+
+
+def own_functions(author: Engine) -> frozenset[str]:
+    """Return which functions of the protocol an engine has of its own."""
+    return frozenset(
+        name
+        for name in CALLS
+        if name in vars(author) or getattr(type(author), name) is not vars(Engine)[name]
+    )
+
+
+NUMBERS = ("least_inertia", "largest_value", "newton_tolerance")
+FLAGS = ("reads_mjcf", "reads_all_mjcf", "accumulates_clock")
+ATTRIBUTES = ("name", "version", "methods", "precision", "closure", *FLAGS, *NUMBERS)
+"""Attributes of the protocol, and those of them that are numbers, or true or false."""
+
+CALLS = {
+    "simulate": 4,
+    "accelerations": 4,
+    "mass_matrix": 2,
+    "linearise": 1,
+    "why_not": 2,
+    "models": 1,
+    "own_model": 1,
+    "inverse_dynamics": 5,
+    "reactions": 4,
+    "options": 2,
+    "with_option": 2,
+}
+"""Functions of the protocol, and how many arguments each is called with."""
+
+
+def refuse_signature(name: str, function: str, call: Any, arguments: int) -> None:
+    """Refuse a function that cannot be called as the protocol calls it.
+
+    Raises
+    ------
+    UsageError
+    """
+    if not callable(call):
+        raise UsageError(
+            f"engine {name}: {function} must be a function, not {in_short(call)}; {RENAME}"
+        )
+    try:
+        signature = inspect.signature(call)
+    except ValueError:  # of compiled code
+        return
+    try:
+        signature.bind(*range(arguments))
+    except TypeError as error:
+        raise UsageError(
+            f"engine {name}: {function}{signature} cannot be called with the {arguments} arguments "
+            f"of the protocol ({error}); see docs/engines.md, and {RENAME}"
+        ) from None
+
+
+RENAME = "rename it if it is a helper of yours"
+
+
+def refuse_name(what: str, name: Any) -> None:
+    """Refuse a name that cannot stand in ids of results.
+
+    Raises
+    ------
+    UsageError
+    """
+    if not (isinstance(name, str) and re.fullmatch(rf"[A-Za-z0-9_.+-]{{1,{LONGEST_NAME}}}", name)):
+        raise UsageError(
+            f"{what} {repr(name)[:LONGEST_NAME]}; a name has at most {LONGEST_NAME} letters, "
+            "digits and _.+- only"
+        )
+
+
+def refuse_method(name: str, method: Any) -> None:
+    """Refuse what is no `Method`, or has an impossible order or an unknown scheme.
+
+    Raises
+    ------
+    UsageError
+    """
+    if not isinstance(method, Method):
+        raise UsageError(f"engine {name}: {in_short(method)} is no mbcheck.Method")
+    refuse_name(f"engine {name} calls a method", method.name)
+    work = method.evaluations
+    needs = {
+        "order": (type(method.order) is int and method.order >= 1, "1 or more"),
+        "evaluations": (work is None or (type(work) is int and work >= 1), "1 or more"),
+        "scheme_with_loops": (isinstance(method.scheme_with_loops, bool), "True or False"),
+    }
+    refuse_unfit(f"engine {name}: method {method.name}", vars(method), needs)
+    for what, scheme, known in (
+        ("scheme", method.scheme, SCHEMES),
+        ("linear scheme", method.linear, AMPLIFICATION),
+    ):
+        if not (scheme is None or (isinstance(scheme, str) and scheme in known)):
+            raise UnknownNameError(
+                f"{what} of {name} {method.name}", str(scheme)[:LONGEST_NAME], known
+            )
+
+
+def names_of(answer: Any) -> tuple[str, ...]:
+    """Return the names of models that an engine tells.
+
+    Raises
+    ------
+    EngineError
+        ``returned``, if they are no names, or too many.
+    UsageError
+        If they cannot stand in ids of results.
+    """
+    if not isinstance(answer, tuple | list) or len(answer) > MAX_NAMES:
+        raise EngineError(
+            "returned",
+            f"models must return a tuple of names, {MAX_NAMES} at most, not {in_short(answer)}",
+        )
+    for model in answer:
+        refuse_name("it calls a model", model)
+    if len(set(answer)) < len(answer):
+        raise EngineError("returned", f"two models have the same name: {', '.join(answer)}")
+    return tuple(answer)
+
+
+def own_model_of(answer: Any, outputs: Collection[str]) -> OwnModel:
+    """Return what an engine tells of a model of a scene with these outputs.
+
+    Raises
+    ------
+    EngineError
+        ``returned``, if it has no sense; says in what.
+    """
+    if not isinstance(answer, OwnModel):
+        raise EngineError("returned", f"own_model must return an OwnModel, not {in_short(answer)}")
+    equations, order = answer.equations, answer.element_order
+    pair = isinstance(equations, tuple) and len(equations) == 2
+    whole = equations is None or (
+        pair
+        and isinstance(equations[0], EquationsOfMotion)
+        and isinstance(equations[1], equations[0].parameters)
+    )
+    elements = answer.elements is None or isinstance(answer.elements, EquationsOfMotion)
+    named = isinstance(answer.reactions, tuple | list) and set(answer.reactions) <= set(outputs)
+    placed = isinstance(answer.why_not_placed, str | None)
+    needs = {
+        "constrained": (isinstance(answer.constrained, bool), "True or False"),
+        "reactions": (named, f"a tuple of names among {', '.join(outputs)}"),
+        "equations": (whole, "None or (EquationsOfMotion, its parameters)"),
+        "elements": (elements, "None or an EquationsOfMotion"),
+        "element_order": (type(order) is int and order >= 0, "an order of 0 or more"),
+        "why_not_placed": (placed, "None or a reason"),
+    }
+    for field, (right, need) in needs.items():
+        if not right:
+            value = in_short(vars(answer)[field])
+            raise EngineError("returned", f"OwnModel.{field} must be {need}, not {value}")
+    return answer
+
+
+def reason_of(answer: Any) -> str | None:
+    """Return why an engine cannot run something, None where it gives no reason.
+
+    Raises
+    ------
+    EngineError
+        ``returned``, if it is no text.
+    """
+    if not isinstance(answer, str | None):
+        raise EngineError(
+            "returned", f"why_not must return a reason or None, not {in_short(answer)}"
+        )
+    return answer or None

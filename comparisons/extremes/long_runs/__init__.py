@@ -1,1 +1,0 @@
-"""Motions that are followed for long."""

@@ -1,1 +1,0 @@
-"""``mbcheck tradeoff MODEL.xml``: which step and which integrator a model needs."""

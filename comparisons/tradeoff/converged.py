@@ -1,0 +1,189 @@
+"""The model's own converged run from a start, and how long it is known."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from time import monotonic
+
+import numpy as np
+
+from ...reference.scene import Array
+from .bench import CONVERGED, Bench, SampledRun, Setting, Start, time_constants
+from .table import percent
+
+SHARPEST = ("RK4", "implicitfast")
+"""Integrators of the converged run: the second where the first loses the state, as it does where
+joints are damped so strongly that only an implicit method keeps them."""
+
+FINER = (1, 4, 16)
+"""Times by which its steps are shorter still, where the motion is smooth and these are too long."""
+
+KNOWN = 0.25
+"""Share of the target by which the converged run may be uncertain: beyond, nothing is compared."""
+
+DEPARTURE = 1e-6
+"""Of the start, in the size of the motion, by which a run is tried for what it makes of errors."""
+
+STILL = 1e-6
+"""Motion (m, rad) below which nothing moves."""
+
+LEAST = 5
+"""Periods over which comparing makes sense."""
+
+HARD = 16
+"""Parts of the file's time constants that closures have which count as exact."""
+
+
+WORK = 5.0
+"""Times as long as before that runs take whose steps are a quarter."""
+
+
+def nothing() -> Array:
+    """Return no numbers."""
+    return np.zeros(0)
+
+
+@dataclass(frozen=True)
+class Converged:
+    """The converged run from a start, and how long it is known.
+
+    Attributes
+    ----------
+    start : Start
+    setting : Setting
+    run : SampledRun
+    size : array (n,)
+        Of the observables.
+    error : array (n_periods,)
+        By how much it changes with half the step, relative; and with closures half as hard, where
+        these count as exact.
+    spread : array (n_periods,)
+        By how much with a start that is `DEPARTURE` off.
+    softness : array (n_periods,)
+        By how much it is another with closures as soft as in the file, or, where they are that,
+        with hard ones; empty without closures.
+    """
+
+    start: Start
+    setting: Setting
+    run: SampledRun
+    size: Array
+    error: Array = field(default_factory=nothing)
+    spread: Array = field(default_factory=nothing)
+    softness: Array = field(default_factory=nothing)
+
+    def count(self, target: float) -> int:
+        """Return the number of periods over which it is known for a target."""
+        most = KNOWN * target
+        return min(known(self.error, most), known(self.spread, most))
+
+    @property
+    def unmoved(self) -> bool:
+        """Whether nothing moves."""
+        return float(np.max(self.size, initial=0.0)) < STILL
+
+    @property
+    def smooth(self) -> bool:
+        """Whether there were no contacts, limits and friction."""
+        return self.run.rows == 0
+
+    def grows(self, target: float) -> bool:
+        """Return whether small errors grow too much, whatever the step."""
+        most = KNOWN * target
+        return known(self.error, most) > known(self.spread, most)
+
+    def reason(self, target: float) -> str:
+        """Return why it is not known for longer."""
+        if self.run.failed is not None:
+            return f"the converged run itself loses its state at t = {self.run.failed:.3g} s"
+        cause = "contacts, limits or friction" if not self.smooth else "the motion"
+        if self.grows(target):
+            return f"small errors grow ({cause}): a start that is {DEPARTURE:g} off goes elsewhere"
+        most = KNOWN * target
+        words = f"{cause} left no converged run that is good to {percent(most)}"
+        tried = f"by {self.setting.integrator} at {1e3 * self.setting.step:.3g} ms"
+        what = "half of them or closures twice as soft" if self.setting.closure else "half of them"
+        return f"{words} ({tried} steps, {what} change it by {percent(float(np.max(self.error)))})"
+
+
+def converge(bench: Bench, start: Start, target: float, exact: bool) -> Converged | str | None:
+    """Return the converged run from a start, why there is none, or None if there was no time.
+
+    Its steps are refined where the motion is smooth and they are too long: one that no time is left
+    for is told, with what it would take.
+
+    Parameters
+    ----------
+    bench : Bench
+    start : Start
+    target : float
+        Relative error that settings are to meet.
+    exact : bool
+        Whether closures count as exact, not as soft as the file has them.
+    """
+    best: Converged | None = None
+    took = 0.0
+    for finer in FINER:
+        if best and monotonic() + WORK * took > bench.deadline:
+            step = 1e3 * bench.file.step / CONVERGED / finer
+            need = f"steps of {step:.2g} ms take about {WORK * took:.0f} s: --budget may give it"
+            return f"{best.reason(target)}; {need}"
+        began = monotonic()
+        for setting in settings(bench, finer, exact):
+            truth = converged_by(bench, start, setting)
+            if truth is None:
+                return None
+            if truth.unmoved:
+                return "nothing moves"
+            best = max(best or truth, truth, key=lambda one: one.count(target))
+            known_long = truth.count(target) >= min(LEAST, bench.count)
+            if truth.run.failed is None and known_long:
+                return truth
+            if truth.run.failed is None and (truth.grows(target) or not truth.smooth):
+                return truth.reason(target)  # no other step helps
+        took = monotonic() - began
+    assert best is not None
+    return best if best.count(target) >= min(LEAST, bench.count) else best.reason(target)
+
+
+def settings(bench: Bench, finer: int, exact: bool) -> Iterator[Setting]:
+    """Yield what the converged run may be by, at one refinement of its step."""
+    constants = time_constants(bench.loaded.model)
+    closure = float(np.min(constants)) / HARD if exact and len(constants) else None
+    for integrator in SHARPEST:
+        yield Setting(integrator, bench.file.step / CONVERGED / finer, closure=closure)
+
+
+def converged_by(bench: Bench, start: Start, setting: Setting) -> Converged | None:
+    """Return the run by a setting, with what it is worth; None if there was no time."""
+    whole = bench.run(start, setting, sharp=True)
+    size = np.ones(1) if whole is None else bench.sizes(whole)
+    largest = float(np.max(size, initial=0.0))
+    if whole is None:
+        return None
+    if largest < STILL:
+        return Converged(start, setting, whole, size)
+    coarse = setting._replace(step=2 * setting.step)
+    half = bench.run(start, coarse, sharp=True)
+    beside = half and bench.run(start, coarse, sharp=True, off=DEPARTURE * min(largest, 1.0))
+    if half is None or beside is None:
+        return None
+    error, spread = (bench.apart(a, b, size) for a, b in ((half, whole), (beside, half)))
+    softness = nothing()
+    if len(constants := time_constants(bench.loaded.model)):
+        hard = float(np.min(constants)) / HARD
+        for closure in (2 * hard, None) if setting.closure else (hard,):
+            other = bench.run(start, setting._replace(closure=closure), sharp=True)
+            if other is None:
+                return None
+            softness = bench.apart(other, whole, size)
+            if setting.closure and closure:
+                error = np.maximum(error, np.resize(softness, len(error)))
+    return Converged(start, setting, whole, size, error, spread, softness)
+
+
+def known(errors: Array, most: float) -> int:
+    """Return the number of periods before an error first exceeds a bound."""
+    above = np.flatnonzero(~(errors <= most))
+    return int(above[0]) if len(above) else len(errors)

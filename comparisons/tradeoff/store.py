@@ -1,0 +1,106 @@
+"""Results that a file keeps, so that a later call goes on where an earlier one ended."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from ...reference.errors import UsageError
+from ..documents.reading import read_document
+from ..reports.files import write_or_collect
+
+OFTEN = 2.0
+"""Seconds between two times at which the file is written."""
+
+PURPOSE = "runs of mbcheck tradeoff"
+"""First word of the file, by which it is told from others."""
+
+
+class RunStore:
+    """Results by name, in memory and, if there is a path, in a file.
+
+    Attributes
+    ----------
+    path : Path or None
+    about : dict
+        Conditions of all results: another model or another target has other results.
+    entries : dict
+        Results as JSON has them.
+    """
+
+    def __init__(self, path: str | None, **about: Any) -> None:
+        self.path = Path(path) if path else None
+        self.about: dict[str, Any] = json.loads(json.dumps(about))
+        self.entries: dict[str, Any] = self.read()
+        self.written = monotonic()
+
+    def read(self) -> dict[str, Any]:
+        """Return the results in the file.
+
+        Raises
+        ------
+        UsageError
+            If it is no such file, or one of another model or another target.
+        """
+        if self.path is None or not self.path.exists():
+            return {}
+        _, content = read_document(self.path, "JSON", json.loads, "--resume: ")
+        try:
+            about, entries = dict(content["about"]), dict(content["entries"])
+        except (KeyError, TypeError, ValueError):
+            raise self.no_runs() from None
+        if content.get("what") != PURPOSE:
+            raise self.no_runs()
+        for key, value in self.about.items():
+            if about.get(key) != value:
+                was = "" if key == "model" else f": {about.get(key)}, not {value}"
+                raise UsageError(f"--resume {self.path} is of another {key}{was}")
+        return entries
+
+    def no_runs(self) -> UsageError:
+        """Return the error of a file that holds something else."""
+        return UsageError(f"--resume {self.path}: that holds no {PURPOSE}")
+
+    def get(self, key: str, kind: Any) -> Any:
+        """Return a result of a type, None if there is none.
+
+        Raises
+        ------
+        UsageError
+            If it is of another type.
+        """
+        if key not in self.entries:
+            return None
+        try:
+            return msgspec.convert(self.entries[key], kind, dec_hook=array_of)
+        except msgspec.ValidationError:
+            raise self.no_runs() from None
+
+    def put(self, key: str, value: Any) -> None:
+        """Keep a result; the file is written now and then."""
+        self.entries[key] = msgspec.to_builtins(value, enc_hook=shape_and_values)
+        if monotonic() - self.written > OFTEN:
+            self.write()
+
+    def write(self) -> None:
+        """Write the file, if there is one."""
+        if self.path is not None:
+            content = {"what": PURPOSE, "about": self.about, "entries": self.entries}
+            write_or_collect(self.path, (json.dumps(content) + "\n").encode())
+        self.written = monotonic()
+
+
+def shape_and_values(array: Any) -> Any:
+    """Return an array as JSON has it."""
+    return [array.shape, np.ravel(array).tolist()]
+
+
+def array_of(kind: Any, value: Any) -> Any:
+    """Return an array that JSON has; anything else is a ValueError or a TypeError."""
+    shape, values = value
+    return np.reshape(np.array(values, dtype=float), shape)

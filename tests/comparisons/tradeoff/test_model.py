@@ -1,0 +1,338 @@
+"""``mbcheck tradeoff MODEL.xml``: what it recommends holds, and it says where nothing can."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mbcheck.comparisons.inspect.inspection import inspect
+from mbcheck.comparisons.inspect.mujoco.model import load
+from mbcheck.comparisons.tradeoff.bench import Bench
+from mbcheck.comparisons.tradeoff.draw import figure_of_model
+from mbcheck.comparisons.tradeoff.model import MARGIN, ModelTradeoff, Question, setting_of
+from mbcheck.comparisons.tradeoff.pages import RUNS, page_of
+from mbcheck.comparisons.tradeoff.table import Cost, Trial
+from mbcheck.reference.errors import UsageError
+from mbcheck.tests.support.command import invoke, refusal, succeeds
+from mbcheck.tests.support.documents import validated
+
+mujoco = pytest.importorskip("mujoco")
+
+ARM = """<mujoco>
+  <option timestep="0.002" {option}/>
+  <worldbody>
+    {floor}
+    <body>
+      <joint name="shoulder" axis="0 1 0" damping="{damping}"/>
+      <geom type="capsule" size="0.02" fromto="0 0 0 0.3 0 0" mass="0.5" {contact}/>
+      <body pos="0.3 0 0">
+        <joint name="elbow" axis="0 1 0" damping="{damping}"/>
+        <geom type="capsule" size="0.02" fromto="0 0 0 0.3 0 0" mass="0.3" {contact}/>
+        <site name="tip" pos="0.3 0 0"/>
+      </body>
+    </body>
+  </worldbody>
+  <actuator>
+    <position name="shoulder" joint="shoulder" kp="{kp}" ctrlrange="-1 1"/>
+  </actuator>
+  {keys}
+</mujoco>
+"""
+FREE = dict.fromkeys(("option", "floor", "keys"), "")
+FREE |= {"contact": 'contype="0"', "kp": "20", "damping": "0.02"}
+
+
+def written(folder: Path, **changes: str) -> str:
+    """Return the path of an arm."""
+    path = folder / "arm.xml"
+    path.write_text(ARM.format(**FREE | changes), encoding="utf-8")
+    return str(path)
+
+
+def advised(file: str, **options: object) -> ModelTradeoff:
+    """Return the advice on a file, all of it worked out."""
+    options = {"budget": 1e4} | options
+    advice = ModelTradeoff(file, Question(**options))  # type: ignore[arg-type]
+    for _ in advice.work():
+        pass
+    return advice
+
+
+def test_the_recommended_setting_meets_its_target_with_other_controls(tmp_path: Path) -> None:
+    file = written(tmp_path)
+    advice = advised(file, horizon=0.25)
+    choice = advice.choice
+    assert choice is not None
+    listed = {limit.integrator for limit in inspect(file).steps}
+    assert {trial.series.method for trial in advice.trials} == listed
+    assert choice.error <= MARGIN * 0.01
+    other = advised(file, horizon=0.25, seed=7)
+    (again,) = [one for one in other.trials if setting_of(one) == setting_of(choice)]
+    assert again.error <= 0.01
+
+
+LIMITED = """<mujoco><option timestep="0.01" gravity="0 0 0"/><worldbody><body>
+  <joint name="x" axis="0 1 0" range="-60 60" stiffness="0.5"/>
+  <geom type="capsule" size="0.02" fromto="0 0 0 0.3 0 0" mass="0.5" contype="0"/></body>
+  </worldbody><actuator><motor joint="x" ctrlrange="-1 1"/></actuator></mujoco>"""
+
+
+def test_what_fails_from_another_start_is_not_recommended(tmp_path: Path) -> None:
+    """From the file's start long steps do; at a limit that the control reaches they do not."""
+    path = tmp_path / "limited.xml"
+    path.write_text(LIMITED)
+    advice = advised(str(path), horizon=0.4)
+    bench = Bench(load(path), 0.4, (), float("inf"))
+    starts = list(bench.other_starts(1))
+    assert [one.draw > 0 for one in starts] == [True, True, False]
+    assert all(abs(one.state.position[0]) < 0.81 * math.pi / 3 for one in starts)
+    assert set(starts[2].controls.ravel().tolist()) <= {-1.0, 1.0}
+    longest = max(advice.missed, key=lambda setting: setting.step)
+    assert next(one.error for one in advice.trials if setting_of(one) == longest) < 0.005
+    assert advice.missed[longest] > 0.1
+    assert advice.choice is not None
+    assert advice.proved
+    setting = setting_of(advice.choice)
+    assert setting.step < longest.step
+    for start in starts:  # against a run with a 64th of the step, by another clock
+        exact, own = (
+            bench.run(start, one, sharp=True) for one in (setting._replace(step=0.01 / 64), setting)
+        )
+        assert exact is not None
+        assert own is not None
+        assert bench.apart(own, exact, bench.sizes(exact)).max() < 0.01
+
+
+def slowed(trial: Trial, factor: float) -> Trial:
+    """Return a run that took a factor longer."""
+    assert isinstance(trial.point.cost, Cost)
+    cost = replace(trial.point.cost, seconds=factor * trial.seconds)
+    return trial._replace(point=replace(trial.point, cost=cost))
+
+
+def test_what_is_said_does_not_hang_on_times(tmp_path: Path) -> None:
+    """Decided by counted evaluations: a busy machine says the same."""
+    advice = advised(written(tmp_path), horizon=0.2)
+    said, generator = advice.sentence, np.random.default_rng(0)
+    for _ in range(20):
+        advice.trials = [slowed(one, generator.uniform(0.2, 5)) for one in advice.trials]
+        assert advice.sentence == said
+
+
+def test_a_sharper_target_asks_for_more(tmp_path: Path) -> None:
+    file = written(tmp_path)
+    rough, sharp = (advised(file, horizon=0.25, target=target) for target in (0.05, 1e-5))
+    assert rough.choice is not None
+    assert sharp.choice is not None
+    assert sharp.choice.series.method == "RK4"
+    assert sharp.choice.error < rough.choice.error
+    assert sharp.truths[0].smooth
+    assert max(float(one.error.max()) for one in sharp.truths) < 1e-6
+
+
+def test_a_step_that_the_limit_calls_unstable_is_not_recommended(tmp_path: Path) -> None:
+    advice = advised(written(tmp_path, kp="20000"), horizon=0.2)
+    lost = [one for one in advice.trials if one.point.reason]
+    assert lost
+    assert all(one.error == float("inf") for one in lost)
+    ((_, _, rows),) = page_of(advice).tables
+    assert {row[RUNS.index("violation")] for row in rows} == {None}
+    if advice.choice is not None and advice.choice.series.stable_step:
+        assert setting_of(advice.choice).step <= 1.02 * advice.choice.series.stable_step
+
+
+@pytest.mark.slow
+def test_what_grows_is_compared_as_long_as_it_is_known(tmp_path: Path) -> None:
+    """A double pendulum that swings over is chaotic: after some seconds nothing converges."""
+    keys = '<keyframe><key name="up" qpos="-1.5 0.1"/></keyframe>'
+    file = written(tmp_path, kp="0", damping="0", keys=keys)
+    advice = advised(file, horizon=0.8, target=1e-5)
+    assert 0 < advice.compared < 0.8
+    assert any("small errors grow" in note for note in advice.notes)
+
+
+@pytest.mark.slow
+def test_contacts_have_no_bound(tmp_path: Path) -> None:
+    floor = '<geom type="plane" size="1 1 1" pos="0 0 -0.1"/>'
+    advice = advised(written(tmp_path, floor=floor, contact="", kp="0"), horizon=0.25)
+    assert any("errors have no order, and no bound" in note for note in advice.notes) or any(
+        "contacts" in note for note in advice.unknown
+    )
+
+
+def test_a_model_at_rest_has_nothing_to_compare(tmp_path: Path) -> None:
+    still = 'gravity="0 0 0"'
+    done = invoke(f"tradeoff {written(tmp_path, option=still, kp='0')} --horizon 0.1")
+    assert done.exit_code == 1
+    assert "nothing converges: as opened, controls held: nothing moves" in " ".join(
+        done.stdout.split()
+    )
+
+
+def test_sites_may_be_observed(tmp_path: Path) -> None:
+    file = written(tmp_path)
+    bench = Bench(load(file), 0.1, ("tip",), float("inf"))
+    assert list(bench.sites) == [0]
+    assert not bench.dofs.any()
+    assert advised(file, horizon=0.2, observed=("tip",)).choice is not None
+
+
+@pytest.mark.usefixtures("own_folder")
+def test_its_documents(tmp_path: Path) -> None:
+    file = written(tmp_path)
+    printed = succeeds(f"tradeoff {file} --horizon 0.2 --json a.json --plot a.png")
+    answer = validated("tradeoff_model", json.loads(Path("a.json").read_text()))
+    assert answer["met"]
+    assert answer["recommendation"]["step"] in [
+        point["step"] for one in answer["series"] for point in one["points"]
+    ]
+    assert " ".join(answer["sentence"].split()) in " ".join(printed.split())
+    assert Path("a.png").stat().st_size > 10_000
+    assert "**" in succeeds(f"tradeoff {file} --horizon 0.2 --markdown -")
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ("--horizon 0", "--horizon must be a positive number"),
+        ("--target 2", "below 1"),
+        ("--target 0.1 --target 0.2", "of a model: one --target (0.1, 0.2)"),
+        ("--engine mujoco", "of a model: no --engine (mujoco): MuJoCo runs it"),
+        ("hula_hoop", "of a model: one file, and nothing beside it ("),
+        ("--observe nothing", "has no such joint or site"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(tmp_path: Path, options: str, said: str) -> None:
+    assert said in refusal(f"tradeoff {written(tmp_path)} {options}")
+
+
+def test_its_options_are_of_a_model() -> None:
+    assert "are of a model" in refusal("tradeoff hula_hoop --horizon 2")
+    assert "no_such.xml" in refusal("tradeoff no_such.xml")
+
+
+def test_the_time_is_kept(tmp_path: Path) -> None:
+    advice = advised(written(tmp_path), budget=1e-6)
+    assert not advice.complete
+    assert advice.choice is None
+    with pytest.raises(UsageError, match="positive"):
+        advised(written(tmp_path), budget=-1.0)
+
+
+LOOP = """<mujoco>
+  <option timestep="0.002" iterations="{iterations}"/>
+  <worldbody>
+    <body>
+      <joint name="crank" axis="0 1 0"/>
+      <geom type="capsule" size="0.02" fromto="0 0 0 0.2 0 0.1" mass="0.5" contype="0"/>
+      <body pos="0.2 0 0.1">
+        <joint name="coupler" axis="0 1 0"/>
+        <geom type="capsule" size="0.02" fromto="0 0 0 0.5 0 0" mass="3" contype="0"/>
+      </body>
+    </body>
+    <body pos="0.7 0 0">
+      <joint name="rocker" axis="0 1 0"/>
+      <geom type="capsule" size="0.02" fromto="0 0 0 0 0 0.1" mass="0.5" contype="0"/>
+      <site name="pin" pos="0 0 0.1"/>
+    </body>
+  </worldbody>
+  <equality><connect body1="body2" body2="body3" anchor="0.5 0 0" solref="0.1 1"/></equality>
+</mujoco>
+"""
+
+
+def loop(folder: Path, iterations: int = 100) -> str:
+    """Return the path of a four-bar linkage with a soft closure."""
+    path, text = folder / "loop.xml", LOOP.format(iterations=iterations)
+    for number in (1, 2, 3):
+        text = text.replace("<body>", f'<body name="body{number}">', 1)
+        text = text.replace("<body pos", f'<body name="body{number + 1}" pos', 1)
+    path.write_text(text, encoding="utf-8")
+    return str(path)
+
+
+def test_soft_closures_are_told_and_hardened(tmp_path: Path) -> None:
+    file = loop(tmp_path)
+    own, exact = (advised(file, horizon=0.1, target=5e-3, exact=exact) for exact in (False, True))
+    assert any("--exact-closures compares" in note for note in own.notes)
+    assert own.largest("softness") == pytest.approx(exact.largest("softness"), rel=0.1)
+    assert {setting_of(one).closure for one in own.trials} == {None}
+    # as soft as in the file a short step does not meet the target; with hard closures it does
+    errors = {setting_of(one): one.error for one in exact.trials}
+    short = {one: errors[one] for one in errors if one.integrator == "RK4" and one.step <= 0.002}
+    soft, hard = (
+        min(error for one, error in short.items() if (one.closure is None) == own)
+        for own in (True, False)
+    )
+    assert hard < MARGIN * exact.asked.target < exact.asked.target < soft
+    assert exact.choice is not None
+
+
+def test_a_solver_with_few_iterations_is_told(tmp_path: Path) -> None:
+    """The file's single iteration leaves a projected Gauss-Seidel solver far from its end."""
+    path = Path(loop(tmp_path, iterations=1))
+    path.write_text(path.read_text().replace("iterations", 'solver="PGS" iterations'))
+    advice = advised(str(path), horizon=0.1, target=1e-3)
+    errors = [(setting_of(one).iterations, one.error) for one in advice.trials]
+    assert {count for count, _ in errors} == {None, 2, 8, 32, 128}
+    one, many = (min(error for n, error in errors if n == count) for count in (None, 128))
+    assert many < one
+
+
+def test_a_stiff_arm_has_a_converged_run_of_shorter_steps(tmp_path: Path) -> None:
+    advice = advised(written(tmp_path, kp="20000", damping="200"), horizon=0.05, target=1e-5)
+    assert advice.truths
+    assert advice.truths[0].setting.step < 0.99 * 0.002 / 32
+    assert any("the converged run is by RK4" in note for note in advice.notes)
+
+
+@pytest.mark.usefixtures("own_folder")
+def test_runs_go_on_where_they_ended(tmp_path: Path) -> None:
+    file = written(tmp_path)
+    options = f"tradeoff {file} --horizon 0.05 --seed 0 --resume runs.json"
+    advice = ModelTradeoff(file, Question(horizon=0.05, seed=0, resume="runs.json"))
+    work = advice.work()
+    for done, total, _ in work:
+        if done > total // 2:  # as if interrupted
+            break
+    work.close()
+    half = json.loads(Path("runs.json").read_text())["entries"]
+    succeeds(options)
+    whole = json.loads(Path("runs.json").read_text())["entries"]
+    assert half.items() <= whole.items()
+    assert len(half) < len(whole)
+    again = succeeds(f"{options} --json again.json")
+    assert json.loads(Path("runs.json").read_text())["entries"] == whole
+    assert again == succeeds(options)
+    for change, said in (
+        ("--horizon 0.06", "is of another horizon"),
+        ("--seed 1", "is of another seed"),
+    ):
+        assert said in refusal(f"{options} {change}")
+    assert "is of another model" in refusal(options.replace(file, loop(tmp_path)))
+    broken = json.dumps(
+        json.loads(Path("runs.json").read_text()) | {"entries": {key: {} for key in whole}}
+    )
+    for text in ("[]", broken):
+        Path("runs.json").write_text(text)
+        assert "holds no runs" in refusal(options)
+    assert "cannot both go" in refusal(f"{options} --json runs.json")
+
+
+def test_its_picture_says_what_it_shows(tmp_path: Path) -> None:
+    drawn = figure_of_model(advised(written(tmp_path, kp="20000"), horizon=0.05))
+    axes = drawn.axes[0]
+    labels = axes.get_legend_handles_labels()[1]
+    assert any(line.get_marker() == "x" and len(line.get_xdata()) for line in axes.lines)
+    assert any(text.startswith("as in the file: Euler at 2 ms") for text in labels)
+    assert axes.get_title(loc="left").startswith("arm.xml: ")
+    assert "target 1 %" in {text.get_text() for text in axes.texts}
+
+
+def test_exact_closures_need_one(tmp_path: Path) -> None:
+    assert "has no equality" in refusal(f"tradeoff {written(tmp_path)} --exact-closures")
