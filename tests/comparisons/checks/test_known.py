@@ -243,7 +243,7 @@ def test_an_entry_whose_checks_pass_is_stale() -> None:
     assert done.exit_code == 1
     assert "stale: known.toml, entry 1, '*/rest_rod_across/*" in done.stdout
     assert re.search("FAIL: [0-9]+ passed, 0 deviations, 0 errors, 1 of the known", done.stdout)
-    assert "::error file=known.toml,title=stale known deviation::" in done.stdout
+    assert "::error file=known.toml,line=1,title=stale known deviation::" in done.stdout
     root = ET.parse("r.xml").getroot()
     assert root.get("failures") == "1"
     assert len(root.findall(".//failure")) == 1
