@@ -52,7 +52,8 @@ def add_case(suite: ET.Element, item: ReportItem) -> None:
     add_properties(case, item.numbers)
     message = printable(item.message)
     if item.outcome == "skipped":
-        ET.SubElement(case, "skipped", message=message)
+        where = printable(f"{item.severity}: {item.place}: ") if item.line else ""
+        ET.SubElement(case, "skipped", message=where + message)
     elif item.outcome != "pass":
         failure = ET.SubElement(case, item.outcome, message=message, type=item.rule)
         failure.text = xml_text("\n".join((item.place, item.message, *item.details)))

@@ -50,7 +50,7 @@ RESULT_HEADS = ("verdict", "case", "method", "quantity", "error", "tolerance", "
 STALE_RULE = "stale_known"
 
 RULES = {
-    **{kind: (f"{kind}: {words}", f"{words} differs from the reference: docs/checks.md")
+    **{kind: (f"{kind}: {words}", f"{words} is wrong; see docs/checks.md")
        for kind, words in LEVELS.items()},
     STALE_RULE: ("stale known deviation", "an entry of --known that nothing needs: docs/ci.md"),
 }  # fmt: skip
