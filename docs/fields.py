@@ -57,8 +57,8 @@ def alternatives(part: Mapping[str, Any]) -> Iterator[str]:
     elif "enum" in part:
         yield from (f"`{value}`" for value in part["enum"])
     elif part["type"] == "array":
-        count = part.get("maxItems", "")
-        yield f"list of {count} {words(part['items'])}".replace("  ", " ")
+        items = part.get("prefixItems") or [part["items"]]
+        yield f"list of {', '.join(map(words, items))}"
     elif part["type"] == "object":
         yield f"{words(part['additionalProperties'])} by name"
     else:

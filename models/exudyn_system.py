@@ -300,13 +300,20 @@ def weigh(mbs: Any, bodies: Sequence[Any], gravity: Sequence[float]) -> None:
 
 
 def harmonic_load(mbs: Any, marker: Any, amplitude: float, omega: float) -> tuple[Any, ...]:
-    """Put a load amplitude * cos(omega t) on a coordinate; return what must stay alive.
+    """Put a load amplitude * cos(omega t) on a coordinate; return what must stay alive."""
+    return load_in_time(mbs, marker, amplitude, lambda t: exudyn.symbolic.cos(float(omega) * t))
+
+
+def load_in_time(
+    mbs: Any, marker: Any, amplitude: float, shape: Callable[[Any], Any]
+) -> tuple[Any, ...]:
+    """Put a load amplitude * shape(t) on a coordinate; return what must stay alive.
 
     Symbolic, so that Exudyn evaluates it in C++ at the time of every stage.
     """
 
     def force(mbs: Any, t: Any, load: Any) -> Any:
-        return load * exudyn.symbolic.cos(float(omega) * t)
+        return load * shape(t)
 
     symbolic = utilities.CreateSymbolicUserFunction(
         mbs, function=force, userFunctionName="loadUserFunction", itemTypeName="LoadCoordinate"

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from importlib import import_module
+from typing import TYPE_CHECKING
 
 from .errors import UnknownNameError
-from .scene import Scene
+
+if TYPE_CHECKING:
+    from .scene import Scene
 
 SCENES = (
     "hula_hoop",

@@ -31,11 +31,23 @@ OVERFLOW = (
 
 @dataclass(frozen=True)
 class Mode:
-    """One mode: eigenvalue re + i im [1/s], omega = |eigenvalue| [rad/s].
+    """One mode.
 
-    ``damping_ratio`` is -re/omega, None for a zero mode. ``error_bound`` [1/s] bounds the error of
-    the eigenvalue in the complex plane, hence those of re, im and omega; ``damping_ratio_bound``
-    that of the ratio. They are None where none is known: of an engine's matrices.
+    Attributes
+    ----------
+    re, im : float
+        real part [1/s] and imaginary part [rad/s] of the eigenvalue
+    omega : float
+        its modulus [rad/s]
+    hertz : float
+        omega / (2 pi) [Hz]
+    damping_ratio : float or None
+        -re / omega [1]; null for a zero mode, which has none
+    error_bound : float or None
+        bound on the error of the eigenvalue in the complex plane, hence of `re`, `im` and `omega`
+        [1/s]; null for an engine, and where rounding leaves none
+    damping_ratio_bound : float or None
+        bound on the error of `damping_ratio` [1]; null where there is none
     """
 
     re: float

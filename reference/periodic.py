@@ -12,7 +12,17 @@ from .scene import Array
 
 @dataclass(frozen=True)
 class Harmonic:
-    """One term ``amplitude cos(order Omega t + phase)`` of a Fourier series."""
+    """One term ``amplitude cos(order Omega t + phase)`` of a Fourier series.
+
+    Attributes
+    ----------
+    order : int
+        multiple of Omega
+    amplitude : float
+        in the unit of the observable
+    phase : float
+        [rad]
+    """
 
     order: int
     amplitude: float

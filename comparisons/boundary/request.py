@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -25,14 +25,29 @@ from ...reference.orbits import why_none
 from ...reference.parameters import GRAVITY
 from ...reference.scene import NO_CONTINUUM, Array, Scene
 from ..checks.orbits import FEWEST_STEPS
+from ..documents.fields import OptionMark, number_from
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup
 from ..queries.axis import ParameterRange
-from ..queries.query import Query
+from ..queries.query import MethodQuery
 
 ORBITS, EQUILIBRIA = "orbits", "equilibria"
 SUBJECTS = (ORBITS, EQUILIBRIA)
 """What boundaries are of; homoclinic orbits, which end orbits, are followed with equilibria."""
+
+
+def place_from(text: str, flag: str) -> tuple[float, ...]:
+    """Return the place X,Y of the window.
+
+    Raises
+    ------
+    UsageError
+        If the text is none.
+    """
+    place = tuple(number_from(part, f"{flag}: a place") for part in text.split(","))
+    if len(place) != 2:
+        raise UsageError(f"{flag} needs X,Y, not {text!r}")
+    return place
 
 
 @dataclass(frozen=True)
@@ -41,32 +56,43 @@ class BoundaryRequest:
 
     Attributes
     ----------
-    scene, engine : str
+    scene : str
+        Name of the scene.
     x, y : ParameterRange
-    model, method : str or None
+        A parameter, and its range in the window.
+    engine : str
+        Who follows the curves.
+    model : str or None
+        One of the engine's models of the scene.
+    method : str or None
+        Integrator as the engine spells it; by default that of highest order.
     step : float or None
         Longest step in the window [s].
     parameters : mapping
-        Those that differ from the scene's defaults.
+        Change a parameter from its default, SI units.
     lines : int
-        On which x stays: orbits are followed along them.
-    of : str or None
-        One of the subjects; None is all that the scene has.
+        On which x stays, its bounds included: bifurcations are looked for along them.
+    of : {"orbits", "equilibria"} or None
+        One of them alone.
     near : tuple of (x, y)
-        Where orbits are looked for as well.
+        Look along x = X as well, from the orbit at X and Y.
     """
 
-    scene: str
-    x: ParameterRange
-    y: ParameterRange
-    engine: str = REFERENCE
-    model: str | None = None
-    method: str | None = None
-    step: float | None = None
-    parameters: Mapping[str, Any] = field(default_factory=dict)
-    lines: int = 13
-    of: str | None = None
-    near: tuple[tuple[float, float], ...] = ()
+    scene: Annotated[str, OptionMark(flags=())]
+    x: Annotated[ParameterRange, OptionMark("NAME=LO:HI", parse=ParameterRange.parse)]
+    y: Annotated[ParameterRange, OptionMark("NAME=LO:HI", parse=ParameterRange.parse)]
+    engine: Annotated[str, OptionMark("ENGINE")] = REFERENCE
+    model: Annotated[str | None, OptionMark("NAME")] = None
+    method: Annotated[str | None, OptionMark("METHOD")] = None
+    step: Annotated[float | None, OptionMark("H")] = None
+    parameters: Annotated[Mapping[str, Any], OptionMark("NAME=VALUE", ("--set",))] = field(
+        default_factory=dict
+    )
+    lines: Annotated[int, OptionMark("N", least=1)] = 13
+    of: Annotated[Literal["orbits", "equilibria"] | None, OptionMark()] = None
+    near: Annotated[
+        tuple[tuple[float, float], ...], OptionMark("X,Y", ("--near",), place_from)
+    ] = ()
 
     @property
     def equations(self) -> Scene:
@@ -78,7 +104,14 @@ class BoundaryRequest:
         """Who follows the orbits, amid the window."""
         middle = {axis.name: (axis.low + axis.high) / 2 for axis in (self.x, self.y)}
         changed = {**self.parameters, **middle}
-        return Query(self.scene, self.engine, self.model, self.method, self.step, changed).setup()
+        return MethodQuery(
+            self.scene,
+            engine=self.engine,
+            model=self.model,
+            method=self.method,
+            step=self.step,
+            parameters=changed,
+        ).setup()
 
     @property
     def window(self) -> ParameterWindow:

@@ -10,51 +10,24 @@ from typing import Any
 import click
 
 from ...reference.cost import within
-from ...reference.errors import UsageError
 from ..reports.files import Destination, refuse_conflicts
-from ..terminal.axes import axis_option
 from ..terminal.budget import MAP, budget_option
+from ..terminal.options import COUNT, with_options_of
 from ..terminal.program import (
-    COUNT,
-    ENGINE,
     INTERRUPTED,
-    METHOD,
-    MODEL,
     PLOT,
-    SCENE,
-    SET,
-    STEP,
     console,
     destination,
     examples,
     finished,
     json_text,
-    number,
     refuse_picture,
     to_stdout,
 )
+from .request import BoundaryRequest, refuse_impossible
 
 OFTEN = 1.0
 """Time [s] after which what is found is written again."""
-
-AXIS = "A parameter, and its range in the window."
-
-
-def places(
-    context: click.Context, option: click.Parameter, words: tuple[str, ...]
-) -> tuple[tuple[float, float], ...]:
-    """Return places X,Y of the window.
-
-    Raises
-    ------
-    UsageError
-        If a word is none.
-    """
-    pairs = [tuple(number(part, "--near: a place") for part in word.split(",")) for word in words]
-    for word, pair in zip(words, pairs, strict=True):
-        if len(pair) != 2:
-            raise UsageError(f"--near needs X,Y, not {word!r}")
-    return tuple(dict.fromkeys(pairs))  # type: ignore[arg-type]
 
 
 @click.command(
@@ -65,39 +38,13 @@ def places(
         "    --x force_frequency=5:6 --y force_amplitude=15:35",
     ),
 )
-@SCENE
-@axis_option("x", AXIS)
-@axis_option("y", AXIS)
-@ENGINE
-@MODEL
-@METHOD
-@STEP
-@SET
-@click.option(
-    "--lines",
-    type=COUNT,
-    default=13,
-    show_default=True,
-    help="On which x stays, its bounds included: bifurcations are looked for along them.",
-)
-@click.option(
-    "--of",
-    type=click.Choice(["orbits", "equilibria"]),
-    help="One of them alone.",
-)
+@with_options_of(BoundaryRequest)
 @click.option(
     "-o",
     "--output",
     callback=destination,
     metavar="FILE.json",
     help="The document to write; what is in it already is gone on with.",
-)
-@click.option(
-    "--near",
-    multiple=True,
-    callback=places,
-    metavar="X,Y",
-    help="Look along x = X as well, from the orbit at X and Y (repeatable).",
 )
 @PLOT
 @click.option("--workers", type=COUNT, default=1, show_default=True, help="Processes.")
@@ -115,15 +62,13 @@ def boundary(
     lie from the reference's is a number in the unit of a parameter. The curves do not depend on
     --workers.
     """
-    from ..queries import axis
     from ..reports import boundaries
-    from . import draw, request, run
+    from . import draw, run
 
     refuse_conflicts(output, plot)
     refuse_picture(plot)
-    asked |= {name: axis.ParameterRange(*asked[name]) for name in ("x", "y")}
-    wanted = request.BoundaryRequest(**asked)
-    request.refuse_impossible(wanted)
+    wanted = BoundaryRequest(**asked)
+    refuse_impossible(wanted)
     result = run.Boundary(wanted)
     if output and not output.standard_output:
         before = boundaries.read(Path(output.name), output.option)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 from functools import cache, partial
-from typing import Any
+from typing import Annotated, Any
 
 from ...models.placement import world_axes
 from ...reference import get_scene
@@ -15,19 +15,15 @@ from ..checks import known as known_deviations
 from ..checks import suite
 from ..checks.execution import Execution, run_checks, unavailable
 from ..checks.refusals import narrowed
+from ..checks.request import SOURCES, CheckRequest
 from ..checks.verdict import PROFILES, Result
+from ..documents.fields import OptionMark, takes_fields_of
 from ..engines.protocol import Engine
 from ..engines.registry import LENT, checked_engines, lent, resolve_selection
 from ..queries.environment import environment, versions
 from ..reports.run.outcome import Report, Run
 from .custom import NAME as CUSTOM
 from .custom import CustomCase, applied, custom_case
-
-SOURCES = ("verification", "validation")
-"""What results are about: engines, or papers. The first is checked by default."""
-
-AS_THEY_STAND = "none"
-"""The placement of models that are not placed."""
 
 PLACED = re.compile(r"@((?:turned|mirrored):[0-9]+)/")
 """In an id, how a model is placed."""
@@ -39,149 +35,68 @@ Progress = Callable[[int, int, list[Result]], None]
 """Called as each check ends with the number of checks done, that of all, and the results."""
 
 
-@dataclass(frozen=True)
-class CheckRequest:
-    """What is to be checked, and what the results are held against.
+def select(request: CheckRequest, custom: CustomCase | None = None) -> Sequence[suite.Task]:
+    """Return the checks that match, of the scenes' cases or of a case of the user's own.
 
-    Attributes
-    ----------
-    scenes, engines, kinds, methods : sequence of str
-        Names; empty sequences mean all.
-    ids : sequence of str
-        Shell patterns for ids of results.
-    profile : {"strict", "default", "loose"}
-        Scales every tolerance.
-    full : bool
-        Include the cases left out of the default set.
-    known : str or None
-        A file of known deviations, see docs/ci.md.
-    strict_known : bool
-        Whether its stale entries fail.
-    quick : bool
-        Leave out all but what `suite.quick` chooses.
-    parameters, state : mapping
-        Parameters that differ from the scene's defaults; initial values, otherwise 0. Any of
-        these two or a horizon makes a case of the user's own, in place of the scene's.
-    horizon : float or None
-        Of that case [s].
-    source : {"verification", "validation"}
-        Engines against the reference, or all of them against the papers.
-    placement : str
-        How all models are placed in the world, see `world_axes`; ``none``: as they stand, those
-        apart that the default set has placed otherwise; empty: these too.
-    extremes : bool
-        Checks at extremes, in place of the usual ones; so is a kind or an id of an extreme.
+    Raises
+    ------
+    UsageError
+        For unknown names, an engine asked for that is not there, or if no check matches.
     """
-
-    scenes: Sequence[str] = ()
-    engines: Sequence[str] = ()
-    kinds: Sequence[str] = ()
-    methods: Sequence[str] = ()
-    ids: Sequence[str] = ()
-    profile: str = "default"
-    full: bool = False
-    known: str | None = None
-    strict_known: bool = False
-    parameters: Mapping[str, Any] = field(default_factory=dict)
-    state: Mapping[str, float] = field(default_factory=dict)
-    horizon: float | None = None
-    source: str = SOURCES[0]
-    quick: bool = False
-    placement: str = ""
-    extremes: bool = False
-
-    @property
-    def of_extremes(self) -> bool:
-        """Whether checks at extremes are asked for: so, by their kind, or by an id with one."""
-        named = any(f"/{kind}/" in name for kind in suite.EXTREMES for name in self.ids)
-        return self.extremes or named or any(kind in suite.EXTREMES for kind in self.kinds)
-
-    @property
-    def is_custom(self) -> bool:
-        """Whether engines are checked at the user's own parameters."""
-        return bool(self.parameters or self.state) or self.horizon is not None
-
-    @property
-    def axes(self) -> str:
-        """The placement of all models; empty where they stand as in their files."""
-        return "" if self.placement == AS_THEY_STAND else self.placement
-
-    @property
-    def selection(self) -> dict[str, Any]:
-        """What is asked for, as `Run` tells it."""
-        names = ("scenes", "engines", "kinds", "methods", "ids")
-        lists = {name: tuple(getattr(self, name)) for name in names}
-        selection = {**lists, "profile": self.profile, "full": self.full}
-        if self.source != SOURCES[0]:
-            selection["source"] = self.source
-        if self.quick:
-            selection["quick"] = True
-        if self.placement:
-            selection["placement"] = self.placement
-        if self.extremes:
-            selection["extremes"] = True
-        if self.is_custom:
-            own = {"parameters": dict(self.parameters), "state": dict(self.state)}
-            selection |= {**own, "horizon": self.horizon}
-        return selection
-
-    def select(self, custom: CustomCase | None = None) -> Sequence[suite.Task]:
-        """Return the checks that match, of the scenes' cases or of a case of the user's own.
-
-        Raises
-        ------
-        UsageError
-            For unknown names, an engine asked for that is not there, or if no check matches.
-        """
-        if self.source not in SOURCES:
-            raise UnknownNameError("source", self.source, SOURCES)
-        if self.quick and (self.full or self.source != SOURCES[0]):
-            raise UsageError("--quick is of engines, and contradicts --full")
-        world_axes(self.axes)  # which refuses what is none
-        if self.of_extremes:
-            if self.quick or self.is_custom or self.placement or self.source != SOURCES[0]:
-                raise UsageError(
-                    "--quick, --set, --state, --horizon, --placement and --source choose among "
-                    "usual checks, not among those of extremes"
-                )
-            from ..scenes.extremes import extreme_checks
-
-            names = (self.kinds, self.methods, self.ids, self.full)
-            return extreme_checks(self.scenes, self.engines, *names)
-        if self.source == SOURCES[0]:
-            checks = matching_checks(self, custom)
-            return quick_checks(self, custom, checks) if self.quick and checks else checks
-        if self.engines or self.methods or self.is_custom or self.placement:
+    if request.source not in SOURCES:
+        raise UnknownNameError("source", request.source, SOURCES)
+    if request.quick and (request.full or request.source != SOURCES[0]):
+        raise UsageError("--quick is of engines, and contradicts --full")
+    world_axes(request.axes)  # which refuses what is none
+    if of_extremes(request):
+        if request.quick or request.is_custom or request.placement or request.source != SOURCES[0]:
             raise UsageError(
-                "--engine, --method, --set, --state, --horizon and --placement choose among checks "
-                "of engines; what papers say is held against the reference and every engine"
+                "--quick, --set, --state, --horizon, --placement and --source choose among "
+                "usual checks, not among those of extremes"
             )
-        from ..papers.plan import plan
+        from ..scenes.extremes import extreme_checks
 
-        return plan(self.scenes, self.kinds, self.ids, self.full)
+        names = (request.kinds, request.methods, request.ids, request.full)
+        return extreme_checks(request.scenes, request.engines, *names)
+    if request.source == SOURCES[0]:
+        checks = matching_checks(request, custom)
+        return quick_checks(request, custom, checks) if request.quick and checks else checks
+    if request.engines or request.methods or request.is_custom or request.placement:
+        raise UsageError(
+            "--engine, --method, --set, --state, --horizon and --placement choose among checks of "
+            "engines; what papers say is held against the reference and every engine"
+        )
+    from ..papers.plan import plan
 
-    def plan(self) -> CheckPlan:
-        """Return the checks that match.
+    return plan(request.scenes, request.kinds, request.ids, request.full)
 
-        Raises
-        ------
-        UsageError
-            For unknown names, an engine asked for that cannot be imported, a file of known
-            deviations that makes no sense, parameters at which no reference can judge, or if no
-            check matches.
-        """
-        if self.profile not in PROFILES:
-            raise UnknownNameError("profile", self.profile, PROFILES)
-        if self.strict_known and self.known is None:
-            raise UsageError("--strict-known needs a file of known deviations: --known FILE")
-        listing = known_deviations.Listing()
-        if self.known is not None:
-            listing = known_deviations.read(self.known)
-        custom = None
-        if self.is_custom:
-            custom = custom_case(self.scenes, self.parameters, self.state, self.horizon)
-        checks = tuple(self.select(custom))
-        return CheckPlan(checks, self, listing, custom)
+
+def of_extremes(request: CheckRequest) -> bool:
+    """Return whether checks at extremes are asked for: so, by their kind, or by an id with one."""
+    named = any(f"/{kind}/" in name for kind in suite.EXTREMES for name in request.ids)
+    return request.extremes or named or any(kind in suite.EXTREMES for kind in request.kinds)
+
+
+def plan_checks(request: CheckRequest) -> CheckPlan:
+    """Return the checks that match.
+
+    Raises
+    ------
+    UsageError
+        For unknown names, an engine asked for that cannot be imported, a file of known deviations
+        that makes no sense, parameters at which no reference can judge, or if no check matches.
+    """
+    if request.profile not in PROFILES:
+        raise UnknownNameError("profile", request.profile, PROFILES)
+    if request.strict_known and request.known is None:
+        raise UsageError("--strict-known needs a file of known deviations: --known FILE")
+    listing = known_deviations.Listing()
+    if request.known is not None:
+        listing = known_deviations.read(request.known)
+    custom = None
+    if request.is_custom:
+        custom = custom_case(request.scenes, request.parameters, request.state, request.horizon)
+    return CheckPlan(tuple(select(request, custom)), request, listing, custom)
 
 
 def matching_checks(request: CheckRequest, custom: CustomCase | None) -> list[suite.Check]:
@@ -257,15 +172,15 @@ class CheckPlan:
         def ids(full: bool) -> list[str]:
             names = engines if request.source == SOURCES[0] else ()
             every = CheckRequest(
-                engines=names, full=full, source=request.source, extremes=request.of_extremes
+                engines=names, full=full, source=request.source, extremes=of_extremes(request)
             )
-            return [name for one in every.select(self.custom) for name in one.ids]
+            return [name for one in select(every, self.custom) for name in one.ids]
 
         every = partial(ids, request.full), partial(ids, True)
         uses = self.listing.uses(reported, *every, set(checked_engines()) - names)
         about = Run(
             planned=len(self.checks),
-            selection=request.selection,
+            selection=request,
             environment=environment(),
             known_file=self.listing.file,
             uses=tuple(map(self.without_others, uses)),
@@ -288,70 +203,26 @@ class CheckPlan:
         return replace(use, state="open", why="it is not of the parameters of this run")
 
 
-def check(
-    scenes: Sequence[str] = (),
-    engines: Sequence[str | Engine | type[Engine]] = (),
-    kinds: Sequence[str] = (),
-    methods: Sequence[str] = (),
-    ids: Sequence[str] = (),
-    profile: str = "default",
-    jobs: int = 1,
-    full: bool = False,
-    fail_fast: bool = False,
-    progress: Progress | None = None,
-    time_limit: float | None = None,
-    memory_limit: float | None = None,
-    known: str | None = None,
-    strict_known: bool = False,
-    parameters: Mapping[str, Any] | None = None,
-    state: Mapping[str, float] | None = None,
-    horizon: float | None = None,
-    source: str = SOURCES[0],
-    quick: bool = False,
-    placement: str = "",
-    extremes: bool = False,
-) -> Report:
-    """Check engines against the reference; empty sequences mean all.
+@dataclass(frozen=True)
+class CheckRun(CheckRequest, Execution):
+    """Which checks are to run, and how.
 
-    Parameters
+    Attributes
     ----------
-    scenes, kinds, methods : sequence of str
     engines : sequence of str or Engine
-        Names, ``package.module:Class``, or engines themselves. These run in this process, one
-        check after the other, where a debugger reaches them; no limits hold for them.
-    ids : sequence of str
-        Shell patterns for ids of results.
-    profile : {"strict", "default", "loose"}
-        Scales every tolerance.
-    jobs : int
-        Worker processes; the results do not depend on it.
-    full : bool
-        Include the cases left out of the default set.
-    fail_fast : bool
-        Stop at the first deviation or error that is not known.
+        Only this engine, or package.module:Class; in Python also engines themselves, which run in
+        this process, one check after the other, where no limits hold.
     progress : callable ``(done, total, results)``, optional
         Called as each check ends, with its results.
-    time_limit, memory_limit : float, optional
-        What each check may take [s], and map beside what its process has mapped [MiB]: one
-        that takes more is an error, and the others go on. Memory can be limited on Linux.
-    known : str, optional
-        A file of known deviations, see docs/ci.md.
-    strict_known : bool
-        Whether its stale entries fail.
-    parameters, state : mapping, optional
-        Check the one scene that is named at these parameters, otherwise its defaults, and from
-        these initial values, otherwise 0, in place of its own cases.
-    horizon : float, optional
-        Of that run [s]; by default as many periods as the scene's first case.
-    source : {"verification", "validation"}
-        With the latter, hold what the papers say against the reference and all engines.
-    quick : bool
-        Leave out all but the first levels, each in one case of a scene, and one trajectory.
-    placement : str
-        Place all models in the world by a rotation, ``turned:SEED``, or mirrored and turned,
-        ``mirrored:SEED``; ``none``: as they stand only.
-    extremes : bool
-        Check engines at extremes, in place of the usual cases.
+    """
+
+    engines: Annotated[Sequence[str | Engine | type[Engine]], OptionMark("ENGINE")] = ()  # type: ignore[assignment]
+    progress: Progress | None = None
+
+
+@takes_fields_of(CheckRun)
+def check(asked: CheckRun) -> Report:
+    """Check engines against the reference; takes the fields of `CheckRun`.
 
     Raises
     ------
@@ -360,15 +231,11 @@ def check(
         kept, a file of known deviations that makes no sense, parameters at which no reference
         can judge, or if no check matches.
     """
-    execution = Execution(jobs, fail_fast, time_limit, memory_limit)
-    with lent(engines) as names:
-        request = CheckRequest(
-            scenes, names, kinds, methods, ids, profile, full, known, strict_known,
-            parameters or {}, state or {}, horizon, source, quick, placement, extremes,
-        )  # fmt: skip
-        with execution.limited():
-            plan = request.plan()
-        return plan.report(plan.run(execution, progress))
+    with lent(asked.engines) as names:
+        asked = replace(asked, engines=names)
+        with asked.limited():
+            plan = plan_checks(asked)
+        return plan.report(plan.run(asked, asked.progress))
 
 
 def check_engine(engine: Engine | type[Engine], **options: Any) -> Report:

@@ -14,19 +14,15 @@ from ...reference.errors import UsageError
 from ..checks.verdict import Result
 from ..reports.files import Destination, refuse_conflicts
 from ..terminal.budget import QUERY, budget_option, budgeted
+from ..terminal.options import with_options_of
 from ..terminal.page_options import HTML, write_page
 from ..terminal.program import (
     INTERRUPTED,
-    JOBS,
     JSON,
     JUNIT,
     MARKDOWN,
-    NUMBER,
-    PROFILE,
     QUIET,
     SARIF,
-    SET,
-    STATE,
     complain,
     console,
     destination,
@@ -34,17 +30,14 @@ from ..terminal.program import (
     interrupts,
     json_text,
     progress_bar,
-    several,
     to_stdout,
 )
+from .request import CheckRun, plan_checks
 
 if TYPE_CHECKING:
     from ..checks.execution import Execution
     from ..reports.run.outcome import Report
     from .request import CheckPlan
-
-EXECUTION = ("jobs", "fail_fast", "time_limit", "memory_limit")
-"""Options that do not choose what is checked."""
 
 
 def new_file(
@@ -76,29 +69,11 @@ def new_file(
         "mbcheck check hula_hoop --placement turned:7 --kind parts --kind algebra",
     ),
 )
-@click.argument("scenes", nargs=-1, metavar="[SCENE]...")
-@several("engine", "ENGINE", "Only this engine, or package.module:Class")
-@several("kind", "KIND", "Only this kind of check")
-@several("method", "METHOD", "Only this integrator")
-@several("id", "PATTERN", "Only results whose id matches; * and ? are wildcards")
-@click.option(
-    "--source",
-    default="verification",
-    show_default=True,
-    metavar="SOURCE",
-    help="Check engines (verification), or what the papers say (validation).",
-)
-@PROFILE
+@with_options_of(CheckRun)
 @JSON
 @JUNIT
 @SARIF
 @MARKDOWN
-@click.option(
-    "--known",
-    metavar="FILE",
-    help="TOML file of deviations that are known, and do not fail; see docs/ci.md.",
-)
-@click.option("--strict-known", is_flag=True, help="Fail if an entry of --known is stale.")
 @click.option(
     "--write-known",
     "draft_file",
@@ -112,47 +87,6 @@ def new_file(
     help="Print annotations for GitHub; by default where GITHUB_ACTIONS is true.",
 )
 @HTML
-@SET
-@STATE
-@click.option(
-    "--horizon",
-    type=NUMBER,
-    metavar="T",
-    help="With --set and --state: how long engines run [s]; by default as many periods as in the "
-    "scene's first case.",
-)
-@click.option(
-    "--quick",
-    is_flag=True,
-    help="A first answer within seconds: parts, algebra, a step and a trajectory of each scene.",
-)
-@click.option(
-    "--placement",
-    default="",
-    metavar="PLACEMENT",
-    help="Place all models in the world by a random rotation (turned:SEED) or as mirror images "
-    "(mirrored:SEED); none leaves those out that the default set has placed so.",
-)
-@click.option(
-    "--extremes",
-    is_flag=True,
-    help="Check engines at extremes, in place of the usual cases; see mbcheck extremes.",
-)
-@click.option("--full", is_flag=True, help="Include the cases left out of the default set.")
-@click.option("--fail-fast", is_flag=True, help="Stop at the first deviation or error.")
-@JOBS
-@click.option(
-    "--time-limit",
-    type=NUMBER,
-    metavar="SECONDS",
-    help="Stop a check that takes longer: an error, and the others go on.",
-)
-@click.option(
-    "--memory-limit",
-    type=NUMBER,
-    metavar="MB",
-    help="The same for a check that takes more memory (on Linux).",
-)
 @click.option(
     "--in-process",
     is_flag=True,
@@ -190,22 +124,20 @@ def check_verb(
     files = (json_file, junit_file, sarif_file, markdown_file, draft_file, html_file)
     refuse_conflicts(*files)
     from ..checks import known
-    from ..checks.execution import Execution
     from ..engines.registry import in_this_process
     from ..reports import github
     from ..reports.run import sections
-    from .request import CheckRequest
 
-    execution = Execution(**{name: options.pop(name) for name in EXECUTION})
-    lent = in_this_process(options["engines"]) if in_process else nullcontext(options["engines"])
+    asked = CheckRun(**options)
+    lent = in_this_process(asked.engines) if in_process else nullcontext(asked.engines)
     with lent as engines:
-        request = CheckRequest(**{**options, "engines": engines})
+        asked = replace(asked, engines=engines)
         with (
-            execution.limited(),
+            asked.limited(),
             budgeted(budget, "reference"),  # which finds out whether it can judge a user's case
         ):
-            plan = request.plan()
-        outcome = checked(plan, execution, bar=not quiet)
+            plan = plan_checks(asked)
+        outcome = checked(plan, asked, bar=not quiet)
     if json_file:
         json_file.write(json_text(outcome.as_json()))
     if junit_file:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import partial
+from typing import Annotated
 
 from ...reference.cost import keep_budget
 from ...reference.errors import (
@@ -14,6 +15,7 @@ from ...reference.errors import (
     UnknownNameError,
     UsageError,
 )
+from ..documents.fields import JOBS, OptionMark
 from ..engines.isolation import HANGING, isolated, refuse_limits, within_limits
 from ..engines.registry import (
     ENGINES,
@@ -30,26 +32,27 @@ from .verdict import NOT_APPLICABLE, PROFILES, Result, Subject, Verdict
 Progress = Callable[[list[Result]], None]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Execution:
     """How checks are run.
 
     Attributes
     ----------
     jobs : int
-        Worker processes; 1 stays in this one unless there are limits. The results do not
-        depend on it.
+        Processes, on which results do not depend; by default one for each core on the command line,
+        and one in Python.
     fail_fast : bool
         Stop at the first deviation or error that is not known.
-    time_limit, memory_limit : float or None
-        What each check may take [s], and map beside what its process has mapped [MiB], see
-        `isolation.isolated`.
+    time_limit : float or None
+        Stop a check that takes longer [s]: an error, and the others go on.
+    memory_limit : float or None
+        The same for a check that takes more memory [MiB] (on Linux).
     """
 
-    jobs: int = 1
-    fail_fast: bool = False
-    time_limit: float | None = None
-    memory_limit: float | None = None
+    jobs: Annotated[int, JOBS] = 1
+    fail_fast: Annotated[bool, OptionMark()] = False
+    time_limit: Annotated[float | None, OptionMark("SECONDS")] = None
+    memory_limit: Annotated[float | None, OptionMark("MB")] = None
 
     def limited(self) -> AbstractContextManager[None]:
         """Return a context in which engines of others are loaded within the limits of a check."""

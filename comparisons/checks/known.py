@@ -39,12 +39,13 @@ class Entry:
     Attributes
     ----------
     number : int
-        Its place among the entries, from 1.
+        its place in the file
     id : str
-        Shell pattern for ids, as `mbcheck check --id` takes it.
+        pattern for ids
     reason : str
+        as the user gave it
     max_error : float or None
-        Largest error that it covers, in the unit of the result; None: any, and what has none.
+        largest error that it covers, in the unit of the result; null: any, and what has none
     """
 
     number: int
@@ -75,12 +76,13 @@ class Use:
     Attributes
     ----------
     entry : Entry
+        as the file has it
     results : int
-        Number of results that are `known` because of it.
+        how many are known because of it
     state : {"used", "stale", "open"}
-        ``open``: this run cannot tell.
+        `stale`: of no use any more; `open`: this run cannot tell
     why : str
-        Of an entry that is not used.
+        why it is not used; empty if it is
     """
 
     entry: Entry

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import dataclass, field, fields
 from typing import Any, Literal
 
 from ...reference.errors import EngineError
 from ...reference.scene import Array
+from ..documents.core import hints_of
+from ..documents.fields import HIDDEN, documented
 
 Verdict = Literal["pass", "deviation", "known", "skipped", "error"]
 
@@ -124,25 +126,41 @@ class Result:
     Attributes
     ----------
     subject : Subject
-    quantity, unit : str
-    value, reference, error, tolerance : float or None
-        As in `Finding`, the tolerance scaled by the profile; None where nothing was measured.
+    quantity : str
+        what was measured
+    unit : str
+        of the next four; `1` for a number without unit
+    value : float or None
+        what the engine gives, where it differs most from the reference; what is an error by nature
+        (a residual, a drift) is judged against the reference 0
+    reference : float or None
+        the true value
+    error : float or None
+        what is compared with the tolerance
+    tolerance : float or None
+        largest error that passes, `--profile` included
     verdict : Verdict
+        see below
     reason : str
+        one line: where the tolerance comes from and what was seen; for `skipped` and `error`, why;
+        which numbers are null because they are not finite
     work : mapping of str to float
-        ``seconds`` of wall time.
+        what the check cost, the same in all its results: `seconds` of wall time; empty if it did
+        not run to its end
     series : Series, optional
     known : str or None
-        Why a deviation is known.
+        why a deviation is known, as the user gave it; null for other verdicts
     traceback : str or None
-        Where foreign code raised, with its message, in many lines.
+        where foreign code raised, with its message, in many lines; null if none did
     cause : str or None
-        Where a deviation comes from, see `diagnosis`.
+        where a deviation comes from, if one mistake alone explains it; else null
     noticed_by : tuple of str
-        Who notices a deviation, a failure or a refusal, the first to do so first.
+        who notices a deviation, a failure or a refusal, the first to do so first: `engine`, the
+        engine itself or its adapter; `guard`, what mbcheck asks of every run; `rule:NAME`, a rule
+        known before the run; `halving`, a run with half the step; `reference`
     """
 
-    subject: Subject
+    subject: Subject = field(metadata=HIDDEN)
     quantity: str
     verdict: Verdict
     reason: str
@@ -152,15 +170,16 @@ class Result:
     error: float | None = None
     tolerance: float | None = None
     work: Mapping[str, float] = field(default_factory=dict)
-    series: Series | None = field(default=None, compare=False, repr=False)
+    series: Series | None = field(default=None, compare=False, repr=False, metadata=HIDDEN)
     known: str | None = None
     traceback: str | None = None
     cause: str | None = None
     noticed_by: tuple[str, ...] = ()
 
     @property
+    @documented
     def id(self) -> str:
-        """The name of the result, which stays from release to release."""
+        """Source/scene/case/kind/engine/method/quantity; of a row validation/scene/row."""
         return f"{self.subject.prefix}/{self.quantity}"
 
     @property
@@ -169,56 +188,50 @@ class Result:
         return self.id if self.source == "validation" else self.subject.prefix
 
     @property
+    @documented
     def scene(self) -> str:
-        """The scene of the subject."""
+        """System; `-` if none was reached."""
         return self.subject.scene
 
     @property
+    @documented
     def case(self) -> str:
-        """The case of the subject."""
+        """Parameters with initial state and horizon, by name."""
         return self.subject.case
 
     @property
+    @documented
     def kind(self) -> str:
-        """The kind of check of the subject."""
+        """Kind of check."""
         return self.subject.kind
 
     @property
+    @documented
     def source(self) -> str:
-        """The source of the subject."""
+        """`verification`: against the reference ODE; `validation`: against what a paper prints."""
         return self.subject.source
 
     @property
+    @documented
     def engine(self) -> str:
-        """The engine of the subject."""
+        """Engine."""
         return self.subject.engine
 
     @property
+    @documented
     def model(self) -> str:
-        """The model of the subject."""
+        """The engine's model of the scene."""
         return self.subject.model
 
     @property
+    @documented
     def method(self) -> str | None:
-        """The method of the subject."""
+        """Integrator, as the engine spells it; null for kinds that use none."""
         return self.subject.method
 
     def as_dict(self) -> dict[str, Any]:
         """Return the fields of the JSON (docs/json.md), without what pictures are drawn from."""
-        about = asdict(self.subject)
-        del about["prefix"]
-        mine = {item.name: getattr(self, item.name) for item in fields(self)}
-        del mine["subject"], mine["series"]
-        both = {"id": self.id} | about | mine
-        return {name: both[name] for name in RESULT_FIELDS}
-
-
-RESULT_FIELDS = (
-    "id", "scene", "case", "kind", "source", "engine", "model", "method", "quantity", "unit",
-    "value", "reference", "error", "tolerance", "verdict", "reason", "work", "known", "traceback",
-    "cause", "noticed_by",
-)  # fmt: skip
-"""Fields of a result in documents, in their order."""
+        return {name: getattr(self, name) for name in hints_of(Result)}
 
 
 def result_from(document: Mapping[str, Any]) -> Result:

@@ -2,21 +2,56 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from importlib import import_module
+
 import click
 
-from ...reference.errors import UsageError
-from ..boundary.verb import boundary
-from ..check.verb import check_verb
-from ..diff.verb import diff
-from ..extremes.verb import extremes
-from ..inspect.verbs import inspect
-from ..judge.verb import judge_verb
-from ..maps.verbs import compare_maps, map_
-from ..papers.verbs import reproduce_papers
+from ...reference.errors import UnknownNameError, UsageError
 from ..reports.files import Destination
 from ..terminal.program import JSON, MISUSED, Program, deliver, examples
-from .tradeoff import tradeoff
-from .verbs import QUERIES
+
+VERBS: Mapping[str, tuple[str, str]] = {
+    "check": ("check.verb.check_verb", "Check engines against the reference."),
+    "judge": ("judge.verb.judge_verb", "Judge a trajectory that was computed elsewhere."),
+    "simulate": ("cli.verbs.simulate", "Simulate a scene from t = 0."),
+    "orbit": ("cli.verbs.orbit", "Find the periodic orbit of a scene."),
+    "frequencies": ("cli.verbs.frequencies", "Find the modes about a state of rest."),
+    "export": ("cli.verbs.export", "Write a scene's MJCF with these parameters."),
+    "list": ("cli.group.list_", "List what there is, what a scene has, or what is checked."),
+    "diff": ("diff.verb.diff", "Tell what changed between two runs of `mbcheck check --json`."),
+    "map": ("maps.verbs.map_", "Map a quantity of a scene over two of its parameters."),
+    "boundary": ("boundary.verb.boundary", "Follow where orbits and equilibria lose stability."),
+    "compare-maps": ("maps.verbs.compare_maps", "Compare two maps of a scene."),
+    "reproduce": ("papers.verbs.reproduce_papers", "Draw the figures of the papers again."),
+    "tradeoff": ("cli.tradeoff.tradeoff", "Measure what accuracy costs, and recommend settings."),
+    "extremes": ("extremes.verb.extremes", "Push engines to where they break."),
+    "inspect": ("inspect.verbs.inspect", "Inspect MJCF models: what is wrong, how they move."),
+}
+"""Where each verb stands below `comparisons`, and what it does. Verbs are loaded when they run."""
+
+
+class Verbs(Program):
+    """The verbs, each loaded when it is called."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return the names of the verbs."""
+        return sorted(VERBS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Return a verb by name."""
+        if cmd_name not in VERBS:
+            if ctx.resilient_parsing:
+                return None
+            raise UnknownNameError("command", cmd_name, sorted(VERBS))
+        module, _, name = VERBS[cmd_name][0].rpartition(".")
+        verb: click.Command = getattr(import_module(f"..{module}", __package__), name)
+        return verb
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write what the verbs do."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, VERBS[name][1]) for name in sorted(VERBS)])
 
 
 def show_versions(context: click.Context, option: click.Parameter, wanted: bool) -> None:
@@ -33,7 +68,7 @@ def show_versions(context: click.Context, option: click.Parameter, wanted: bool)
 
 
 @click.group(
-    cls=Program,
+    cls=Verbs,
     invoke_without_command=True,
     context_settings={"help_option_names": ["-h", "--help"]},
     epilog=examples(
@@ -86,12 +121,3 @@ def list_(scene: str | None, coverage: bool, json_file: Destination | None) -> N
         deliver(catalogue.overview(), listing.print_overview, json_file)
     else:
         deliver(catalogue.scene_sheet(scene), listing.print_scene, json_file)
-
-
-VERBS = (
-    *(check_verb, judge_verb, *QUERIES, list_),
-    *(diff, map_, boundary, compare_maps, reproduce_papers, tradeoff, extremes, inspect),
-)
-
-for verb in VERBS:
-    program.add_command(verb)

@@ -91,7 +91,8 @@ def check_plan(config: pytest.Config) -> CheckPlan:
     UsageError
     """
     if PLAN not in config.stash:
-        from ..check.request import CheckRequest
+        from ..check.request import plan_checks
+        from ..checks.request import CheckRequest
 
         lists: dict[str, Any] = {
             f"{name}s": option(config, f"mbcheck_{name}") or [] for name in SEVERAL
@@ -99,13 +100,14 @@ def check_plan(config: pytest.Config) -> CheckPlan:
         known = option(config, "mbcheck_known")
         if isinstance(known, list):
             known = str(known[0]) if known else None
-        config.stash[PLAN] = CheckRequest(
+        request = CheckRequest(
             **lists,
             profile=option(config, "mbcheck_profile") or "default",
             full=bool(option(config, "mbcheck_full")),
             known=known,
             strict_known=bool(option(config, "mbcheck_strict_known")),
-        ).plan()
+        )
+        config.stash[PLAN] = plan_checks(request)
     return config.stash[PLAN]
 
 
@@ -191,7 +193,7 @@ def run_test(check: Check, node: pytest.Item) -> None:
         as_failures = [
             replace(r, verdict="deviation") if r.verdict == "known" else r for r in failed
         ]
-        run = Run(selection=plan.request.selection)
+        run = Run(selection=plan.request)
         pytest.fail(Report(tuple(as_failures), {}, run).text(1), pytrace=False)
     reasons = dict.fromkeys(why_known(r) for r in results if r.verdict == "known")
     if reasons:
@@ -207,9 +209,10 @@ def pytest_runtest_makereport(
     """Send results along with the report, which may cross processes."""
     made = yield
     if call.when == "call" and RESULTS in item.stash:
-        from ..reports.run.outcome import json_result
+        from ..documents.core import as_plain
+        from ..reports.run.outcome import with_lost_numbers
 
-        made.mbcheck = [json_result(result) for result in item.stash[RESULTS]]  # type: ignore[attr-defined]
+        made.mbcheck = [as_plain(with_lost_numbers(result)) for result in item.stash[RESULTS]]  # type: ignore[attr-defined]
     return made
 
 

@@ -11,14 +11,13 @@ import click
 
 from ...reference.errors import UsageError
 from ..reports.files import STDOUT, Destination, refuse_conflicts
+from ..terminal.options import NUMBER, SEED
 from ..terminal.program import (
     FAILED,
     INTERRUPTED,
     JSON,
     MARKDOWN,
-    NUMBER,
     PLOT,
-    SEED,
     complain,
     console,
     examples,

@@ -7,25 +7,26 @@ from typing import Any
 import click
 
 from ...reference.errors import UsageError
+from ..engines.registry import REFERENCE
+from ..queries.export import mjcf_text
+from ..queries.frequencies import FrequenciesRequest
+from ..queries.frequencies import frequencies as find_modes
+from ..queries.orbit import orbit as find_orbit
+from ..queries.query import MethodQuery, ModelQuery
+from ..queries.simulate import SimulateRequest
+from ..queries.simulate import simulate as run_simulation
+from ..reports import queries
 from ..reports.files import Destination, refuse_conflicts
 from ..terminal.budget import QUERY, budget_option, budgeted
+from ..terminal.options import with_options_of
 from ..terminal.program import (
-    COUNT,
-    ENGINE,
     JSON,
-    METHOD,
-    MODEL,
-    SCENE,
-    SET,
-    STATE,
-    STEP,
     console,
     deliver,
     destination,
     examples,
     into,
     json_text,
-    times_option,
     to_stdout,
 )
 
@@ -38,27 +39,7 @@ from ..terminal.program import (
         "    --state theta=0.5 --times 0:0.5:0.01 --json -",
     ),
 )
-@SCENE
-@ENGINE
-@METHOD
-@STEP
-@MODEL
-@SET
-@STATE
-@click.option(
-    "--times",
-    required=True,
-    callback=times_option,
-    metavar="T1,T2,...|START:STOP:STEP",
-    help="Sample times [s], on the grid of the step; STOP is included.",
-)
-@click.option(
-    "--observe",
-    multiple=True,
-    metavar="NAME",
-    help="Also show this output of the scene, see mbcheck list SCENE; 'all' for all that the "
-    "engine tells (repeatable).",
-)
+@with_options_of(SimulateRequest)
 @into("csv", "Write CSV to a file, or '-': comments, t, then the observables, all digits.")
 @click.option("--bounds", is_flag=True, help="Add columns NAME_bound of the reference to the CSV.")
 @budget_option(QUERY)
@@ -78,17 +59,13 @@ def simulate(
     run cannot be trusted in.
     """
     refuse_conflicts(csv_file, json_file)
-    from ..engines.registry import REFERENCE
-    from ..queries import simulate as query
-    from ..reports import queries
-
     if bounds and not csv_file:
         raise UsageError("--bounds adds columns to a CSV file: name it with --csv FILE")
     if bounds and asked["engine"] != REFERENCE:
         raise UsageError("--bounds: an engine states no bound on its error; the reference does")
 
     with budgeted(budget, "simulate"):
-        result = query.simulate(**asked)
+        result = run_simulation(**asked)
     for caution in result.cautions:
         click.echo(f"Warning: {caution.rule}: {caution.message}", err=True)
     if result.lost and (csv_file or json_file):
@@ -107,12 +84,7 @@ def simulate(
         "mbcheck orbit hula_hoop --set force_amplitude=80 --engine exudyn --json -",
     ),
 )
-@SCENE
-@SET
-@ENGINE
-@METHOD
-@STEP
-@MODEL
+@with_options_of(MethodQuery)
 @budget_option(QUERY)
 @JSON
 def orbit(json_file: Destination | None, budget: float, **asked: Any) -> None:
@@ -124,11 +96,8 @@ def orbit(json_file: Destination | None, budget: float, **asked: Any) -> None:
     harmonics are amplitude cos(order Omega t + phase), the secular part removed. An
     engine's orbit is that of its own discrete flow. No orbit: exit code 1.
     """
-    from ..queries import orbit as query
-    from ..reports import queries
-
     with budgeted(budget, "orbit"):
-        result = query.orbit(**asked)
+        result = find_orbit(**asked)
     deliver(result, queries.print_orbit, json_file)
 
 
@@ -139,18 +108,7 @@ def orbit(json_file: Destination | None, budget: float, **asked: Any) -> None:
         "mbcheck frequencies rotating_beam --about rotation --plane flapwise --count 3",
     ),
 )
-@SCENE
-@click.option("--about", metavar="NAME", help="State of rest, see mbcheck list SCENE.")
-@click.option("--count", type=COUNT, metavar="N", help="Only the lowest N modes.")
-@click.option("--undamped", is_flag=True, help="Leave damping out.")
-@click.option(
-    "--plane",
-    metavar="NAME",
-    help="Of a rotating beam: chordwise (in the plane of rotation, the default) or flapwise.",
-)
-@SET
-@ENGINE
-@MODEL
+@with_options_of(FrequenciesRequest)
 @budget_option(QUERY)
 @JSON
 def frequencies(json_file: Destination | None, budget: float, **asked: Any) -> None:
@@ -159,11 +117,8 @@ def frequencies(json_file: Destination | None, budget: float, **asked: Any) -> N
     From the engine's own mass, damping and stiffness matrices; ascending in omega =
     |eigenvalue|, zero modes listed.
     """
-    from ..queries import frequencies as query
-    from ..reports import queries
-
     with budgeted(budget, "frequencies"):
-        result = query.frequencies(**asked)
+        result = find_modes(**asked)
     deliver(result, queries.print_frequencies, json_file)
 
 
@@ -173,9 +128,7 @@ def frequencies(json_file: Destination | None, budget: float, **asked: Any) -> N
         "mbcheck export hula_hoop --set rod_length=0.06 -o -",
     ),
 )
-@SCENE
-@SET
-@MODEL
+@with_options_of(ModelQuery, without=("engine",))
 @click.option(
     "-o",
     "--output",
@@ -186,8 +139,6 @@ def frequencies(json_file: Destination | None, budget: float, **asked: Any) -> N
 )
 def export(output: Destination, **asked: Any) -> None:
     """Write a scene's MJCF with these parameters."""
-    from ..queries.export import mjcf_text
-
     output.write(mjcf_text(**asked))
 
 

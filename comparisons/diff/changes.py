@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 from fnmatch import fnmatchcase
 from typing import Any
 
 from ...reference.errors import UsageError
+from ..checks.request import CheckRequest
 from ..checks.verdict import Result
 from ..documents import document
+from ..documents.fields import HIDDEN, documented
 from ..reports.run.results import ratio
 from .document import Document
 
@@ -63,9 +65,9 @@ class Change:
     Attributes
     ----------
     sort : str
-        One of `SORTS`.
+        sort of change, one of those that `summary` counts
     old, new : Result or None
-        None where the id is not there.
+        the result there; null where the id is not there
     """
 
     sort: str
@@ -80,8 +82,15 @@ class Change:
         return newer
 
     @property
+    @documented
+    def id(self) -> str:
+        """As in `check`."""
+        return self.result.id
+
+    @property
+    @documented
     def regression(self) -> bool:
-        """Whether it makes the new run worse than the old one."""
+        """Whether it makes the new run worse."""
         return SORTS[self.sort].regression
 
     @property
@@ -106,30 +115,31 @@ class Diff:
     Attributes
     ----------
     old, new : Document
+        the runs
     changes : tuple of Change
-        The ones that matter most first.
-    compared, same : int
-        Number of ids in both, and of those that have not changed.
+        what matters most first
     notes : tuple of str
-        What a reader must know of the runs to read the changes.
+        what else differs about the runs, for readers
     """
 
     old: Document
     new: Document
     changes: tuple[Change, ...]
-    compared: int
-    same: int
+    compared: int = field(metadata=HIDDEN)
+    same: int = field(metadata=HIDDEN)
     notes: tuple[str, ...]
 
     @property
+    @documented
     def summary(self) -> dict[str, int]:
-        """Number of changes by sort, and of the ids that were compared and are the same."""
+        """Number of changes by sort, and of the ids that were `compared` and are the `same`."""
         counts = {sort: sum(item.sort == sort for item in self.changes) for sort in SORTS}
         return {"compared": self.compared, "same": self.same, **counts}
 
     @property
+    @documented
     def regressions(self) -> int:
-        """Number of changes that make the new run worse."""
+        """Number of changes that are regressions; exit code 1 if there is one."""
         return sum(change.regression for change in self.changes)
 
     @property
@@ -139,19 +149,7 @@ class Diff:
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``diff`` document of docs/json.md."""
-        sides = {name: vars(side) for name, side in (("old", self.old), ("new", self.new))}
-        counts = {name: {**side, "results": len(side["results"])} for name, side in sides.items()}
-        changes = [change_json(change) for change in self.changes]
-        parts = {"summary": self.summary, "regressions": self.regressions, "changes": changes}
-        return document("diff", self, **counts, **parts)
-
-
-def change_json(change: Change) -> dict[str, Any]:
-    """Return one change with its results, or null where the id is not there."""
-    sides = {"old": change.old, "new": change.new}
-    results = {name: side and side.as_dict() for name, side in sides.items()}
-    sort = {"change": change.sort, "regression": change.regression}
-    return {**change.result.as_dict(), **sort, **results}
+        return document("diff", self)
 
 
 def compare(old: Document, new: Document) -> Diff:
@@ -222,11 +220,11 @@ class Absence:
 
     def __init__(self, old: Document, new: Document) -> None:
         self.new = new
-        self.narrower = bool(old.selection.get("full")) and not new.selection.get("full", True)
-        self.narrower |= bool(new.selection.get("quick")) and not old.selection.get("quick")
-        named = [name for name in new.selection.get("engines", ()) if ":" not in name]
-        self.engines = {*named, *new.engines} if new.selection.get("engines") else set()
-        patterns = new.selection.get("ids", ())
+        self.narrower = old.selection.full and not new.selection.full
+        self.narrower |= new.selection.quick and not old.selection.quick
+        named = [name for name in new.selection.engines if ":" not in name]
+        self.engines = {*named, *new.engines} if new.selection.engines else set()
+        patterns = new.selection.ids
         self.checks = {
             result.check_id
             for result in old.results.values()
@@ -242,11 +240,14 @@ class Absence:
     def filtered(self, result: Result) -> bool:
         """Return whether the options of the new run leave a result out."""
         selection = self.new.selection
-        names = {"scenes": result.scene, "kinds": result.kind, "methods": result.method}
-        return (
-            any(selection.get(what) and name not in selection[what] for what, name in names.items())
-            or bool(self.engines and result.engine not in self.engines)
-            or bool(selection.get("ids") and result.check_id not in self.checks)
+        restrictions = (
+            (selection.scenes, result.scene),
+            (selection.kinds, result.kind),
+            (selection.methods, result.method),
+            (self.engines, result.engine),
+        )
+        return any(names and name not in names for names, name in restrictions) or bool(
+            selection.ids and result.check_id not in self.checks
         )
 
 
@@ -268,11 +269,10 @@ def notes(old: Document, new: Document) -> Iterator[str]:
             yield f"engine {name} could not be imported in the {side} run: {reason}"
         if here.not_reached:
             yield f"the {side} run was stopped: {here.not_reached} checks were not reached"
-    if old.selection and new.selection:
-        for name in dict.fromkeys([*old.selection, *new.selection]):
-            first, second = (side.selection.get(name) for side in (old, new))
-            if first != second:
-                yield f"selection: {name} {in_words(first)} -> {in_words(second)}"
+    for item in fields(CheckRequest):
+        first, second = (getattr(side.selection, item.name) for side in (old, new))
+        if first != second:
+            yield f"selection: {item.name} {in_words(first)} -> {in_words(second)}"
 
 
 def in_words(value: Any) -> str:

@@ -1,26 +1,23 @@
-"""Reading what ``mbcheck check --json`` has written, of this release or an earlier one."""
+"""Reading what ``mbcheck check --json`` has written."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, NoReturn
 
-from msgspec import ValidationError, convert
+from msgspec import convert, to_builtins
 
 from ...reference.errors import UsageError
-from ..checks.verdict import Result, result_from
-from ..documents import SCHEMA, check
+from ..checks.request import CheckRequest
+from ..checks.verdict import NOT_APPLICABLE, Result, result_from
+from ..documents import SCHEMA
+from ..documents.core import record
+from ..documents.fields import HIDDEN, documented
 from ..documents.reading import read_document
-from ..reports.run.results import MEASURES
-
-FIELDS = (
-    "id", "scene", "case", "kind", "source", "engine", "model", "quantity", "unit", "reason",
-    "method", "verdict", *MEASURES,
-)  # fmt: skip
-"""Fields of a result that are compared."""
+from ..reports.run.outcome import Report
 
 
 @dataclass(frozen=True)
@@ -30,13 +27,14 @@ class Document:
     Attributes
     ----------
     file : str
-    versions, environment : mapping of str to str
-        ``environment`` is empty in documents that did not have it yet, and so is the next.
-    selection : mapping
-    not_reached : int
-        Number of checks that were planned, and for which there was no time.
+        file that was read
+    environment : mapping of str to str
+        what rounding may depend on: python, system, machine, processor, libc
     results : mapping of id to Result
         Without those that stand for an engine that cannot be imported.
+    selection : CheckRequest
+    not_reached : int
+        Number of checks that were planned, and for which there was no time.
     unavailable : mapping of str to str
         Why an engine could not be imported, by its name.
     """
@@ -44,10 +42,16 @@ class Document:
     file: str
     versions: Mapping[str, str]
     environment: Mapping[str, str]
-    selection: Mapping[str, Any]
-    not_reached: int
-    results: Mapping[str, Result]
-    unavailable: Mapping[str, str]
+    results: Mapping[str, Result] = field(metadata=HIDDEN)
+    selection: CheckRequest = field(metadata=HIDDEN)
+    not_reached: int = field(metadata=HIDDEN)
+    unavailable: Mapping[str, str] = field(metadata=HIDDEN)
+
+    @property
+    @documented
+    def result_count(self) -> int:
+        """Number of results."""
+        return len(self.results)
 
     @property
     def engines(self) -> tuple[str, ...]:
@@ -75,70 +79,35 @@ def read(file: str) -> Document:
             f"{file!r} has schema {content['schema']!r}; this mbcheck reads schema {SCHEMA}"
         )
     try:
-        return run_of(file, content)
-    except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
-        why = f"there is no {error}" if isinstance(error, KeyError) else error
-        raise UsageError(f"{file!r} is not what `mbcheck check --json` writes: {why}") from None
+        return run_of(file, convert(content, record(Report, is_root=True)))
+    except ValueError as error:
+        raise UsageError(f"{file!r} is not what `mbcheck check --json` writes: {error}") from None
 
 
-def run_of(file: str, content: Mapping[str, Any]) -> Document:
-    """Return a document from its JSON.
+def run_of(file: str, content: Any) -> Document:
+    """Return a run from its document.
 
     Raises
     ------
-    KeyError, TypeError, ValueError, AttributeError, OverflowError
-        If it is not as in docs/json.md.
+    ValueError
+        If an id stands twice.
     """
     results: dict[str, Result] = {}
     unavailable = {}
-    for item in content["results"]:
-        result = read_result(item)
+    for item in content.results:
+        result = result_from(to_builtins(item))
         if result.id in results:
             raise ValueError(f"the id {result.id!r} stands twice")
-        if result.kind == "-":
+        if result.kind == NOT_APPLICABLE:
             unavailable[result.engine] = result.reason
         else:
             results[result.id] = result
-    selection = convert(content.get("selection", {}), dict[str, Any])
     return Document(
         file,
-        words(content["versions"]),
-        words(content.get("environment", {})),
-        typed(check.Selection, selection, selection),
-        int(content.get("checks", {}).get("not_reached", 0)),
+        content.versions,
+        content.environment,
         results,
+        CheckRequest(**to_builtins(content.selection)),
+        content.checks.not_reached,
         unavailable,
     )
-
-
-def words(table: Mapping[str, Any]) -> dict[str, str]:
-    """Return a table of texts."""
-    return {name: str(text) for name, text in table.items()}
-
-
-def read_result(item: Mapping[str, Any]) -> Result:
-    """Return one result from its JSON.
-
-    Raises
-    ------
-    KeyError, TypeError, ValueError
-    """
-    known = typed(check.Result, {"known": None, **item}, ["known"])
-    return result_from(typed(check.Result, item, FIELDS) | known)
-
-
-def typed(kind: Any, values: Mapping[str, Any], names: Iterable[str]) -> dict[str, Any]:
-    """Return some fields of a document, each of the type that it has there.
-
-    Raises
-    ------
-    KeyError, TypeError, ValueError
-    """
-    types = kind.__annotations__
-    fields = {}
-    for name in names:
-        try:
-            fields[name] = convert(values[name], types.get(name, Any))
-        except ValidationError as error:
-            raise ValueError(f"{name} is {values[name]!r:.40}: {error}") from None
-    return fields

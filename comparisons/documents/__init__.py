@@ -1,6 +1,7 @@
-"""The JSON documents of the verbs: one type each, from which they are written and described.
+"""The JSON documents of the verbs: each is written, and described, from the class of a result.
 
-Types are loaded when a document is asked for.
+A document holds the fields of the class but those that are `HIDDEN`, and the properties that are
+`documented`, see `fields`. Classes are loaded when they are needed.
 """
 
 from __future__ import annotations
@@ -9,28 +10,46 @@ from collections.abc import Mapping
 from importlib import import_module
 from typing import Any
 
-SCHEMA = 1
+SCHEMA = 2
 """Version of the documents; docs/json.md says what a version promises."""
 
 DOCUMENTS: Mapping[str, tuple[str, str]] = {
-    "check": ("check.Check", "Results of a run of checks."),
-    "judge": ("check.Judge", "A trajectory that was computed elsewhere, against the reference."),
-    "simulate": ("motion.Simulate", "A trajectory, and all that is needed to repeat it."),
-    "orbit": ("motion.Orbit", "The periodic orbit of a scene."),
-    "frequencies": ("motion.Frequencies", "Modes of the undriven scene about a state of rest."),
-    "compare_maps": ("features.CompareMaps", "Two maps on the points that both computed."),
+    "check": ("reports.run.outcome.Report", "Results of a run of checks."),
+    "judge": (
+        "judge.judge.Judgement",
+        "A trajectory that was computed elsewhere, against the reference.",
+    ),
+    "simulate": (
+        "queries.simulate.Simulation",
+        "A trajectory, and all that is needed to repeat it.",
+    ),
+    "orbit": ("queries.orbit.OrbitReport", "The periodic orbit of a scene."),
+    "frequencies": (
+        "queries.frequencies.Frequencies",
+        "Modes of the undriven scene about a state of rest.",
+    ),
+    "compare_maps": ("maps.compare.MapComparison", "Two maps on the points that both computed."),
     "boundary": (
-        "boundary.Boundary",
+        "boundary.document.BoundaryDocument",
         "Where orbits and equilibria lose their stability, as curves.",
     ),
-    "reproduce": ("features.Reproduce", "What of the papers holds."),
-    "tradeoff": ("tradeoff.Tradeoff", "What accuracy costs, and which settings to choose."),
-    "tradeoff_model": ("tradeoff.TradeoffModel", "Which step and integrator an MJCF file needs."),
-    "diff": ("check.Diff", "What changed between two runs of checks."),
-    "inspect": ("inspect.Inspect", "What is in an MJCF file, and what it could do without."),
-    "inspections": ("inspect.Inspections", "What is found in several MJCF files."),
+    "reproduce": ("papers.outcomes.Findings", "What of the papers holds."),
+    "tradeoff": (
+        "documents.tradeoff.Tradeoff",
+        "What accuracy costs, and which settings to choose.",
+    ),
+    "tradeoff_model": (
+        "documents.tradeoff.TradeoffModel",
+        "Which step and integrator an MJCF file needs.",
+    ),
+    "diff": ("diff.changes.Diff", "What changed between two runs of checks."),
+    "inspect": (
+        "inspect.document.InspectDocument",
+        "What is in an MJCF file, and what it could do without.",
+    ),
+    "inspections": ("inspect.document.InspectionsDocument", "What is found in several MJCF files."),
 }
-"""Module and type of each document, and what it is."""
+"""Class of each document, below `comparisons`, and what it is."""
 
 
 def document(name: str, result: object, **parts: object) -> dict[str, Any]:
@@ -41,9 +60,9 @@ def document(name: str, result: object, **parts: object) -> dict[str, Any]:
     name : str
         Of the document.
     result : object
-        Its fields are those of the document; others are left out.
+        Has what the document holds, but for what is in ``parts``.
     **parts
-        Stand for fields of their name, or are added to them.
+        Fields of the document that ``result`` has otherwise.
 
     Raises
     ------
@@ -52,7 +71,7 @@ def document(name: str, result: object, **parts: object) -> dict[str, Any]:
     """
     from .core import to_document
 
-    return to_document(type_of(name), {"schema": SCHEMA, **vars(result), **parts})
+    return to_document(type_of(name), result, {"schema": SCHEMA, **parts})
 
 
 def schema(name: str) -> dict[str, Any]:
@@ -64,6 +83,6 @@ def schema(name: str) -> dict[str, Any]:
 
 
 def type_of(name: str) -> Any:
-    """Return the type of a document."""
-    module, _, kind = DOCUMENTS[name][0].partition(".")
-    return getattr(import_module(f".{module}", __package__), kind)
+    """Return the class of a document."""
+    module, _, kind = DOCUMENTS[name][0].rpartition(".")
+    return getattr(import_module(f"..{module}", __package__), kind)

@@ -58,6 +58,10 @@ class ReferenceEngine(Adapter):
         """Return why the reference cannot run this case, or None."""
         return "the reference's loops are always closed" if case.inconsistency else None
 
+    def scheme(self, case: Case, model: str, method: Method) -> str | None:
+        """Return the method's own scheme, which acts on the equations that are solved."""
+        return method.scheme
+
     def coordinates(self, case: Case, model: str) -> tuple[str, ...]:
         """Return the coordinates of states, the reference's own included."""
         return self.equations(case, model).coordinates

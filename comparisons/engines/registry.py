@@ -22,8 +22,8 @@ from ...reference.errors import (
     UsageError,
 )
 from .adapter import Adapter, adapt, adapted
+from .isolation import RemoteEngine
 from .protocol import Engine
-from .remote import RemoteEngine
 from .run import IN_SIGHT, call_engine, captured
 from .validation import attributes
 

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import click
 
+from ..check.request import CheckRun, plan_checks
 from ..reports.files import Destination, refuse_conflicts
+from ..terminal.options import with_options_of
 from ..terminal.program import (
     FAILED,
     INTERRUPTED,
-    JOBS,
     JSON,
     complain,
     console,
     examples,
     into,
     json_text,
-    several,
     to_stdout,
 )
 
@@ -29,23 +31,15 @@ LIMIT = 240.0
         "mbcheck extremes --json extremes.json --markdown extremes.md",
     ),
 )
-@click.argument("scenes", nargs=-1, metavar="[SCENE]...")
-@several("engine", "ENGINE", "Only this engine")
-@several("kind", "KIND", "Only limits, parameters, starts, long or failures")
-@click.option("--full", is_flag=True, help="Longer horizons and more extremes.")
-@JOBS
+@with_options_of(CheckRun, only=("scenes", "engines", "kinds", "full", "jobs"))
 @click.option("-v", "--verbose", is_flag=True, help="Print every result that is not right.")
 @JSON
 @into("markdown", "Write what breaks in each engine as Markdown to a file, or '-'.")
 def extremes(
-    scenes: tuple[str, ...],
-    engines: tuple[str, ...],
-    kinds: tuple[str, ...],
-    full: bool,
-    jobs: int,
     verbose: bool,
     json_file: Destination | None,
     markdown_file: Destination | None,
+    **asked: Any,
 ) -> int:
     """Push engines to where they break, and show who notices.
 
@@ -53,19 +47,17 @@ def extremes(
     or failed, and names who notices: the engine, the guard, a rule known before the run, a run with
     half the step, or only the reference. Exit code 0 whatever the results are, 1 if a check died.
     """
-    from ..check.request import CheckRequest
     from ..check.verb import checked
-    from ..checks.execution import Execution
     from ..engines.isolation import MEMORY
     from . import page
 
     refuse_conflicts(json_file, markdown_file)
-    request = CheckRequest(scenes, engines, kinds, full=full, extremes=True)
-    report = checked(request.plan(), Execution(jobs, False, LIMIT, MEMORY), bar=True)
+    run = CheckRun(**asked, extremes=True, time_limit=LIMIT, memory_limit=MEMORY)
+    report = checked(plan_checks(run), run, bar=True)
     if json_file:
         json_file.write(json_text(report.as_json()))
     if markdown_file:
-        markdown_file.write(page.markdown(report.results, full))
+        markdown_file.write(page.markdown(report.results, run.full))
     if not to_stdout(json_file, markdown_file):
         page.show(console(), report.results, verbose)
     if report.run.interrupted:

@@ -228,16 +228,16 @@ def baseline_of(name: str) -> dict[str, dict[tuple[str, str], float | None]]:
         If it cannot be read, or is no document of ``inspect``.
     """
     _, content = read_document(name, "JSON", json.loads, "--baseline: ")
-    found: dict[str, dict[tuple[str, str], float | None]] = {}
+    baselines: dict[str, dict[tuple[str, str], float | None]] = {}
     try:
         for model in content.get("models", [content]):
-            known = found.setdefault(Path(model["file"]).as_posix(), {})
+            known = baselines.setdefault(Path(model["file"]).as_posix(), {})
             for one in unwaived(model):
                 key = one["rule"], one["element"]
                 known[key] = max(known.get(key) or 0.0, one["measure"] or 0.0) or None
     except (KeyError, TypeError, AttributeError):
         raise UsageError(f"--baseline: {name} is no document of inspect --json") from None
-    return found
+    return baselines
 
 
 # What they come to --------------------------------------------------------------------------

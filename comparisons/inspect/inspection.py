@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
 from functools import partial
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +36,9 @@ WORSE = 1.1
 MODES, STEPS, LOOPS = "modes", "largest stable steps", "loads of closures"
 """Parts of an inspection that take time, beside its rules."""
 
+NEEDS = ("model", "states", "modes", "runs")
+"""What rules need, in the order in which they are asked."""
+
 
 @dataclass(frozen=True)
 class ModelFinding:
@@ -43,23 +47,25 @@ class ModelFinding:
     Attributes
     ----------
     rule : str
-        Its id.
+        its id; `mbcheck inspect --explain` tells about it
     severity : {"error", "warning", "note"}
+        how bad it is
     element : str
-        Where: ``tag:name``, ``tag:name/tag`` or ``tag``.
+        where: tag:name, tag:name/tag or tag
     file : str or None
+        file; null if it does not stand in the text
     line : int or None
-        Where that stands, if it stands in the text.
+        line; null likewise
     message : str
-        What is found, with its numbers.
+        what was found, with its numbers
     fix : str
-        What to do.
+        what to do
     waived : str or None
-        The reason that the file gives for it, if it does.
+        the reason that the file gives for it; null if it does not waive it
     attribute : str or None
-        The one of the element that is meant, if it is one.
+        the attribute that is meant; null if it is not one
     measure : float or None
-        How bad it is, the larger the worse, where a number tells that.
+        how bad it is, the larger the worse; null where no number tells
     """
 
     rule: str
@@ -146,7 +152,6 @@ class Inspection(InspectedModel):
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``inspect`` document of docs/json.md."""
-        step = self.facts.options.timestep
         return document(
             "inspect",
             self.facts,
@@ -154,10 +159,7 @@ class Inspection(InspectedModel):
             files=self.files,
             summary=self.summary,
             states=[self.state_document(view) for view in self.views],
-            steps=[
-                {**vars(one), "chosen": one.of_file, "ratio": one.share_of(step)}
-                for one in self.steps
-            ],
+            steps=self.steps,
             shortest_period=self.shortest_period,
             closures=self.closures,
             findings=self.findings,
@@ -246,9 +248,8 @@ def inspect_in_parts(
     loaded, hits, untried = load(path), list[tuple[str, Hit]](), None
     rules = {f"rule {name}": RULES[name] for name in RULES if name in selection.rules}
     repeated = [part for part in rules if part == "rule repeated_default"]
-    quick = [part for part, rule in rules.items() if rule.needs == "model"]
-    others = [p for p, rule in rules.items() if rule.needs in ("states", "modes", "runs")]
-    parts = [*quick, MODES, STEPS, LOOPS, *others, *repeated]
+    quick, *slow = ([p for p, rule in rules.items() if rule.needs == need] for need in NEEDS)
+    parts = [*quick, MODES, STEPS, LOOPS, *chain(*slow), *repeated]
     s = InspectedModel(loaded, facts(loaded), strict)
     with quiet(loaded.mujoco), np.errstate(all="ignore"):
         for number, part in enumerate(parts):
@@ -261,8 +262,8 @@ def inspect_in_parts(
             elif part == LOOPS:
                 s = replace(s, closures=all_closures(loaded))
             elif part in repeated:  # what no other rule has found
-                found, untried = repeated_default(s, [hit for _, hit in hits])
-                hits += [("repeated_default", hit) for hit in found]
+                repeated_hits, untried = repeated_default(s, [hit for _, hit in hits])
+                hits += [("repeated_default", hit) for hit in repeated_hits]
             else:
                 hits += [(part.removeprefix("rule "), hit) for hit in rules[part].find(s)]
         yield (), partial(report_of, path, s, selection, hits, (), untried)

@@ -141,16 +141,16 @@ def inspect_file(
         )
         return result.as_json(), text_on(screen, report)
 
-    told, total = monotonic(), 0
+    last_report, total = monotonic(), 0
     asked = options["rotation"], options["modes"], request.strict, request.selection(file)
     tell((0, 1, f"MuJoCo compiles {os.path.basename(file)}"))
     for left, inspection in inspect_in_parts(file, *asked):
         total = max(total, len(left))
         for part in left[:1]:
             tell((total - len(left), total, part))
-            if not part.startswith("rule ") or monotonic() > told + OFTEN:
+            if not part.startswith("rule ") or monotonic() > last_report + OFTEN:
                 tell(report_of(inspection()))
-                told = monotonic()
+                last_report = monotonic()
     return report_of(inspection())
 
 

@@ -11,6 +11,7 @@ from typing import Any, Literal, NamedTuple, SupportsInt
 import numpy as np
 
 from ..checks.rules.conditions import Statement
+from ..documents.fields import Number
 from .mujoco.closures import ClosedLoop
 from .mujoco.facts import DRAWS, Facts, can_touch, meetings
 from .mujoco.linear import Linear
@@ -65,30 +66,31 @@ class StepLimit:
     Attributes
     ----------
     integrator : str
+        as MJCF spells it
     limit : float
-        [s]; infinite if every step is stable.
+        [s]; null if every step is stable
     state : str or None
-        Where it is least.
+        state where it is least; null if every step is stable
     omega : float or None
-        Of the mode that sets it [1/s].
+        modulus of the mode that sets it [1/s]; null if there is none
     joint : str or None
-        That moves most in it.
+        joint that moves most in that mode; null if there is none
     of_file : bool
-        Whether it is the file's own.
+        whether the file uses this integrator
     constraint : str or None
-        That sets it, if one does: a closure, a limit, a contact, dry friction.
+        closure, limit, contact or dry friction that sets it; null if none does
     softened : float
-        The step from which on `refsafe` softens constraints [s]; infinite if none.
+        step from which on constraints are softened [s] (refsafe); null if none is
     """
 
     integrator: str
-    limit: float
+    limit: Number
     state: str | None
     omega: float | None
     joint: str | None
     of_file: bool
     constraint: str | None = None
-    softened: float = math.inf
+    softened: Number = math.inf
 
     @property
     def place(self) -> str:

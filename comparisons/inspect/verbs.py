@@ -12,13 +12,12 @@ import click
 
 from ...reference.errors import MbcheckError, UnknownNameError, UsageError
 from ..reports.files import refuse_conflicts
+from ..terminal.options import NUMBER, assignments
 from ..terminal.program import (
     JSON,
     JUNIT,
     MISUSED,
-    NUMBER,
     SARIF,
-    assignments,
     complain,
     console,
     examples,

@@ -7,7 +7,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -17,9 +17,10 @@ from ...reference.scene import Case, Scene
 from ..checks.tolerances import rounding
 from ..checks.verdict import PROFILES, Finding, Result, Series, Subject, Verdict, judge
 from ..documents import document
+from ..documents.fields import OptionMark, documented, takes_fields_of
 from ..queries.environment import versions
 from ..queries.query import as_float, changed, initial_values
-from ..reports.run.outcome import Report, json_result
+from ..reports.run.outcome import Report, with_lost_numbers
 from ..reports.run.results import summary
 from ..reports.words import with_unit
 from .comparison import Comparison, compare, refuse_outside
@@ -43,15 +44,22 @@ class LargestError:
 
     Attributes
     ----------
-    quantity, unit : str
+    quantity : str
+        observable
+    unit : str
+        of the numbers but `time` and `relative`
     time : float
-        Where it is most [s].
-    value, reference, error : float
-        There.
+        where the error is largest [s]
+    value : float
+        of the file, there
+    reference : float
+        true value, there
+    error : float
+        largest error
     size : float
-        Largest value of the reference over the run; 1 where it stays 0.
+        largest value of the reference; 1 where that stays 0
     bound : float
-        On the error of the reference.
+        on the reference's own error
     """
 
     quantity: str
@@ -64,8 +72,9 @@ class LargestError:
     bound: float
 
     @property
+    @documented
     def relative(self) -> float:
-        """The error in the quantity's size."""
+        """`error` / `size` [1]."""
         return self.error / self.size
 
 
@@ -75,33 +84,37 @@ class Judgement:
 
     Attributes
     ----------
-    scene, case : str
-        ``user`` where parameters or the initial state are not the case's.
+    case : str
+        its name; `user` if `--set` or `--state` change it
     file : str
-    parameters, state : mapping
-        All parameters; initial values that are not 0.
+        name of the file, without folder and ending
+    state : mapping of str to float
+        initial values that are not 0, at `start_time` [SI]
     start_time : float
-        Of the case [s].
-    samples, judged : int
-        How many there are, and how many, from the first, could be judged.
+        time at which the case begins [s]
+    samples : int
+        rows of the file
+    judged : int
+        rows, from the first, that could be judged
     until : float
-        Time of the last that was [s].
+        time of the last of these [s]
     growth : float
-        Of an initial error until then.
-    tolerance : mapping
-        ``relative``, or ``order`` and ``step``; empty where none was given.
+        of an initial error until then [1]
+    tolerance : mapping of str to float
+        what tolerances follow from: `relative`, the share of each observable's size [1], or `order`
+        and `step` [s] of the method; empty where nothing was to be judged
     errors : tuple of LargestError
+        one for each column that was compared; none of one that is not finite
     notes : tuple of str
-        What was seen beside the numbers: columns left out, what looks like a slip of units, ...
+        what was seen beside the numbers: columns that were not compared, what looks like a slip
     results : tuple of Result
-        Verdicts; empty without a tolerance.
-    versions : mapping of str to str
+        as in `check`, `model` being `file` and `engine` the file's name; none without a tolerance
     """
 
     scene: str
     case: str
     file: str
-    parameters: Mapping[str, Any]
+    parameters: Mapping[str, float | str]
     state: Mapping[str, float]
     start_time: float
     samples: int
@@ -115,8 +128,9 @@ class Judgement:
     versions: Mapping[str, str]
 
     @property
+    @documented
     def summary(self) -> dict[str, int]:
-        """Number of results by verdict, and their ``total``."""
+        """Number of results by verdict, and their `total`."""
         return summary(self.results)
 
     @property
@@ -126,39 +140,50 @@ class Judgement:
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``judge`` document of docs/json.md."""
-        results = [json_result(result) for result in self.results]
-        errors = [{**vars(error), "relative": error.relative} for error in self.errors]
-        return document("judge", self, summary=self.summary, errors=errors, results=results)
+        return document("judge", self, results=list(map(with_lost_numbers, self.results)))
 
 
-def judge_trajectory(
-    trajectory: Any,
-    case: str,
-    parameters: Mapping[str, Any] | None = None,
-    state: Mapping[str, float] | None = None,
-    tolerance: float | None = None,
-    order: int | None = None,
-    step: float | None = None,
-    profile: str = "default",
-) -> Judgement:
-    """Judge a trajectory that was computed elsewhere against the reference of its case.
+@dataclass(frozen=True)
+class JudgeRequest:
+    """A trajectory, what it is a run of, and how far it may be off.
 
-    Parameters
+    Attributes
     ----------
     trajectory : path of a file, or mapping of str to array (n_t,)
-        Columns by name, ``t`` [s] among them, see `recording.from_file`. Times need not lie on
-        any grid.
+        CSV with the columns t [s] and observables; in Python also columns by name. Times need not
+        lie on any grid.
     case : str
-        ``scene/case``.
-    parameters, state : mapping, optional
-        What differs from the case.
-    tolerance : float, optional
-        Largest error that passes, in the largest value of each observable's reference.
-    order : int, optional
-        In place of it: that of the method, with its ``step`` [s]. Granted is what a published
-        scheme of that order makes on the exact equations, times `METHOD_SPREAD`.
+        What it is a run of.
+    parameters : mapping of str to float or str
+        Change a parameter from its default, SI units.
+    state : mapping of str to float
+        Initial value, otherwise that of the case, SI units.
+    tolerance : float or None
+        Largest error, as a share of an observable's largest value.
+    order : int or None
+        Order of the method, from which tolerances follow with --step: what a published scheme of
+        that order makes on the exact equations, with a margin.
+    step : float or None
+        Fixed step [s].
     profile : {"strict", "default", "loose"}
         Scales every tolerance.
+    """
+
+    trajectory: Annotated[Any, OptionMark("FILE", flags=())]
+    case: Annotated[str | None, OptionMark("SCENE/CASE")] = None
+    parameters: Annotated[Mapping[str, Any] | None, OptionMark("NAME=VALUE", ("--set",))] = None
+    state: Annotated[Mapping[str, float] | None, OptionMark("NAME=VALUE")] = None
+    tolerance: Annotated[float | None, OptionMark("X")] = None
+    order: Annotated[int | None, OptionMark("P")] = None
+    step: Annotated[float | None, OptionMark("H")] = None
+    profile: Annotated[str, OptionMark("strict|default|loose")] = "default"
+
+
+@takes_fields_of(JudgeRequest)
+def judge_trajectory(asked: JudgeRequest) -> Judgement:
+    """Judge a trajectory that was computed elsewhere against the reference of its case.
+
+    Takes the fields of `JudgeRequest`.
 
     Raises
     ------
@@ -168,11 +193,13 @@ def judge_trajectory(
     EngineError
         If values are not finite and no tolerance makes that a verdict.
     """
-    basis = wanted_tolerance(tolerance, order, step)
+    if asked.case is None:
+        raise UsageError("judge needs --case SCENE/CASE; `mbcheck list SCENE` shows them")
+    basis, profile = wanted_tolerance(asked.tolerance, asked.order, asked.step), asked.profile
     if profile not in PROFILES:
         raise UnknownNameError("profile", profile, PROFILES)
-    reference_case = case_of(case, parameters or {}, state or {})
-    file = recording(trajectory)
+    reference_case = case_of(asked.case, asked.parameters or {}, asked.state or {})
+    file = recording(asked.trajectory)
     names, notes = comparable(file, reference_case)
     refuse_outside(file.times, reference_case)
     comparison = compare(file, reference_case, names, basis)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rich.console import Console
 
+from ..checks.request import CheckRequest
 from ..queries.environment import environment
 from ..reports.run.outcome import Report, Run
 from ..reports.sections import Section, print_sections
@@ -19,7 +20,7 @@ CHAOS = "what looks like a fault late in the run may be a small error that has g
 
 def as_report(judgement: Judgement, command: str | None = None) -> Report:
     """Return a judgement as the report of one check, which a command repeats."""
-    selection = {"scenes": (judgement.scene,), "ids": (f"{judgement.scene}/{judgement.case}",)}
+    selection = CheckRequest((judgement.scene,), ids=(f"{judgement.scene}/{judgement.case}",))
     run = Run(planned=1, selection=selection, environment=environment(), command=command)
     return Report(judgement.results, judgement.versions, run)
 

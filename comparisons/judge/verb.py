@@ -10,21 +10,17 @@ import click
 from ...reference.errors import UsageError
 from ..reports.files import Destination, refuse_conflicts
 from ..terminal.budget import QUERY, budget_option, budgeted
+from ..terminal.options import with_options_of
 from ..terminal.page_options import HTML, write_page
 from ..terminal.program import (
     JSON,
     JUNIT,
-    NUMBER,
-    PROFILE,
     QUIET,
-    SET,
-    STATE,
-    STEP,
-    WHOLE,
     console,
     examples,
     json_text,
 )
+from .judge import JudgeRequest, judge_trajectory
 
 
 @click.command(
@@ -35,24 +31,7 @@ from ..terminal.program import (
         "mbcheck judge - --case hula_hoop/rod_aligned --tolerance 1e-3 < run.csv",
     ),
 )
-@click.argument("trajectory", metavar="FILE")
-@click.option("--case", metavar="SCENE/CASE", help="What it is a run of.")
-@click.option(
-    "--tolerance",
-    type=NUMBER,
-    metavar="X",
-    help="Largest error, as a share of an observable's largest value.",
-)
-@click.option(
-    "--order",
-    type=WHOLE,
-    metavar="P",
-    help="Order of the method, from which tolerances follow with --step.",
-)
-@STEP
-@SET
-@STATE
-@PROFILE
+@with_options_of(JudgeRequest)
 @JSON
 @JUNIT
 @HTML
@@ -72,11 +51,8 @@ def judge_verb(
     is standard input. Errors are those against the reference of the case, at the times of the
     file. Exit codes are those of `check`; without a tolerance nothing is judged.
     """
-    if asked["case"] is None:
-        raise UsageError("judge needs --case SCENE/CASE; `mbcheck list SCENE` shows them")
     from ..reports.run.sections import run_junit
     from . import report
-    from .judge import judge_trajectory
 
     refuse_conflicts(json_file, junit_file, html_file)
     for file in (junit_file, html_file):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from scipy.ndimage import distance_transform_edt
 from ...reference.errors import UnknownNameError, UsageError
 from ...reference.scene import Array
 from ..documents import document
+from ..documents.fields import HIDDEN, documented
 from ..scenes.quantity import NO_VALUE
 from .request import Axis
 from .store import Map
@@ -21,15 +22,36 @@ SAME = 1e-9
 
 
 @dataclass(frozen=True)
+class Spread:
+    """Median and largest of some numbers.
+
+    Attributes
+    ----------
+    median, largest : float
+        0 without any
+    """
+
+    median: float
+    largest: float
+
+    @classmethod
+    def of(cls, values: Array) -> Spread:
+        """Return the spread of numbers (n,)."""
+        return cls(*(float(f(values)) if values.size else 0.0 for f in (np.median, np.max)))
+
+
+@dataclass(frozen=True)
 class MapComparison:
     """Two maps on their common points.
 
     Attributes
     ----------
     variable : str
+        what is compared
     unit : str
+        its unit; 1 for classes
     classes : tuple of str
-        Empty for a number.
+        names of the classes; empty for numbers
     x, y : array (n_x,), (n_y,)
         Values on the axes that both maps have.
     one, other : array (n_y, n_x)
@@ -38,37 +60,63 @@ class MapComparison:
         Computed, with a value, in both.
     robust : bool array (n_y, n_x)
         Robust in both.
-    names : (str, str)
-        What the maps are called.
+    maps : (str, str)
+        engine, model and method of either map
     """
 
     variable: str
     unit: str
     classes: tuple[str, ...]
-    x: Array
-    y: Array
-    one: Array
-    other: Array
-    compared: Any
-    robust: Any
-    names: tuple[str, str]
+    x: Array = field(metadata=HIDDEN)
+    y: Array = field(metadata=HIDDEN)
+    one: Array = field(metadata=HIDDEN)
+    other: Array = field(metadata=HIDDEN)
+    compared: Any = field(metadata=HIDDEN)
+    robust: Any = field(metadata=HIDDEN)
+    maps: tuple[str, str]
 
     @property
     def differs(self) -> Any:
         """Return where the classes differ (n_y, n_x)."""
         return self.compared & (self.one != self.other)
 
-    def agreement(self, robust: bool = False) -> float:
-        """Return the share of the compared points, or of the robust ones, that agree."""
-        points = self.compared & self.robust if robust else self.compared
-        return float(np.mean(~self.differs[points])) if np.any(points) else float("nan")
+    def share(self, points: Any) -> float | None:
+        """Return the share of some points that agree; None without points or classes."""
+        return float(np.mean(~self.differs[points])) if self.classes and np.any(points) else None
 
     @property
-    def confusion(self) -> Any:
-        """Return the number of points of each class of one (row) in each of the other (column)."""
+    @documented
+    def points(self) -> int:
+        """Points that both maps computed with a value."""
+        return int(np.sum(self.compared))
+
+    @property
+    @documented
+    def agreement(self) -> float | None:
+        """Share of points whose classes agree [1]; null without points, and for numbers."""
+        return self.share(self.compared)
+
+    @property
+    @documented
+    def robust_points(self) -> int:
+        """Points that are robust in both maps."""
+        return int(np.sum(self.compared & self.robust))
+
+    @property
+    @documented
+    def robust_agreement(self) -> float | None:
+        """Share of these whose classes agree [1]; null without any, and for numbers."""
+        return self.share(self.compared & self.robust)
+
+    @property
+    @documented
+    def confusion(self) -> dict[str, dict[str, int]]:
+        """Points by class of the first map, then of the second; empty for numbers."""
         count = len(self.classes)
         pairs = self.one[self.compared] * count + self.other[self.compared]
-        return np.bincount(pairs.astype(int), minlength=count**2).reshape(count, count)
+        numbers = np.bincount(pairs.astype(int) if count else [], minlength=count**2)
+        rows = zip(self.classes, numbers.reshape(count, count).tolist(), strict=True)
+        return {name: dict(zip(self.classes, row, strict=True)) for name, row in rows}
 
     @property
     def offsets(self) -> Array:
@@ -93,32 +141,29 @@ class MapComparison:
         values: Array = (self.other - self.one)[self.compared]
         return np.angle(np.exp(1j * values)) if self.unit == "rad" else values
 
+    @property
+    @documented
+    def boundary_offset_cells(self) -> Spread | None:
+        """Cells by which boundaries would have to move over the points that differ."""
+        return Spread.of(self.offsets) if self.classes else None
+
+    @property
+    @documented
+    def difference(self) -> Spread | None:
+        """Absolute difference of numbers [`unit`]; null for classes."""
+        return None if self.classes else Spread.of(np.abs(self.differences))
+
+    @property
+    @documented
+    def relative_difference(self) -> float | None:
+        """Largest difference over the largest value of the first map [1]; null for classes."""
+        size = float(np.max(np.abs(self.one[self.compared]), initial=0.0))
+        off = self.difference
+        return None if off is None else off.largest / size if size else 0.0
+
     def as_json(self) -> dict[str, Any]:
         """Return the ``compare_maps`` document of docs/json.md."""
-        parts: dict[str, Any] = {"points": np.sum(self.compared), "maps": self.names}
-        if self.classes:
-            offsets = self.offsets
-            rows = zip(self.classes, self.confusion.tolist(), strict=True)
-            parts |= {
-                "agreement": self.agreement(),
-                "robust_points": np.sum(self.compared & self.robust),
-                "robust_agreement": self.agreement(robust=True),
-                "confusion": {a: dict(zip(self.classes, row, strict=True)) for a, row in rows},
-                "boundary_offset_cells": {
-                    "median": np.median(offsets) if offsets.size else 0.0,
-                    "largest": np.max(offsets, initial=0.0),
-                },
-            }
-        else:
-            off = np.abs(self.differences)
-            largest = float(np.max(off, initial=0.0))
-            size = float(np.max(np.abs(self.one[self.compared]), initial=0.0))
-            parts |= {
-                "largest_difference": largest,
-                "median_difference": np.median(off) if off.size else 0.0,
-                "relative_difference": largest / size if size else 0.0,
-            }
-        return document("compare_maps", self, **parts)
+        return document("compare_maps", self)
 
 
 def compare(one: Map, other: Map, variable: str | None = None) -> MapComparison:

@@ -109,7 +109,7 @@ def draw_comparison(result: MapComparison, one: Map, path: Path) -> None:
     x_label = axis_label(one, one.x.name)
     handles: list[Any] = []
     both = np.array([result.one, result.other])
-    for panel, values, name in zip(panels, both, result.names, strict=True):
+    for panel, values, name in zip(panels, both, result.maps, strict=True):
         if result.classes:
             handles = max(handles, class_map(panel, grid, values, result.classes), key=len)
         elif result.unit == "rad":
@@ -123,7 +123,7 @@ def draw_comparison(result: MapComparison, one: Map, path: Path) -> None:
         level = np.where(result.compared, result.differs * (1 + result.robust), -1)
         names = ("agree", "differ, not robust", "differ")
         handles += class_map(last, grid, level, names, (FAINT, PALETTE[5], INK))
-        title = f"{result.agreement():.1%} of {np.sum(result.compared)} points agree"
+        title = f"{result.agreement or 0.0:.1%} of {result.points} points agree"
     else:
         off = np.full(result.one.shape, np.nan)
         off[result.compared] = np.abs(result.differences)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from importlib.metadata import version
-from typing import Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,12 +15,15 @@ from ...reference import get_scene
 from ...reference.errors import UnknownNameError, UsageError
 from ...reference.scene import Array, Case, Scene
 from ...reference.solve import HEYOKA, takes_heyoka
+from ..documents.fields import OptionMark
 from ..engines.registry import REFERENCE, get_engine
 from ..queries.axis import ParameterRange
 from ..queries.environment import versions
 from ..queries.query import choose_engine, choose_method, known_name, valid_step
 from ..scenes.data import scene_data
 from ..scenes.quantity import AxisName, Points, Quantity, QuantityValues
+
+Backend = Literal["auto", "numpy", "heyoka"]
 
 MOST_POINTS = 1 << 26
 """Larger grids are refused as a slip of the pen."""
@@ -80,37 +83,45 @@ class Request:
 
     Attributes
     ----------
-    scene, quantity, engine : str
-    model : str or None
-        None: the default one.
-    method : str or None
-        None: the engine's method of highest order.
-    step : float or None
-        Longest step wanted [s].
-    parameters : mapping
-        Parameters that differ from the scene's defaults.
+    scene : str
+        Name of the scene.
+    quantity : str
+        See mbcheck list SCENE.
     x, y : Axis
+        A parameter, or what mbcheck list SCENE names beside them: N values from LO to HI.
+    engine : str
+        Who computes it.
+    model : str or None
+        One of the engine's models of the scene.
+    method : str or None
+        Integrator as the engine spells it; by default that of highest order.
+    step : float or None
+        Longest step [s].
+    parameters : mapping
+        Change a parameter from its default, SI units.
     refine : bool
-        Only points near the boundaries of classes are computed.
+        Compute only points near boundaries of classes.
     block : int or None
-        Points computed together; None: as many as suit the quantity.
+        Points computed together; by default as many as suit the quantity.
     backend : {"auto", "numpy", "heyoka"}
-        What takes the steps of the reference; "auto" takes heyoka where it is installed and
-        serves the quantity.
+        What takes the reference's steps: heyoka where it is installed (extra fast) and serves the
+        quantity, or NumPy.
     """
 
-    scene: str
-    quantity: str
-    x: Axis
-    y: Axis
-    engine: str = REFERENCE
-    model: str | None = None
-    method: str | None = None
-    step: float | None = None
-    parameters: Mapping[str, Any] = field(default_factory=dict)
-    refine: bool = False
-    block: int | None = None
-    backend: str = "auto"
+    scene: Annotated[str, OptionMark(flags=())]
+    quantity: Annotated[str, OptionMark("NAME")]
+    x: Annotated[Axis, OptionMark("NAME=LO:HI:N", parse=Axis.parse)]
+    y: Annotated[Axis, OptionMark("NAME=LO:HI:N", parse=Axis.parse)]
+    engine: Annotated[str, OptionMark("ENGINE")] = REFERENCE
+    model: Annotated[str | None, OptionMark("NAME")] = None
+    method: Annotated[str | None, OptionMark("METHOD")] = None
+    step: Annotated[float | None, OptionMark("H")] = None
+    parameters: Annotated[Mapping[str, Any], OptionMark("NAME=VALUE", ("--set",))] = field(
+        default_factory=dict
+    )
+    refine: Annotated[bool, OptionMark()] = False
+    block: Annotated[int | None, OptionMark("N")] = None
+    backend: Annotated[Backend, OptionMark()] = "auto"
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -186,7 +197,7 @@ def by_reference(asked: Request) -> Request:
     serves = model in quantity.compilable_models
     if asked.backend == HEYOKA and not serves:
         raise UsageError(f"--backend heyoka: {asked.quantity} by {model} takes no steps for it")
-    name = HEYOKA if takes_heyoka(asked.backend) and serves else "numpy"
+    name: Backend = "heyoka" if takes_heyoka(asked.backend) and serves else "numpy"
     return replace(asked, model=model, block=asked.block or quantity.block, backend=name)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
@@ -98,15 +98,9 @@ def compute_map(
     x: tuple[str, float, float, int],
     y: tuple[str, float, float, int],
     *,
-    engine: str = REFERENCE,
-    model: str | None = None,
-    method: str | None = None,
-    step: float | None = None,
-    parameters: Mapping[str, Any] | None = None,
-    refine: bool = False,
     workers: int = 1,
     dask: str | None = None,
-    backend: str = "auto",
+    **options: Any,
 ) -> Map:
     """Compute a map of a scene.
 
@@ -116,23 +110,18 @@ def compute_map(
         See ``mbcheck list SCENE``.
     x, y : (name, low, high, count)
         Axes.
-    engine, model, method, step, parameters
-        As in `mbcheck.simulate`; ``step`` is the longest [s].
-    backend
-        As in `Request`.
-    refine, workers, dask
+    workers, dask
         As in `compute`. With more than one worker a script needs the usual guard
         ``if __name__ == "__main__":``.
+    **options
+        Other fields of `Request`.
 
     Raises
     ------
     UsageError
         If a name is unknown, a value impossible, or the engine cannot do it.
     """
-    asked = Request(
-        scene, quantity, Axis(*x), Axis(*y), engine, model, method, step, parameters or {},
-        refine, backend=backend,
-    )  # fmt: skip
+    asked = Request(scene, quantity, Axis(*x), Axis(*y), **options)
     return compute(resolved(asked), workers=workers, dask=dask)
 
 

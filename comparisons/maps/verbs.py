@@ -2,27 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 import numpy as np
 
 from ...reference.cost import within
-from ...reference.solve import BACKENDS
 from ..reports.files import Destination, refuse_conflicts
-from ..terminal.axes import axis_option
 from ..terminal.budget import MAP, budget_option
+from ..terminal.options import COUNT, with_options_of
 from ..terminal.program import (
-    COUNT,
-    ENGINE,
     JSON,
-    METHOD,
-    MODEL,
     PLOT,
-    SCENE,
-    SET,
-    STEP,
-    WHOLE,
     console,
     destination,
     examples,
@@ -31,8 +22,10 @@ from ..terminal.program import (
     refuse_picture,
     to_stdout,
 )
+from .request import Request, quantities, resolved
 
-AXIS = "A parameter, or what mbcheck list SCENE names beside them: N values from LO to HI."
+if TYPE_CHECKING:
+    from .compare import MapComparison
 
 
 @click.command(
@@ -44,15 +37,7 @@ AXIS = "A parameter, or what mbcheck list SCENE names beside them: N values from
         "    --x damping=0.5:6:17 --y torque=0.02:1.2:17",
     ),
 )
-@SCENE
-@axis_option("x", AXIS, is_counted=True)
-@axis_option("y", AXIS, is_counted=True)
-@click.option("--quantity", required=True, metavar="NAME", help="See mbcheck list SCENE.")
-@ENGINE
-@MODEL
-@METHOD
-@STEP
-@SET
+@with_options_of(Request)
 @click.option(
     "-o",
     "--output",
@@ -66,15 +51,6 @@ AXIS = "A parameter, or what mbcheck list SCENE names beside them: N values from
 @click.option("--workers", type=COUNT, default=1, show_default=True, help="Processes.")
 @click.option("--dask", metavar="ADDRESS", help="Scheduler of a Dask cluster, instead.")
 @budget_option(MAP)
-@click.option("--refine", is_flag=True, help="Compute only points near boundaries of classes.")
-@click.option("--block", type=WHOLE, metavar="N", help="Points computed together.")
-@click.option(
-    "--backend",
-    type=click.Choice(BACKENDS),
-    default="auto",
-    show_default=True,
-    help="What takes the reference's steps: heyoka where it is installed (extra fast), or NumPy.",
-)
 @click.option(
     "--boundary",
     metavar="FILE.json",
@@ -97,12 +73,11 @@ def map_(
     has a value.
     """
     from ..reports import boundaries
-    from . import draw, request, run, store
+    from . import draw, run, store
 
     refuse_conflicts(output, plot)
     refuse_picture(plot)
-    asked |= {name: request.Axis(*asked[name]) for name in ("x", "y")}
-    wanted = request.resolved(request.Request(**asked))
+    wanted = resolved(Request(**asked))
     curves = None if boundary is None else boundaries.read_beside(boundary, wanted)
     folder = None
     if not output.standard_output:
@@ -159,7 +134,6 @@ def print_agreement(console: Any, result: Any, curves: Any) -> None:
     """Print at how many points the classes of a map are those of their region between curves."""
     from ..reports.boundaries import disagreements
     from ..reports.text import print_line
-    from .request import quantities
 
     if not result.about[result.main_variable].classes:
         return
@@ -211,38 +185,36 @@ def compare_maps(
     if json_file:
         json_file.write(json_text(result.as_json()))
     if not to_stdout(json_file):
-        print_comparison(console(), result.as_json())
+        print_comparison(console(), result)
 
 
-def print_comparison(console: Any, result: Any) -> None:
-    """Print a comparison as `Comparison.as_json` tells it."""
+def print_comparison(console: Any, result: MapComparison) -> None:
+    """Print how far two maps agree."""
     from ..reports.text import print_line, print_table
     from ..reports.words import number
 
     print_line(
-        console,
-        f"{result['variable']}: {' against '.join(result['maps'])}, {result['points']} points",
+        console, f"{result.variable}: {' against '.join(result.maps)}, {result.points} points"
     )
-    if "confusion" not in result:
+    if off := result.difference:
         print_line(
             console,
-            f"largest difference {number(result['largest_difference'])} {result['unit']} "
-            f"({number(result['relative_difference'], 2)} of the largest value), median "
-            f"{number(result['median_difference'])}",
+            f"largest difference {number(off.largest)} {result.unit} "
+            f"({number(result.relative_difference, 2)} of the largest value), median "
+            f"{number(off.median)}",
         )
+    offset = result.boundary_offset_cells
+    if result.agreement is None or offset is None:
         return
-    robust = result["robust_agreement"]
-    offset = result["boundary_offset_cells"]
-    if result["agreement"] is None:
-        return
-    print_line(console, f"agreement {result['agreement']:.2%}")
-    if robust is not None:
-        print_line(console, f"of the {result['robust_points']} robust points {robust:.2%}")
+    print_line(console, f"agreement {result.agreement:.2%}")
+    if result.robust_agreement is not None:
+        print_line(
+            console, f"of the {result.robust_points} robust points {result.robust_agreement:.2%}"
+        )
     print_line(
         console,
-        f"boundaries would have to move by {offset['median']:.1f} cells (median; largest "
-        f"{offset['largest']:.1f})",
+        f"boundaries would have to move by {offset.median:.1f} cells (median; largest "
+        f"{offset.largest:.1f})",
     )
-    classes = tuple(result["confusion"])
-    rows = [(name, *map(str, row.values())) for name, row in result["confusion"].items()]
-    print_table(console, (f"{result['maps'][0]} \\ {result['maps'][1]}", *classes), rows)
+    rows = [(name, *map(str, row.values())) for name, row in result.confusion.items()]
+    print_table(console, (f"{result.maps[0]} \\ {result.maps[1]}", *result.classes), rows)

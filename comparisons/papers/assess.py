@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ...reference.errors import EngineError, MbcheckError
+from ..documents.fields import Number
 from ..engines.registry import REFERENCE
 from ..engines.run import describe
 from .ledger import (
@@ -29,27 +30,62 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True)
+class RowThreshold:
+    """A condition on a number, and how far the number is from its limit.
+
+    Attributes
+    ----------
+    verdict : str
+        the verdict whose conditions it is among
+    quantity : str
+        what is judged
+    relation : str
+        <, <=, >, >=, == or `rounds to`: to the limit
+    limit : float or None
+        limit; null if it is a word or a truth value
+    value : float or None
+        our number, of several the one nearest to breaking the condition; null as above
+    distance : float or None
+        from the limit, on the side that holds where positive; null as above
+    holds : bool
+        whether the condition holds
+    ours : bool
+        whether the limit is ours, neither printed nor derived: within 5 % of it the verdict is
+        `open`
+    """
+
+    verdict: str
+    quantity: str
+    relation: str
+    limit: float | None
+    value: float | None
+    distance: float | None
+    holds: bool
+    ours: bool
+
+
+@dataclass(frozen=True)
 class Assessment:
     """What became of a row.
 
     Attributes
     ----------
     verdict : str
-        One of `ledger.VERDICTS`, or `ledger.ERROR`.
+        what became of it; `error` where we failed, empty for a reading
     reason : str
-        One line: why, with numbers.
+        why
     reference : str
-        Our value, by the reference: with its unit.
+        our value as text, with its unit
     engines : mapping of str to str
-        The same by each engine that can tell.
+        the same by engine
     candidates : tuple of (str, str)
-        Of a reading that the text leaves open: each candidate, and what it gives.
-    thresholds : tuple of dict
-        The ``Threshold`` of docs/json.md for each condition.
+        of an open reading: each candidate, and what it gives
+    thresholds : tuple of RowThreshold
+        conditions that decide on the verdict
     values : mapping of str to float
-        Of a printed number: ours, by the reference and by each engine that can tell.
+        of a printed number: ours in its unit, by `reference` and by engine
     numbers : mapping of str to mapping of str to float or list
-        The numbers that stand in ``reference`` and ``engines``, by who has them and by name.
+        the numbers in `reference` and `engines`, by who has them and by name
     """
 
     verdict: str
@@ -57,9 +93,9 @@ class Assessment:
     reference: str = ""
     engines: Mapping[str, str] = field(default_factory=dict)
     candidates: tuple[tuple[str, str], ...] = ()
-    thresholds: tuple[Mapping[str, Any], ...] = ()
-    values: Mapping[str, float] = field(default_factory=dict)
-    numbers: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    thresholds: tuple[RowThreshold, ...] = ()
+    values: Mapping[str, float | None] = field(default_factory=dict)
+    numbers: Mapping[str, Mapping[str, Number | list[Number] | None]] = field(default_factory=dict)
 
 
 class Template(Formatter):
@@ -149,22 +185,15 @@ def numbers_in(template: str, numbers: Numbers) -> dict[str, Any]:
     return {name: one.tolist() for name, one in plain.items()}
 
 
-def thresholds(row: LedgerRow, numbers: Numbers) -> Iterator[Mapping[str, Any]]:
+def thresholds(row: LedgerRow, numbers: Numbers) -> Iterator[RowThreshold]:
     """Yield what the reference's numbers are judged by, and how far they are from it."""
     for verdict, conditions in row.judgement.items():
         for item in conditions:
-            triple = item.compared(numbers, row.printed)
-            value, limit, distance = triple or (None, None, None)
-            yield {
-                "verdict": verdict,
-                "quantity": item.name,
-                "relation": item.relation,
-                "limit": limit,
-                "value": value,
-                "distance": distance,
-                "holds": item.holds(numbers, row.printed),
-                "ours": item.ours,
-            }
+            value, limit, distance = item.compared(numbers, row.printed) or (None, None, None)
+            holds = item.holds(numbers, row.printed)
+            yield RowThreshold(
+                verdict, item.name, item.relation, limit, value, distance, holds, item.ours
+            )
 
 
 def values_of(

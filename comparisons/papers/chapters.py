@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import fields
-from typing import Any
 
 from ...reference import get_scene
 from ..engines.registry import REFERENCE
 from ..reports.text import markdown_table
 from ..reports.words import Markdown, code, number, plain, plural, with_unit
+from .assess import RowThreshold
 from .ledger import (
     CORRECTED,
     DEPENDS,
@@ -284,16 +284,16 @@ def row_lines(scene: str, item: RowOutcome) -> Iterator[str]:
         yield f"{code(f'mbcheck reproduce {scene} --row {row.name}')}{seconds}"
 
 
-def threshold(item: Mapping[str, Any]) -> str:
+def threshold(item: RowThreshold) -> str:
     """Return by which limit a row is judged, and how far it is from that."""
-    ours = " (our limit)" if item["ours"] else ""
-    met = "met" if item["holds"] else "missed"
-    if item["value"] is None or item["limit"] is None:
-        return f"condition for *{item['verdict']}*: {code(item['quantity'])} {met}{ours}"
-    text = f"{item['value']:.{DIGITS}g} {item['relation']} {item['limit']:.{DIGITS}g}"
+    ours = " (our limit)" if item.ours else ""
+    met = "met" if item.holds else "missed"
+    if item.value is None or item.limit is None or item.distance is None:
+        return f"condition for *{item.verdict}*: {code(item.quantity)} {met}{ours}"
+    text = f"{item.value:.{DIGITS}g} {item.relation} {item.limit:.{DIGITS}g}"
     return (
-        f"condition for *{item['verdict']}*: {code(item['quantity'])} {plain(text)}{ours}, {met} "
-        f"by {abs(item['distance']):.2g}"
+        f"condition for *{item.verdict}*: {code(item.quantity)} {plain(text)}{ours}, {met} "
+        f"by {abs(item.distance):.2g}"
     )
 
 

@@ -15,7 +15,7 @@ from ...reference import SCENES
 from ...reference.errors import UsageError
 from ..reports.drawing import save_and_close
 from ..reports.files import write_whole
-from .assess import Assessment, assess, attempt
+from .assess import Assessment, RowThreshold, assess, attempt
 from .ledger import ERROR, LedgerRow, PaperFigure
 from .outcomes import FigureOutcome, Made, Reproduction, RowOutcome
 from .session import Session
@@ -88,7 +88,7 @@ class Folder:
             if row := rows.get((scene, item.get("name"))):
                 parts = {one.name: item[one.name] for one in fields(Assessment) if one.name in item}
                 parts["candidates"] = tuple((name, text) for name, text in parts["candidates"])
-                parts["thresholds"] = tuple(parts["thresholds"])
+                parts["thresholds"] = tuple(RowThreshold(**one) for one in parts["thresholds"])
                 whole = assess(row, Session()) if row.is_text else Assessment(**parts)
                 self.assessed[scene, row.name] = RowOutcome(row, whole, made)
 

@@ -190,14 +190,15 @@ class Erratum:
     Attributes
     ----------
     test : str
-        That proves it, ``tests/test_x.py::test_y``.
+        the test that proves it
     corrected : str
-        The formula as it should be.
+        the formula as it should be
     why : str
+        why
     effect : str
-        What it does to the paper's results.
+        what it does to the paper's results
     copy : str
-        Why our copy of the text may be at fault, if it may.
+        why our copy of the text may be at fault, if it may
     """
 
     test: str
@@ -214,11 +215,11 @@ class Cause:
     Attributes
     ----------
     name : str
-        Unique in its scene.
+        unique in its scene
     summary : str
-        In one sentence.
+        what it is
     rows : tuple of str
-        Their names; a row has one cause at most.
+        names of the rows that share it
     """
 
     name: str
@@ -228,7 +229,17 @@ class Cause:
 
 @dataclass(frozen=True)
 class Printed:
-    """A printed number: its value, half a unit of its last digit, and its unit."""
+    """A printed number.
+
+    Attributes
+    ----------
+    value : float
+        as printed, in the unit
+    tolerance : float
+        half a unit of its last digit
+    unit : str
+        unit; empty for a pure number
+    """
 
     value: float
     tolerance: float

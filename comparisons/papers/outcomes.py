@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, TypeVar
 
@@ -10,8 +11,9 @@ from ...models.tables import table_of
 from ...reference import SCENES
 from ...reference.errors import UnknownNameError
 from ..documents import document
+from ..documents.fields import HIDDEN
 from .assess import Assessment
-from .ledger import ERROR, Cause, LedgerRow, PaperFigure
+from .ledger import ERROR, Cause, Erratum, LedgerRow, PaperFigure, Printed
 
 T = TypeVar("T")
 
@@ -60,16 +62,15 @@ class Made:
 
     Attributes
     ----------
-    versions : dict of str to str
     full : bool
-        Maps and runs at full size.
+        whether `--full` was given
     seconds : float
         Run time, with that of the maps and runs that it was the first to need [s].
     """
 
     versions: dict[str, str] = field(default_factory=dict)
     full: bool = False
-    seconds: float = 0.0
+    seconds: float = field(default=0.0, metadata=HIDDEN)
 
     def within(self, seconds: float) -> Made:
         """Return the same with a run time [s]."""
@@ -105,6 +106,113 @@ class RowOutcome(NamedTuple):
     def failed(self) -> bool:
         """Return whether it could not be judged."""
         return self.assessment.verdict == ERROR
+
+
+@dataclass(frozen=True)
+class FigureEntry:
+    """A figure in the document.
+
+    Attributes
+    ----------
+    number : int
+        as in the paper
+    title : str
+        what it shows
+    caption : str
+        what is drawn, with which choices
+    error : str or None
+        why it was not drawn, or null
+    run : int
+        how it was made: its place in `runs`
+    seconds : float
+        run time [s]
+    """
+
+    scene: str
+    number: int
+    title: str
+    caption: str
+    error: str | None
+    run: int
+    seconds: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class RowEntry(Assessment):
+    """A row of the ledger in the document.
+
+    Attributes
+    ----------
+    name : str
+        name of the row, unique in its scene
+    kind : str
+        a printed `number`, a `claim` in words, a `misprint`, a `reading` of what the text leaves
+        open
+    section : str
+        where it stands in the paper
+    claim : str
+        what it says, in our words
+    printed : str
+        printed value; empty for a claim in words
+    test : str
+        of a misprint: the test that shows it
+    cause : str
+        name of the cause that it shares with others, or empty
+    erratum : Erratum or None
+        of a misprint; otherwise null
+    quantity : Printed or None
+        the printed number that it is judged by; null if there is none
+    run : int
+        how it was made: its place in `runs`
+    seconds : float
+        run time, with that of maps and runs that it was the first to need [s]
+    """
+
+    scene: str
+    name: str
+    kind: str
+    section: str
+    claim: str
+    printed: str
+    test: str
+    cause: str
+    erratum: Erratum | None
+    quantity: Printed | None
+    run: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class CauseEntry(Cause):
+    """A cause in the document."""
+
+    scene: str
+
+
+@dataclass(frozen=True)
+class Findings:
+    """The ``reproduce`` document.
+
+    Attributes
+    ----------
+    full : bool
+        whether `--full` was given
+    figures : tuple of FigureEntry
+        one for each figure
+    rows : tuple of RowEntry
+        the ledger
+    causes : tuple of CauseEntry
+        what several rows that do not hold as printed have in common
+    runs : tuple of Made
+        the ways in which figures and rows were made
+    """
+
+    versions: Mapping[str, str]
+    full: bool
+    figures: tuple[FigureEntry, ...]
+    rows: tuple[RowEntry, ...]
+    causes: tuple[CauseEntry, ...]
+    runs: tuple[Made, ...]
 
 
 @dataclass(frozen=True)
@@ -180,29 +288,38 @@ class Reproduction:
         def how(made: Made) -> dict[str, Any]:
             return {"run": runs.index(made.within(0.0)), "seconds": round(made.seconds, 2)}
 
-        figures = [
-            {**vars(item.figure), "scene": scene, "error": item.error or None, **how(item.made)}
+        figures = tuple(
+            FigureEntry(
+                scene,
+                item.figure.number,
+                item.figure.title,
+                item.figure.caption,
+                item.error or None,
+                **how(item.made),
+            )
             for scene, items in self.figures.items()
             for item in items
-        ]
-        rows = [
-            {
-                "scene": scene,
-                "name": row.name,
-                "kind": row.kind,
-                "section": row.section,
-                "claim": row.summary,
-                "printed": row.printed,
-                "test": row.test,
-                "cause": cause_of(scene, row.name),
-                "erratum": vars(row.erratum) if row.erratum else None,
-                "quantity": vars(row.quantity) if row.quantity else None,
+        )
+        rows = tuple(
+            RowEntry(
+                scene=scene,
+                name=row.name,
+                kind=row.kind,
+                section=row.section,
+                claim=row.summary,
+                printed=row.printed,
+                test=row.test,
+                cause=cause_of(scene, row.name),
+                erratum=row.erratum,
+                quantity=row.quantity,
                 **vars(assessment),
                 **how(made),
-            }
+            )
             for scene, items in self.rows.items()
             for row, assessment, made in items
-        ]
-        named = [{"scene": scene, **vars(cause)} for scene in self.rows for cause in causes(scene)]
-        parts = {"figures": figures, "rows": rows, "causes": named}
-        return document("reproduce", self, **parts, runs=[made.run for made in runs])
+        )
+        named = tuple(
+            CauseEntry(**vars(cause), scene=scene) for scene in self.rows for cause in causes(scene)
+        )
+        made = tuple(runs)
+        return document("reproduce", Findings(self.versions, self.full, figures, rows, named, made))

@@ -6,8 +6,10 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Annotated
 
 from ...reference.errors import UnknownNameError, UsageError
+from ..documents.fields import JOBS, OptionMark, takes_fields_of
 from ..engines.registry import available, get_engine
 from ..queries.environment import versions
 from ..reports.drawing import import_pyplot
@@ -19,39 +21,46 @@ from .session import Session
 Progress = Callable[[int, int, str], None]
 
 
-def reproduce(
-    scenes: Sequence[str] = (),
-    *,
-    out: str | Path,
-    figure: int | None = None,
-    rows: Collection[str] = (),
-    full: bool = False,
-    workers: int = 1,
-    resume: bool = False,
-    progress: Progress = lambda done, total, what: None,
-) -> Reproduction:
-    """Draw the figures of papers and judge the rows of their ledgers.
+@dataclass(frozen=True)
+class ReproduceRequest:
+    """Which figures and rows of papers are made, and where they go.
 
-    What is found takes its place in the folder, beside what other calls have found there. Only
-    a call for whole papers computes maps again that are there.
-
-    Parameters
+    Attributes
     ----------
     scenes : sequence of str
         Whose papers; all by default.
-    out : str or Path
-        Folder; figures go to ``figures`` in it, everything else to ``findings.json``.
-    figure : int, optional
+    figure : int or None
         Only this figure, and no rows but those that are named.
-    rows : collection of str
-        Only the rows of these names, and no figures but the one that is given.
+    rows : sequence of str
+        Only this row of the ledger; may go with --figure.
+    out : str or Path
+        Folder for pages and figures, which keeps what was there; open index.html in it.
     full : bool
         Maps and runs at full size.
-    workers : int
-        Processes for the maps.
     resume : bool
-        Take what an interrupted run has finished.
-    progress : callable ``(done, total, what)``
+        Go on with what an interrupted run has left.
+    workers : int
+        Processes for maps; by default one for each core on the command line, and one in Python.
+    progress : callable ``(done, total, what)``, optional
+        Called as figures and rows are finished.
+    """
+
+    scenes: Annotated[Sequence[str], OptionMark("[SCENE]...", flags=())] = ()
+    figure: Annotated[int | None, OptionMark("N")] = None
+    rows: Annotated[Sequence[str], OptionMark("NAME")] = ()
+    out: Annotated[str | Path, OptionMark("DIR")] = "reproduction"
+    full: Annotated[bool, OptionMark()] = False
+    resume: Annotated[bool, OptionMark()] = False
+    workers: Annotated[int, OptionMark("N", least=1, default=JOBS.default)] = 1
+    progress: Progress = lambda done, total, what: None
+
+
+@takes_fields_of(ReproduceRequest)
+def reproduce(asked: ReproduceRequest) -> Reproduction:
+    """Draw the figures of papers and judge the rows of their ledgers; takes a `ReproduceRequest`.
+
+    What is found takes its place in the folder, beside what other calls have found there. Only
+    a call for whole papers computes maps again that are there.
 
     Raises
     ------
@@ -59,12 +68,13 @@ def reproduce(
         If a name or a figure is unknown, the folder cannot be written, or matplotlib is not
         installed.
     """
+    figure, rows, resume, workers = asked.figure, asked.rows, asked.resume, asked.workers
     import_pyplot()
-    papers = selected(scenes or scenes_with_ledger(), figure, rows)
-    made = Made(versions(available()), full)
-    folder = Folder(Path(out), tables, made)
-    count = Count(sum(len(items) for paper in papers.values() for items in paper), progress)
-    session = Session(available(), full, workers, folder.work, count.within)
+    papers = selected(asked.scenes or scenes_with_ledger(), figure, rows)
+    made = Made(versions(available()), asked.full)
+    folder = Folder(Path(asked.out), tables, made)
+    count = Count(sum(len(items) for paper in papers.values() for items in paper), asked.progress)
+    session = Session(available(), asked.full, workers, folder.work, count.within)
     sessions = {scene: for_scene(session, scene) for scene in papers}
     for scene in () if resume or rows or figure is not None else papers:
         folder.forget_maps(scene)

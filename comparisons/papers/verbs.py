@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..reports.files import Destination
+from ..terminal.options import with_options_of
 from ..terminal.program import (
-    COUNT,
     FAILED,
     JSON,
-    WHOLE,
     complain,
     console,
     examples,
     json_text,
     progress_bar,
-    several,
     to_stdout,
 )
+from .reproduce import ReproduceRequest, contents, reproduce
 
 if TYPE_CHECKING:
     from .outcomes import Reproduction
@@ -36,60 +34,24 @@ if TYPE_CHECKING:
         "mbcheck reproduce --full --out papers --json ledger.json",
     ),
 )
-@click.argument("scenes", nargs=-1, metavar="[SCENE]...")
-@click.option("--figure", type=WHOLE, metavar="N", help="Only this figure.")
-@several("row", "NAME", "Only this row of the ledger; may go with --figure")
-@click.option(
-    "--out",
-    type=click.Path(file_okay=False, path_type=Path),
-    default=Path("reproduction"),
-    show_default=True,
-    metavar="DIR",
-    help="Folder for pages and figures, which keeps what was there; open index.html in it.",
-)
-@click.option("--full", is_flag=True, help="Maps and runs at full size.")
-@click.option("--resume", is_flag=True, help="Go on with what an interrupted run has left.")
-@click.option(
-    "--workers",
-    type=COUNT,
-    default=os.cpu_count() or 1,
-    help="Processes for maps; by default one for each core.",
-)
+@with_options_of(ReproduceRequest)
 @JSON
-def reproduce_papers(
-    scenes: tuple[str, ...],
-    figure: int | None,
-    rows: tuple[str, ...],
-    out: Path,
-    full: bool,
-    resume: bool,
-    workers: int,
-    json_file: Destination | None,
-) -> int:
+def reproduce_papers(json_file: Destination | None, **asked: Any) -> int:
     """Draw the figures of the papers again, and judge what they print and claim.
 
     By the reference and by every engine that is installed. Exit code 0 whatever the verdicts
     on the papers are, 1 if something could not be drawn or judged.
     """
     from . import pages
-    from .reproduce import contents, reproduce
 
+    out = Path(asked["out"])
     with progress_bar(True, "figures and rows") as advance:
-        result = reproduce(
-            scenes,
-            out=out,
-            figure=figure,
-            rows=rows,
-            full=full,
-            workers=workers,
-            resume=resume,
-            progress=advance,
-        )
+        result = reproduce(**asked, progress=advance)
     pages.write_pages(contents(out), out)
     if json_file:
         json_file.write(json_text(result.as_json()))
     if not to_stdout(json_file):
-        print_reproduction(result, out, bool(rows))
+        print_reproduction(result, out, bool(asked["rows"]))
     for words in result.failures:
         complain(words, FAILED)
     return FAILED if result.failures else 0

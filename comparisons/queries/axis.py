@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, fields
+from typing import Self
 
 from ...reference.errors import UsageError
+from ..documents.fields import number_from
 
 
 @dataclass(frozen=True)
@@ -28,3 +31,24 @@ class ParameterRange:
                 f"axis {self.name}: it must go from a lower to a higher finite number, not from "
                 f"{self.low!r} to {self.high!r}"
             )
+
+    @classmethod
+    def parse(cls, text: str, flag: str) -> Self:
+        """Return the axis of ``NAME=LO:HI``, or of ``NAME=LO:HI:N`` where it has a count.
+
+        Raises
+        ------
+        UsageError
+            If the text is none.
+        """
+        counts = [item.name for item in fields(cls)][3:]
+        form = ":".join(["NAME=LO:HI", *("N" for _ in counts)])
+        rule = " with a whole number N" if counts else ""
+        name, equals, words = (part.strip() for part in text.partition("="))
+        low, colon, rest = words.partition(":")
+        high, *count = rest.split(":")
+        whole = all(re.fullmatch(r" *[0-9]{1,9} *", word) for word in count)
+        if not (name and equals and colon and len(count) == len(counts) and whole):
+            raise UsageError(f"{flag} needs {form}{rule}, not {text!r}")
+        ends = (number_from(word, f"{flag} {name}: a bound") for word in (low, high))
+        return cls(name, *ends, *map(int, count))

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ...models import mjcf
-from .query import Query, known_name
+from .query import ModelQuery, known_name
 
 
 def mjcf_text(
@@ -19,6 +19,6 @@ def mjcf_text(
     UsageError
         For unknown names, impossible values, or a scene without MJCF.
     """
-    case, models = Query(scene, parameters=parameters).case, mjcf.models(scene)
+    case, models = ModelQuery(scene, parameters=parameters).case, mjcf.models(scene)
     name = known_name(f"MJCF model of {scene}", model, tuple(models))
     return mjcf.export(models[name], case.parameters)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -15,10 +15,11 @@ from ...reference.scene import Array
 from ..checks.kinds import elements
 from ..checks.kinds.frequency import resting
 from ..documents import document
+from ..documents.fields import OptionMark, takes_fields_of
 from ..engines.registry import REFERENCE
 from ..engines.run import call_engine
 from ..engines.setup import Setup
-from .query import Origin, Query, by_state, described, floats
+from .query import ModelQuery, Origin, by_state, described, floats
 
 CONTINUUM_MODES = 4
 """Modes of a continuum that are returned by default."""
@@ -32,18 +33,17 @@ class Frequencies(Origin):
 
     Attributes
     ----------
-    scene, engine, model : str
-    parameters : mapping of str to float or str
     undamped : bool
-        True if damping was left out.
+        whether damping was left out
     about : str
-        Name of the state of rest.
+        name of the state of rest, or of steady motion
     plane : str or None
-        In which a continuum vibrates.
+        `chordwise` or `flapwise` of a rotating beam; null for other scenes
     state : mapping of str to float
+        that state [SI]
     modes : tuple of Mode
-        Ascending in omega, zero modes listed; the reference's with bounds on their errors.
-    versions : mapping of str to str
+        ascending in omega, zero modes listed; a complex pair of eigenvalues is one mode. The lowest
+        `--count`: all by default, four of the reference's continuum
     """
 
     undamped: bool
@@ -57,32 +57,33 @@ class Frequencies(Origin):
         return document("frequencies", self)
 
 
-def frequencies(
-    scene: str,
-    about: str | None = None,
-    parameters: Mapping[str, Any] | None = None,
-    engine: str = REFERENCE,
-    model: str | None = None,
-    undamped: bool = False,
-    count: int | None = None,
-    plane: str | None = None,
-) -> Frequencies:
-    """Find the modes about a state of rest or steady motion, forces and motors switched off.
+@dataclass(frozen=True, kw_only=True)
+class FrequenciesRequest(ModelQuery):
+    """The modes about a state of rest.
 
-    Parameters
+    Attributes
     ----------
-    scene : str
-    about : str, optional
-        Name of a state of rest; the scene's first by default.
-    parameters : mapping of str to float, optional
-    engine, model : str, optional
-        Whose mass, damping and stiffness matrices are used.
+    about : str or None
+        State of rest, see mbcheck list SCENE; the first by default.
+    count : int or None
+        Only the lowest N modes.
     undamped : bool
         Leave damping out.
-    count : int, optional
-        Return the lowest so many modes; all by default, of a continuum `CONTINUUM_MODES`.
-    plane : {"chordwise", "flapwise"}, optional
-        In (the default) or out of the plane of rotation, of a beam that rotates.
+    plane : {"chordwise", "flapwise"} or None
+        Of a rotating beam: chordwise (in the plane of rotation, the default) or flapwise.
+    """
+
+    about: Annotated[str | None, OptionMark("NAME")] = None
+    count: Annotated[int | None, OptionMark("N", least=1)] = None
+    undamped: Annotated[bool, OptionMark()] = False
+    plane: Annotated[str | None, OptionMark("NAME")] = None
+
+
+@takes_fields_of(FrequenciesRequest)
+def frequencies(asked: FrequenciesRequest) -> Frequencies:
+    """Find the modes about a state of rest or steady motion, forces and motors switched off.
+
+    Takes the fields of `FrequenciesRequest`.
 
     Raises
     ------
@@ -91,9 +92,9 @@ def frequencies(
     EngineError
         If the engine failed.
     """
-    setup = Query(scene, engine, model, parameters=parameters).model_setup()
+    setup, scene, plane, count = asked.model_setup(), asked.scene, asked.plane, asked.count
     places = setup.scene.equilibria
-    about = next(iter(places)) if about is None else about
+    about = next(iter(places)) if asked.about is None else asked.about
     if about not in places:
         raise UnknownNameError(f"state of rest of {scene}", about, places)
     if count is not None and count < 1:
@@ -107,16 +108,16 @@ def frequencies(
     elif plane is not None:
         raise UsageError(f"{scene} has no planes of vibration: leave the plane out")
     elif still.engine.name == REFERENCE:
-        lowest = reference_modes(still, state, steady, undamped)
+        lowest = reference_modes(still, state, steady, asked.undamped)
     else:
         mass, damping, stiffness = call_engine(
             lambda: still.engine.linearise(still.case, still.model, state)
         )
-        lowest = modes(mass, 0 * damping if undamped else damping, stiffness, steady)
+        lowest = modes(mass, 0 * damping if asked.undamped else damping, stiffness, steady)
     values = by_state(setup.scene, state)
     return Frequencies(
         **described(setup),
-        undamped=undamped,
+        undamped=asked.undamped,
         about=about,
         plane=plane,
         state=floats({name: values[name] for name in setup.scene.public_states}),

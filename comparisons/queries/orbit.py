@@ -18,9 +18,10 @@ from ...reference.periodic import Harmonic, harmonics
 from ...reference.scene import Array
 from ..checks.orbits import find_engine_orbit
 from ..documents import document
+from ..documents.fields import documented, takes_fields_of
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup, shortest_period
-from .query import Origin, Query, by_state, described, floats, seconds_of_a_step
+from .query import MethodQuery, Origin, by_state, described, floats, seconds_of_a_step
 
 MOST_PERIODS = 10_000
 """Periods of the fastest motion in one of the orbit; more take hours, and more than its steps."""
@@ -30,24 +31,67 @@ RUNS = 20
 
 
 @dataclass(frozen=True)
-class Bounds:
-    """Bounds on the errors of a periodic orbit, beside that of its state.
+class Multiplier:
+    """A Floquet multiplier of an orbit.
 
     Attributes
     ----------
-    period : float [s]
-    multipliers : tuple of float
-        Of each multiplier in the complex plane.
-    harmonics : mapping of str to float
-        Of each observable's mean, and of the complex amplitude of each of its terms.
-    power, quantities : mapping of str to float
+    re, im : float
+        real and imaginary part [1]
+    trivial : bool
+        whether it is the 1 of a shift in time, which one is where nothing drives it
+    error_bound : float or None
+        bound on its error in the complex plane [1]; null for an engine
     """
 
-    period: float
-    multipliers: tuple[float, ...]
-    harmonics: Mapping[str, float]
-    power: Mapping[str, float]
-    quantities: Mapping[str, float]
+    re: float
+    im: float
+    trivial: bool
+    error_bound: float | None
+
+    @property
+    @documented
+    def modulus(self) -> float:
+        """Modulus [1]; below 1 the perturbation decays."""
+        return abs(complex(self.re, self.im))
+
+
+@dataclass(frozen=True)
+class OrbitSpectrum:
+    """The Fourier series of an observable over a period of an orbit.
+
+    Attributes
+    ----------
+    mean : float
+        in the unit of the observable
+    terms : tuple of Harmonic
+        ascending in order
+    error_bound : float or None
+        bound on the error of `mean`, and of the complex amplitude of each term; null for an engine
+    """
+
+    mean: float
+    terms: tuple[Harmonic, ...]
+    error_bound: float | None
+
+
+@dataclass(frozen=True)
+class OrbitQuantity:
+    """What else the orbit of a scene is measured by.
+
+    Attributes
+    ----------
+    value : float
+        in `unit`
+    unit : str
+        its unit
+    error_bound : float or None
+        bound on the error of `value`; null for an engine
+    """
+
+    value: float
+    unit: str
+    error_bound: float | None
 
 
 @dataclass(frozen=True)
@@ -56,119 +100,73 @@ class OrbitReport(Origin):
 
     Attributes
     ----------
-    scene, engine, method, model : str
     step : float or None
-        Fixed step [s], a whole fraction of the period; None for the reference.
-    parameters : mapping of str to float or str
-    period : float [s]
+        fixed step [s], a whole fraction of the period; null for the reference
+    period : float
+        after which the orbit closes [s]
+    period_bound : float or None
+        bound on the error of `period` [s]; null for an engine
     state : mapping of str to float
-        Where the period begins (t = 0 modulo the drive's period, or the scene's section),
-        turning coordinates in [0, 2 pi).
-    floquet_multipliers : tuple of complex
-        Descending in modulus.
-    trivial_multiplier : int or None
-        Which of them is 1 because nothing drives the scene, so that time may shift.
-    harmonics : mapping of str to (mean, terms)
-        Of each observable, its secular part removed: mean + sum of
-        ``amplitude cos(order Omega t + phase)``.
+        where the period begins, angles that turn in [0, 2 pi) [SI]: t = 0 modulo the period of the
+        drive, or where the first angle that turns is 0
+    floquet_multipliers : tuple of Multiplier
+        eigenvalues of the monodromy matrix, descending in modulus
+    harmonics : mapping of str to OrbitSpectrum
+        Fourier series of what is left of each observable without its secular part: mean + sum of
+        amplitude cos(order Omega t + phase), Omega = 2 pi / period
     power : mapping of str to float
-        Mean power of each non-conservative force [W].
-    quantities : mapping of str to (value, unit)
-        What else the scene's orbit is measured by.
+        mean power of each non-conservative force [W]; their sum is 0
+    power_bound : mapping of str to float, or None
+        bound on the error of each `power` [W]; null for an engine
+    quantities : mapping of str to OrbitQuantity
+        what else the scene's orbit is measured by, see below
     error_bound : mapping of str to float, or None
-        Bound on the error of ``state``; None for engines.
-    bounds : Bounds or None
-        On the errors of all else; None for engines.
-    versions : mapping of str to str
+        bound on the error of `state` [SI]; null for an engine
     """
 
     method: str
     step: float | None
     period: float
+    period_bound: float | None
     state: Mapping[str, float]
-    floquet_multipliers: tuple[complex, ...]
-    trivial_multiplier: int | None
-    harmonics: Mapping[str, tuple[float, tuple[Harmonic, ...]]]
+    floquet_multipliers: tuple[Multiplier, ...]
+    harmonics: Mapping[str, OrbitSpectrum]
     power: Mapping[str, float]
-    quantities: Mapping[str, tuple[float, str]]
+    power_bound: Mapping[str, float] | None
+    quantities: Mapping[str, OrbitQuantity]
     error_bound: Mapping[str, float] | None
-    bounds: Bounds | None
 
     @property
+    @documented
     def mean_speed(self) -> float | None:
-        """Mean speed of the coordinate that turns [rad/s]; None where none does."""
+        """Mean speed of the coordinate that turns [rad/s]; null where none turns."""
         turns = next(iter(get_scene(self.scene).rotations_per_period.values()), None)
         return None if turns is None else 2 * math.pi * turns / self.period
 
     @property
+    @documented
+    def mean_speed_bound(self) -> float | None:
+        """Bound on the error of `mean_speed` [rad/s]; null for an engine."""
+        speed, bound = self.mean_speed, self.period_bound
+        return None if speed is None or bound is None else speed * bound / self.period
+
+    @property
+    @documented
     def stable(self) -> bool:
-        """Whether every multiplier but the trivial one lies inside the unit circle."""
-        others = (
-            value
-            for i, value in enumerate(self.floquet_multipliers)
-            if i != self.trivial_multiplier
-        )
-        return all(abs(value) < 1 for value in others)
+        """Whether every multiplier that is not `trivial` lies inside the unit circle."""
+        return all(one.trivial or one.modulus < 1 for one in self.floquet_multipliers)
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``orbit`` document of docs/json.md."""
-        bounds, speed = self.bounds, self.mean_speed
-        multipliers = [
-            {
-                "re": value.real,
-                "im": value.imag,
-                "modulus": abs(value),
-                "trivial": i == self.trivial_multiplier,
-                "error_bound": bounds and bounds.multipliers[i],
-            }
-            for i, value in enumerate(self.floquet_multipliers)
-        ]
-        quantities = {
-            name: {
-                "value": value,
-                "unit": unit,
-                "error_bound": bounds and bounds.quantities[name],
-            }
-            for name, (value, unit) in self.quantities.items()
-        }
-        spectra = {
-            name: {"mean": mean, "terms": terms, "error_bound": bounds and bounds.harmonics[name]}
-            for name, (mean, terms) in self.harmonics.items()
-        }
-        return document(
-            "orbit",
-            self,
-            floquet_multipliers=multipliers,
-            harmonics=spectra,
-            quantities=quantities,
-            mean_speed=speed,
-            stable=self.stable,
-            period_bound=bounds and bounds.period,
-            mean_speed_bound=bounds and speed and speed * bounds.period / self.period,
-            power_bound=bounds and bounds.power,
-        )
+        return document("orbit", self)
 
 
-def orbit(
-    scene: str,
-    parameters: Mapping[str, Any] | None = None,
-    engine: str = REFERENCE,
-    method: str | None = None,
-    step: float | None = None,
-    model: str | None = None,
-) -> OrbitReport:
-    """Find the periodic orbit, a stable one where there is a choice.
+@takes_fields_of(MethodQuery)
+def orbit(asked: MethodQuery) -> OrbitReport:
+    """Find the periodic orbit, a stable one where there is a choice; takes a `MethodQuery`.
 
     An engine's orbit is that of its own discrete flow: where it closes after a whole
     number of steps.
-
-    Parameters
-    ----------
-    scene : str
-    parameters : mapping of str to float, optional
-    engine, method, model : str, optional
-    step : float, optional
-        Step [s] that divides the period; the reference takes none.
 
     Raises
     ------
@@ -179,10 +177,10 @@ def orbit(
     EngineError
         If the engine failed.
     """
-    return find(Query(scene, engine, model, method, step, parameters))
+    return find(asked)
 
 
-def find(query: Query, bounded: bool = True) -> OrbitReport:
+def find(query: MethodQuery, bounded: bool = True) -> OrbitReport:
     """Find the periodic orbit that is asked for; bounds cost about as much again."""
     setup = query.setup()
     if setup.engine.name == REFERENCE:
@@ -221,30 +219,39 @@ def orbit_report(setup: Setup, orbit: Orbit, samples: Array, bounded: bool) -> O
     c = scene.coefficients(parameters)
     quantities = scene.orbit.quantities(samples, c)
     error = orbit_bounds(*setup.equations, orbit) if bounded else None
+    bounds = {} if error is None else by_state(scene, error.harmonics)
     return OrbitReport(
         **described(setup),
         method=setup.integrator.name,
         step=setup.step,
         period=orbit.period,
+        period_bound=None if error is None else error.period,
         state=floats(by_state(scene, orbit.state)),
-        floquet_multipliers=tuple(complex(value) for value in orbit.multipliers),
-        trivial_multiplier=orbit.trivial,
+        floquet_multipliers=tuple(
+            Multiplier(
+                float(value.real),
+                float(value.imag),
+                i == orbit.trivial,
+                None if error is None else float(error.multipliers[i]),
+            )
+            for i, value in enumerate(orbit.multipliers)
+        ),
         harmonics={
-            name: harmonics(values, scene.rotations_per_period.get(name, 0))
+            name: OrbitSpectrum(
+                *harmonics(values, scene.rotations_per_period.get(name, 0)),
+                None if error is None else float(bounds[name]),
+            )
             for name, values in by_state(scene, samples).items()
         },
         power=mean_powers(scene, samples, c, orbit.period),
+        power_bound=None if error is None else error.power,
         quantities={
-            name: (float(value), scene.orbit.units[name]) for name, value in quantities.items()
+            name: OrbitQuantity(
+                float(value),
+                scene.orbit.units[name],
+                None if error is None else error.quantities[name],
+            )
+            for name, value in quantities.items()
         },
         error_bound=None if error is None else floats(by_state(scene, error.state)),
-        bounds=None
-        if error is None
-        else Bounds(
-            period=error.period,
-            multipliers=tuple(map(float, error.multipliers)),
-            harmonics=floats(by_state(scene, error.harmonics)),
-            power=error.power,
-            quantities=error.quantities,
-        ),
     )

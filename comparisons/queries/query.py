@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from ...reference.errors import (
 )
 from ...reference.parameters import Parameters, as_number
 from ...reference.scene import Case, EquationsOfMotion, Scene
+from ..documents.fields import OptionMark
 from ..engines.adapter import Adapter
 from ..engines.protocol import Method
 from ..engines.registry import REFERENCE, get_engine
@@ -30,28 +31,26 @@ CONSISTENT = 1e-9
 """How close an initial value that follows from others must be to what follows (SI)."""
 
 
-@dataclass(frozen=True)
-class Query:
-    """A scene at a user's parameters, and who is to compute it.
+@dataclass(frozen=True, kw_only=True)
+class ModelQuery:
+    """A scene at a user's parameters, and whose model computes it.
 
     Attributes
     ----------
-    scene, engine : str
-    model, method : str or None
-        By default the engine's first model, and its method of highest order.
-    step : float or None
-        Fixed step [s].
-    parameters, state : mapping
-        Parameters that differ from the scene's defaults; initial values, otherwise 0.
+    scene : str
+        Name of the scene.
+    engine : str
+        Who computes it.
+    model : str or None
+        One of the engine's models of the scene.
+    parameters : mapping of str to float or str
+        Change a parameter from its default, SI units.
     """
 
-    scene: str
-    engine: str = REFERENCE
-    model: str | None = None
-    method: str | None = None
-    step: float | None = None
-    parameters: Mapping[str, Any] | None = None
-    state: Mapping[str, float] | None = None
+    scene: Annotated[str, OptionMark(flags=())] = field(kw_only=False)
+    engine: Annotated[str, OptionMark("ENGINE")] = REFERENCE
+    model: Annotated[str | None, OptionMark("NAME")] = None
+    parameters: Annotated[Mapping[str, Any] | None, OptionMark("NAME=VALUE", ("--set",))] = None
 
     @property
     def case(self) -> Case:
@@ -62,8 +61,18 @@ class Query:
         UsageError
             For unknown names or impossible values.
         """
+        return self.case_from({})
+
+    def case_from(self, state: Mapping[str, float]) -> Case:
+        """Return the case with these initial values, otherwise 0.
+
+        Raises
+        ------
+        UsageError
+            For unknown names or impossible values.
+        """
         scene = get_scene(self.scene)
-        parameters, state = changed(scene.parameters(), self.parameters), self.state or {}
+        parameters = changed(scene.parameters(), self.parameters)
         return Case(self.scene, "user", parameters, initial_values(scene, parameters, state))
 
     def model_setup(self) -> Setup:
@@ -77,6 +86,22 @@ class Query:
         case = self.case
         engine, model = choose_engine(self.engine, case, self.model)
         return Setup(engine, case, model)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MethodQuery(ModelQuery):
+    """The same, and how it is integrated.
+
+    Attributes
+    ----------
+    method : str or None
+        Integrator as the engine spells it; by default that of highest order.
+    step : float or None
+        Fixed step [s].
+    """
+
+    method: Annotated[str | None, OptionMark("METHOD")] = None
+    step: Annotated[float | None, OptionMark("H")] = None
 
     def setup(self) -> Setup:
         """Return the case with its engine, model, method and step.
@@ -92,6 +117,30 @@ class Query:
             raise UsageError("the reference chooses its own steps: leave the step out")
         step = None if self.step is None else valid_step(self.step)
         return replace(setup, method=method, step=step)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Query(MethodQuery):
+    """The same, from a user's initial state.
+
+    Attributes
+    ----------
+    state : mapping of str to float
+        Initial value, otherwise 0, SI units.
+    """
+
+    state: Annotated[Mapping[str, float] | None, OptionMark("NAME=VALUE")] = None
+
+    @property
+    def case(self) -> Case:
+        """The case that the user describes.
+
+        Raises
+        ------
+        UsageError
+            For unknown names or impossible values.
+        """
+        return self.case_from(self.state or {})
 
 
 def changed(parameters: Parameters, changes: Mapping[str, Any] | None) -> Parameters:
@@ -223,12 +272,12 @@ def choose_method(engine: Adapter, case: Case, model: str, name: str | None) -> 
 
 @dataclass(frozen=True)
 class Origin:
-    """Of what a result is, by whom, and with which versions."""
+    """Scene, engine, model, parameters and versions of a result."""
 
     scene: str
     engine: str
     model: str
-    parameters: Mapping[str, Any]
+    parameters: Mapping[str, float | str]
     versions: Mapping[str, str]
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from time import perf_counter
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -19,57 +19,55 @@ from ...reference.solve.solution import Solution
 from ..checks.rules.cautions import Caution, cautions, explained
 from ..checks.truth import truncated, truth_of
 from ..documents import document
+from ..documents.fields import OptionMark, takes_fields_of
 from ..engines.equations import ModelEquations
 from ..engines.registry import REFERENCE
 from ..engines.run import VIOLATIONS, grid_indices
 from ..engines.setup import Setup, run
-from .query import Query, described, floats, seconds_of_a_step
-from .times import RATIONAL, step_for, times_array
+from .query import Origin, Query, described, floats, seconds_of_a_step
+from .times import RATIONAL, step_for, times_array, times_from
 
 VIOLATION_UNITS = dict(zip(VIOLATIONS, ("m", "m/s"), strict=True))
 
 
 @dataclass(frozen=True)
-class Simulation:
+class Simulation(Origin):
     """A trajectory, and all that is needed to repeat it.
 
     Attributes
     ----------
-    scene, engine, method, model : str
     step : float or None
-        Fixed step [s]; None for the reference, whose error control chooses its steps.
-    parameters : mapping of str to float or str
-        All of the scene's, SI units.
+        fixed step [s]; null for the reference, whose error control chooses its steps
     times : array (n_t,)
-        Sample times [s].
+        sample times [s], increasing
     observables : mapping of str to array (n_t,)
+        values at `times`: every state (coordinates and their `_dot`; the internal ones of a
+        continuum, which differ from model to model, only on request), what the scene always
+        observes, what `--observe` asked for, and `position_violation`, `velocity_violation` of an
+        engine's model that closes a loop; null from `lost_from` on
     units : mapping of str to str
-        Of the observables.
+        of the observables
     error_bound : mapping of str to float, or None
-        Bound on the error of each observable, the largest over the times before it is
-        lost; None for engines, which state none, and where all is lost.
+        bound on the error of each observable, in its unit, the largest over the times before
+        `lost_from`; null for an engine, which states none, and where all is lost
     work : mapping
-        ``steps``, ``rhs_evaluations`` (None if unknown), ``seconds``.
-    versions : mapping of str to str
+        what the run cost: `steps` that the engine counted; `rhs_evaluations` of the forces, null if
+        the engine does not count them; `seconds` of wall time
     cautions : tuple of Caution
-        What rules say of the run from its case, model, method and step alone; none of the
-        reference.
+        what rules say of the run from its case, model, method and step alone, also a warning on
+        standard error; empty for the reference
     lost_from : float or None
-        First sample time [s] from which nothing is known: the observables are NaN there.
+        first of the times [s] from which on nothing is known of the motion: what rounding and the
+        method leave open has grown to its size; null if there is none
     """
 
-    scene: str
-    engine: str
     method: str
-    model: str
     step: float | None
-    parameters: Mapping[str, Any]
     times: Array
     observables: Mapping[str, Array]
     units: Mapping[str, str]
     error_bound: Mapping[str, float] | None
     work: Mapping[str, float | None]
-    versions: Mapping[str, str]
     cautions: tuple[Caution, ...] = ()
     lost_from: float | None = None
 
@@ -88,36 +86,28 @@ class Simulation:
         return document("simulate", self)
 
 
-def simulate(
-    scene: str,
-    engine: str = REFERENCE,
-    method: str | None = None,
-    step: float | None = None,
-    model: str | None = None,
-    parameters: Mapping[str, Any] | None = None,
-    state: Mapping[str, float] | None = None,
-    observe: Sequence[str] = (),
-    *,
-    times: Sequence[float] | Array,
-) -> Simulation:
-    """Simulate a scene from t = 0.
+@dataclass(frozen=True, kw_only=True)
+class SimulateRequest(Query):
+    """A run from t = 0.
 
-    Parameters
+    Attributes
     ----------
-    scene, engine : str
-    method : str, optional
-        An integrator as the engine spells it; by default the one of highest order.
-    step : float, optional
-        Fixed step [s]. The default suits the method and is shortened to fit ``times``.
-        The reference takes none.
-    model : str, optional
-        One of the engine's models of the scene.
-    parameters, state : mapping, optional
-        Parameters that differ from the scene's defaults; initial values, otherwise 0.
-    observe : sequence of str
-        Outputs of the scene to return beside its observables, "all" for all.
     times : sequence of float
-        Sample times [s], increasing, not negative, the last positive.
+        Sample times [s], on the grid of the step; STOP is included.
+    observe : sequence of str
+        Also show this output of the scene, see mbcheck list SCENE; 'all' for all that the engine
+        tells.
+    """
+
+    times: Annotated[
+        Sequence[float] | Array, OptionMark("T1,T2,...|START:STOP:STEP", parse=times_from)
+    ]
+    observe: Annotated[Sequence[str], OptionMark("NAME")] = ()
+
+
+@takes_fields_of(SimulateRequest)
+def simulate(asked: SimulateRequest) -> Simulation:
+    """Simulate a scene from t = 0; takes the fields of `SimulateRequest`.
 
     Raises
     ------
@@ -126,11 +116,11 @@ def simulate(
     EngineError
         If the engine failed.
     """
-    setup = Query(scene, engine, model, method, step, parameters, state).setup()
-    names = wanted_observables(setup.case, observe)
+    setup = asked.setup()
+    names, times = wanted_observables(setup.case, asked.observe), times_array(asked.times)
     if setup.engine.name == REFERENCE:
-        return reference_simulation(setup, times_array(times), names)
-    return engine_simulation(setup, times_array(times), names, "all" in observe)
+        return reference_simulation(setup, times, names)
+    return engine_simulation(setup, times, names, "all" in asked.observe)
 
 
 def wanted_observables(case: Case, observe: Sequence[str]) -> tuple[str, ...]:

@@ -17,7 +17,7 @@ from ...reference.continuation.curve import cubic
 from ...reference.errors import MbcheckError, UsageError
 from ...reference.scene import Array
 from ..documents import type_of
-from ..documents.core import to_document
+from ..documents.core import checked, record
 from ..documents.reading import read_bytes
 from .drawing import FAINT, INK, PALETTE
 
@@ -69,7 +69,7 @@ def read(path: Path, option: str) -> dict[str, Any] | None:
         return None
     data = read_bytes(path, f"{option}: ")
     try:
-        return to_document(type_of("boundary"), json.loads(data))
+        return checked(record(type_of("boundary"), is_root=True), json.loads(data))
     except (MbcheckError, ValueError, TypeError, AttributeError, RecursionError):
         raise UsageError(
             f"{option}: {str(path)!r} is no boundary of mbcheck, or a broken one"

@@ -79,32 +79,29 @@ def print_orbit(console: Console, result: OrbitReport) -> None:
     print_line(console, f"period {result.period!r} s, {'' if result.stable else 'un'}stable")
     if result.mean_speed is not None:
         print_line(console, f"mean speed {number(result.mean_speed, 10)} rad/s")
-    state, bounds = result.error_bound or {}, result.bounds
+    state = result.error_bound or {}
     states = [[name, value, state.get(name)] for name, value in result.state.items()]
-    if bounds is not None:
-        states.append(["period", result.period, bounds.period])
+    if result.period_bound is not None:
+        states.append(["period", result.period, result.period_bound])
     print_table(console, ["state where a period begins", "value", "error bound"], states)
     multipliers = [
-        [
-            *(z.real, z.imag, abs(z), bounds and bounds.multipliers[i]),
-            "trivial" if i == result.trivial_multiplier else "",
-        ]
-        for i, z in enumerate(result.floquet_multipliers)
+        [one.re, one.im, one.modulus, one.error_bound, "trivial" if one.trivial else ""]
+        for one in result.floquet_multipliers
     ]
     heads = ["Floquet multiplier: re", "im", "modulus", "error bound", ""]
     print_table(console, heads, multipliers)
     spectra = [
-        [name, mean, *(term.amplitude for term in terms[:FIRST_ORDERS])]
-        for name, (mean, terms) in result.harmonics.items()
+        [name, one.mean, *(term.amplitude for term in one.terms[:FIRST_ORDERS])]
+        for name, one in result.harmonics.items()
     ]
     orders = range(1, len(spectra[0]) - 1)
     print_table(console, ["harmonic", "mean", *map(str, orders)], spectra, digits=3)
-    power = [[name, value, bounds and bounds.power[name]] for name, value in result.power.items()]
+    bound = result.power_bound or {}
+    power = [[name, value, bound.get(name)] for name, value in result.power.items()]
     print_table(console, ["mean power", "W", "error bound"], power)
     if result.quantities:
         quantities = [
-            [name, value, unit, bounds and bounds.quantities[name]]
-            for name, (value, unit) in result.quantities.items()
+            [name, one.value, one.unit, one.error_bound] for name, one in result.quantities.items()
         ]
         print_table(console, ["quantity", "value", "unit", "error bound"], quantities)
 

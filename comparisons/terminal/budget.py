@@ -9,7 +9,8 @@ from typing import Any
 import click
 
 from ...reference.cost import within
-from .program import NUMBER, progress_bar
+from .options import NUMBER
+from .program import progress_bar
 
 QUERY, MAP = 600.0, 86400.0
 """Time [s] that a query and a map may take, unless the user gives more."""

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import json
-import math
 import os
-import re
 import signal
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
-from decimal import Decimal
 from pathlib import Path
 from signal import SIGINT, SIGTERM
 from time import monotonic
@@ -19,11 +16,8 @@ from types import FrameType
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import click
-import numpy as np
 
-from ...reference.errors import MbcheckError, UnknownNameError, UsageError
-from ...reference.parameters import as_number
-from ..checks.verdict import PROFILES
+from ...reference.errors import MbcheckError, UsageError
 from ..reports.files import Destination, collect_unwritten, discard_output
 from ..reports.words import printable
 
@@ -37,9 +31,6 @@ SIGTERM."""
 
 LONGEST = 299
 """Characters of an error message."""
-
-MOST_TIMES = 1_000_000
-"""Longer lists of times are refused as a slip of the pen."""
 
 PAUSE = 10.0
 """Seconds between two lines of progress."""
@@ -87,7 +78,9 @@ class Program(click.Group):
             return complain(str(error), MISUSED)
         except MbcheckError as error:
             return complain(str(error), FAILED)
-        except (ArithmeticError, np.linalg.LinAlgError) as error:
+        except (ArithmeticError, ValueError) as error:
+            if not isinstance(error, ArithmeticError) and type(error).__name__ != "LinAlgError":
+                raise
             return complain(f"these values leave the range of numbers: {error}", MISUSED)
         except click.Abort:
             return complain("interrupted", INTERRUPTED)
@@ -103,12 +96,6 @@ class Program(click.Group):
                 return BROKEN_PIPE
             return complain(f"{error.strerror or error}", FAILED)
         return outcome
-
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Return a verb by name."""
-        if cmd_name not in self.commands and not ctx.resilient_parsing:
-            raise UnknownNameError("command", cmd_name, self.list_commands(ctx))
-        return super().get_command(ctx, cmd_name)
 
 
 @contextmanager
@@ -152,85 +139,7 @@ def hinted(error: click.ClickException) -> str:
     return f"{message}; see {context.command_path} --help" if context else message
 
 
-# Words on the command line
-
-
-def number(text: str, what: str) -> float:
-    """Return a number from the command line.
-
-    Raises
-    ------
-    UsageError
-        If it is none.
-    """
-    try:
-        return as_number(text)
-    except ValueError:
-        raise UsageError(f"{what} must be a number, not {text!r}") from None
-
-
-def assignments(
-    context: click.Context, option: click.Parameter, words: tuple[str, ...]
-) -> dict[str, float | str]:
-    """Return values by name from words NAME=VALUE; some parameters are words themselves.
-
-    Raises
-    ------
-    UsageError
-        If a word is no assignment, or a name stands twice.
-    """
-    values: dict[str, float | str] = {}
-    for word in words:
-        name, equals, text = (part.strip() for part in word.partition("="))
-        if not (name and equals):
-            raise UsageError(f"{option.opts[0]} needs NAME=VALUE, not {word!r}")
-        if name in values:
-            raise UsageError(f"{option.opts[0]} {name} is given twice")
-        try:
-            values[name] = as_number(text)
-        except ValueError:
-            values[name] = text
-    return values
-
-
-def times_option(context: click.Context, option: click.Parameter, text: str) -> list[float]:
-    """Return times from ``T1,T2,...`` or ``START:STOP:STEP``.
-
-    A range is START + i STEP in decimal arithmetic, STOP included: as exact as it is typed.
-
-    Raises
-    ------
-    UsageError
-        If it is neither.
-    """
-    if ":" not in text:
-        return [number(word.strip(), "--times: a time") for word in text.split(",")]
-    words = text.split(":")
-    if len(words) != 3:
-        raise UsageError(f"--times needs T1,T2,... or START:STOP:STEP, not {text!r}")
-    start, stop, step = (decimal(word) for word in words)
-    if step <= 0 or stop < start:
-        raise UsageError(f"--times {text}: STEP must be positive and STOP not before START")
-    intervals = float((stop - start) / step)
-    if intervals > MOST_TIMES:
-        raise UsageError(f"--times {text}: that is more than {MOST_TIMES} times")
-    count = math.floor(intervals * (1 + 1e-12) + 1e-9)
-    return [float(start + i * step) for i in range(count + 1)]
-
-
-def decimal(text: str) -> Decimal:
-    """Return a decimal number from the command line.
-
-    Raises
-    ------
-    UsageError
-        If it is none, or too large or small for a float.
-    """
-    number(text, "--times: a time")
-    value = Decimal(text.strip())
-    if not math.isfinite(float(value)) or (value and not float(value)):
-        raise UsageError(f"--times: a time must be finite, not {text!r}")
-    return value
+# Options
 
 
 def destination(
@@ -254,85 +163,10 @@ def into(name: str, what: str) -> Callable[[Function], Function]:
     )
 
 
-class Number(click.ParamType):  # type: ignore[type-arg]
-    """A decimal number in plain digits.
-
-    Parameters
-    ----------
-    least : int, optional
-        For a whole number, of this size or larger.
-    """
-
-    name = "number"
-
-    def __init__(self, least: int | None = None) -> None:
-        self.least = least
-
-    def convert(
-        self, value: Any, option: click.Parameter | None, context: click.Context | None
-    ) -> float | int:
-        """Return the number."""
-        if not isinstance(value, str):
-            number: float | int = value
-            return number
-        try:
-            if self.least is None:
-                return as_number(value)
-            whole = int(re.fullmatch(r" *[+-]?[0-9]{1,18} *", value)[0])  # type: ignore[index]
-        except (ValueError, TypeError):
-            kind = "float" if self.least is None else "integer"
-            self.fail(f"{value!r} is not a valid {kind}", option, context)
-        if whole < self.least:
-            self.fail(f"{whole} is not in the range x>={self.least}", option, context)
-        return whole
-
-
-NUMBER, WHOLE, COUNT, SEED = Number(), Number(-(10**18)), Number(1), Number(0)
-
-SCENE = click.argument("scene")
-SET = click.option(
-    "--set",
-    "parameters",
-    multiple=True,
-    callback=assignments,
-    metavar="NAME=VALUE",
-    help="Change a parameter from its default, SI units (repeatable).",
-)
-STATE = click.option(
-    "--state",
-    multiple=True,
-    callback=assignments,
-    metavar="NAME=VALUE",
-    help="Initial value, otherwise 0, SI units (repeatable).",
-)
-ENGINE = click.option(
-    "--engine", default="reference", show_default=True, metavar="ENGINE", help="Who computes it."
-)
-METHOD = click.option(
-    "--method",
-    metavar="METHOD",
-    help="Integrator as the engine spells it; by default that of highest order.",
-)
-STEP = click.option("--step", type=NUMBER, metavar="H", help="Fixed step [s].")
-MODEL = click.option("--model", metavar="NAME", help="One of the engine's models of the scene.")
-PROFILE = click.option(
-    "--profile",
-    default="default",
-    show_default=True,
-    metavar="|".join(PROFILES),
-    help="Scales every tolerance.",
-)
 JUNIT = into("junit", "Write JUnit XML to a file, or '-'.")
 SARIF = into("sarif", "Write SARIF, for code scanning, to a file or '-'.")
 QUIET = click.option("-q", "--quiet", is_flag=True, help="Print the summary line only.")
 JSON = into("json", "Write JSON to a file; '-' is standard output, and all else then leaves it.")
-JOBS = click.option(
-    "-j",
-    "--jobs",
-    type=COUNT,
-    default=os.cpu_count() or 1,
-    help="Processes; by default one for each core.",
-)
 MARKDOWN = into("markdown", "Write the tables as Markdown to a file, or '-'.")
 PLOT = click.option("--plot", callback=destination, metavar="FILE", help="Draw it: .png or .svg.")
 

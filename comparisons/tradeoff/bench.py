@@ -57,6 +57,10 @@ AFTERWARDS = ("mj_fwdPosition", "mj_fwdVelocity", "mj_energyPos", "mj_energyVel"
 """What brings sites, constraints and energies to the state that a step ends in."""
 
 
+class TimeUpError(Exception):
+    """The time is up."""
+
+
 class Setting(NamedTuple):
     """An integrator as MJCF spells it, a step [s], and what else is not as in the file.
 
@@ -313,8 +317,8 @@ class Bench:
 
     def run(
         self, start: Start, setting: Setting, sharp: bool = False, off: float = 0.0
-    ) -> SampledRun | None:
-        """Return a run, or None if the time is up before it ends.
+    ) -> SampledRun:
+        """Return a run.
 
         Parameters
         ----------
@@ -324,6 +328,11 @@ class Bench:
             Whether the solver goes on to rounding.
         off : float
             Departure of each degree of freedom from the start, of random sign (m, rad).
+
+        Raises
+        ------
+        TimeUpError
+            If the time is up before it ends.
         """
         lib, model = self.loaded.mujoco, self.compiled(setting, sharp)
         data = self.loaded.data(start.state, model)
@@ -344,7 +353,7 @@ class Bench:
                 if lost or self.late:
                     break
             if self.late:
-                return None
+                raise TimeUpError
             seconds += thread_time() - begin
             if lost or not np.all(np.isfinite(data.qpos)):
                 failed = float(data.time)

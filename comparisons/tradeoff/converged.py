@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from time import monotonic
 
@@ -107,8 +106,8 @@ class Converged:
         return f"{words} ({tried} steps, {what} change it by {percent(float(np.max(self.error)))})"
 
 
-def converge(bench: Bench, start: Start, target: float, exact: bool) -> Converged | str | None:
-    """Return the converged run from a start, why there is none, or None if there was no time.
+def converge(bench: Bench, start: Start, target: float, exact: bool) -> Converged | str:
+    """Return the converged run from a start, or why there is none.
 
     Its steps are refined where the motion is smooth and they are too long: one that no time is left
     for is told, with what it would take.
@@ -121,7 +120,14 @@ def converge(bench: Bench, start: Start, target: float, exact: bool) -> Converge
         Relative error that settings are to meet.
     exact : bool
         Whether closures count as exact, not as soft as the file has them.
+
+    Raises
+    ------
+    TimeUpError
+        If there was no time.
     """
+    constants = time_constants(bench.loaded.model)
+    closure = float(np.min(constants)) / HARD if exact and len(constants) else None
     best: Converged | None = None
     took = 0.0
     for finer in FINER:
@@ -130,10 +136,9 @@ def converge(bench: Bench, start: Start, target: float, exact: bool) -> Converge
             need = f"steps of {step:.2g} ms take about {WORK * took:.0f} s: --budget may give it"
             return f"{best.reason(target)}; {need}"
         began = monotonic()
-        for setting in settings(bench, finer, exact):
+        for integrator in SHARPEST:
+            setting = Setting(integrator, bench.file.step / CONVERGED / finer, closure=closure)
             truth = converged_by(bench, start, setting)
-            if truth is None:
-                return None
             if truth.unmoved:
                 return "nothing moves"
             best = max(best or truth, truth, key=lambda one: one.count(target))
@@ -147,36 +152,22 @@ def converge(bench: Bench, start: Start, target: float, exact: bool) -> Converge
     return best if best.count(target) >= min(LEAST, bench.count) else best.reason(target)
 
 
-def settings(bench: Bench, finer: int, exact: bool) -> Iterator[Setting]:
-    """Yield what the converged run may be by, at one refinement of its step."""
-    constants = time_constants(bench.loaded.model)
-    closure = float(np.min(constants)) / HARD if exact and len(constants) else None
-    for integrator in SHARPEST:
-        yield Setting(integrator, bench.file.step / CONVERGED / finer, closure=closure)
-
-
-def converged_by(bench: Bench, start: Start, setting: Setting) -> Converged | None:
-    """Return the run by a setting, with what it is worth; None if there was no time."""
+def converged_by(bench: Bench, start: Start, setting: Setting) -> Converged:
+    """Return the run by a setting, with its uncertainty."""
     whole = bench.run(start, setting, sharp=True)
-    size = np.ones(1) if whole is None else bench.sizes(whole)
+    size = bench.sizes(whole)
     largest = float(np.max(size, initial=0.0))
-    if whole is None:
-        return None
     if largest < STILL:
         return Converged(start, setting, whole, size)
     coarse = setting._replace(step=2 * setting.step)
     half = bench.run(start, coarse, sharp=True)
-    beside = half and bench.run(start, coarse, sharp=True, off=DEPARTURE * min(largest, 1.0))
-    if half is None or beside is None:
-        return None
+    beside = bench.run(start, coarse, sharp=True, off=DEPARTURE * min(largest, 1.0))
     error, spread = (bench.apart(a, b, size) for a, b in ((half, whole), (beside, half)))
     softness = nothing()
     if len(constants := time_constants(bench.loaded.model)):
         hard = float(np.min(constants)) / HARD
         for closure in (2 * hard, None) if setting.closure else (hard,):
             other = bench.run(start, setting._replace(closure=closure), sharp=True)
-            if other is None:
-                return None
             softness = bench.apart(other, whole, size)
             if setting.closure and closure:
                 error = np.maximum(error, np.resize(softness, len(error)))

@@ -20,7 +20,7 @@ from ..inspect.mujoco.model import ENGINE, load
 from ..inspect.rules.remedies import PREFERRED
 from ..queries.environment import versions
 from ..reports.words import plural
-from .bench import CLOSURE, CONVERGED, PROVED, TRIED, Bench, Setting, Start
+from .bench import CLOSURE, CONVERGED, PROVED, TRIED, Bench, Setting, Start, TimeUpError
 from .converged import DEPARTURE, SHARPEST, Converged, converge
 from .report import trial_document
 from .store import RunStore
@@ -99,28 +99,6 @@ class Question:
                 raise UsageError(f"--{name} must be a positive number, not {value:g}")
         if self.target >= 1:
             raise UsageError(f"--target is a relative error below 1, not {self.target:g}")
-
-
-@dataclass(frozen=True)
-class Measured:
-    """Errors and times of a setting from one start.
-
-    Attributes
-    ----------
-    seconds : list of float
-        Processor times [s/s].
-    failed : str
-        Where the state was lost, and when; empty if it was not.
-    error, bound, energy, violation : float
-        See `Point`.
-    """
-
-    seconds: list[float]
-    failed: str
-    error: float
-    bound: float
-    energy: float
-    violation: float
 
 
 @dataclass
@@ -211,19 +189,17 @@ class ModelTradeoff:
             else:
                 self.unknown.append(f"{start.name}: {truth}")
         good: list[Setting] = []
-        for i, setting in enumerate(settings if self.truths else ()):
-            yield len(starts) + i, total, setting.name
-            if sum(map(setting.alike, good)) > 1:
-                continue
-            row = self.tried(bench, setting, store)
-            if row is None:
-                break
-            good += [setting] if row.error < ENOUGH * asked.target else []
-        else:
+        try:
+            for i, setting in enumerate(settings if self.truths else ()):
+                yield len(starts) + i, total, setting.name
+                if sum(map(setting.alike, good)) < 2:
+                    trial = self.tried(bench, setting, store)
+                    good += [setting] if trial.error < ENOUGH * asked.target else []
             for setting in self.iterated(bench):
                 yield total, total, setting.name
-                if self.tried(bench, setting, store) is None:
-                    break
+                self.tried(bench, setting, store)
+        except TimeUpError:
+            self.complete = False
         yield total, total, "the choice, from other starts"
         self.prove(bench, store)
 
@@ -235,20 +211,20 @@ class ModelTradeoff:
         known: Converged | str | None = store.get(key, Converged | str)
         if known is not None:
             return known
-        truth = None if late else converge(bench, start, self.asked.target, self.asked.exact)
-        if truth is None:
+        try:
+            if late:
+                raise TimeUpError
+            truth = converge(bench, start, self.asked.target, self.asked.exact)
+        except TimeUpError:
             self.complete = False
             return "the time was up before its converged run"
         if isinstance(truth, Converged) or "--budget" not in truth:
             store.put(key, truth)
         return truth
 
-    def tried(self, bench: Bench, setting: Setting, store: RunStore) -> Trial | None:
-        """Add a setting's run to the trials, and return it; None if the time is up."""
+    def tried(self, bench: Bench, setting: Setting, store: RunStore) -> Trial:
+        """Add a setting's run to the trials, and return it."""
         point = self.point(bench, setting, self.truths, store)
-        if point is None:
-            self.complete = False
-            return None
         settings: dict[str, float] = {}
         if setting.closure:
             settings["closure_steps"] = CLOSURE
@@ -264,28 +240,17 @@ class ModelTradeoff:
 
     def point(
         self, bench: Bench, setting: Setting, truths: Sequence[Converged], store: RunStore
-    ) -> Point | None:
-        """Return error and cost of a setting over all starts, None if the time is up."""
-        every = list[Measured]()
+    ) -> Point:
+        """Return error and cost of a setting over all starts."""
+        every = list[Point]()
         for truth in truths:
             key = f"{setting.integrator} {setting[1:]!r}, {truth.start.name}"
-            one: Measured | None = store.get(key, Measured)
-            if one is None:
-                one = measure_setting(bench, setting, truth, truth.count(self.asked.target))
-                if one is None:
-                    return None
-                store.put(key, one)
-            every.append(one)
-        times = [seconds for one in every for seconds in one.seconds]
-        steps = 1 / setting.step
-        work = steps * EVALUATIONS.get(setting.integrator, 1)
-        cost = Cost(median(times), min(times), max(times), steps, work)
-        failed = next((one.failed for one in every if one.failed), "")
-        if failed:
-            return Point(setting.step, None, cost=cost, label=FAILED, reason=failed)
-        errors = {name: max(vars(one)[name] for one in every) for name in ("energy", "violation")}
-        error, bound = (max(vars(one)[name] for one in every) for name in ("error", "bound"))
-        return Point(setting.step, error, errors, cost, "", bound=bound)
+            point: Point | None = store.get(key, Point)
+            if point is None:
+                point = point_of(bench, setting, truth, truth.count(self.asked.target))
+                store.put(key, point)
+            every.append(point)
+        return worst_of(every)
 
     def iterated(self, bench: Bench) -> Iterator[Setting]:
         """Yield the best settings with other numbers of iterations of the solver, if it has any.
@@ -316,19 +281,22 @@ class ModelTradeoff:
         both = zip(starts, others, strict=True)
         self.unproved = [f"{a.name}: {b}" for a, b in both if not isinstance(b, Converged)]
         self.proved = not truths  # there is nothing to try it with
-        while truths and (choice := self.choice) is not None:
-            again = self.point(bench, setting_of(choice), truths, store)
-            error = 0.0 if again is None else inf if again.error is None else again.error
-            if error <= self.asked.target:
-                self.proved, self.elsewhere = again is not None, error
-                return
-            setting = setting_of(choice)
-            self.missed[setting] = error
-            known = {setting_of(row) for row in self.trials}
-            for shorter in bench.settings(self.asked.exact):
-                if shorter.alike(setting) and shorter.step < setting.step and shorter not in known:
-                    self.tried(bench, shorter, store)
-                    break
+        try:
+            while truths and not self.proved and (choice := self.choice) is not None:
+                setting = setting_of(choice)
+                error = Trial(choice.series, self.point(bench, setting, truths, store)).error
+                self.proved = error <= self.asked.target
+                if self.proved:
+                    self.elsewhere = error
+                    return
+                self.missed[setting] = error
+                known = {setting_of(trial) for trial in self.trials}
+                every = bench.settings(self.asked.exact)
+                shorter = (one for one in every if one.alike(setting) and one.step < setting.step)
+                if (one := next((one for one in shorter if one not in known), None)) is not None:
+                    self.tried(bench, one, store)
+        except TimeUpError:
+            self.proved = False
 
     # Results ----------------------------------------------------------------------------------
 
@@ -554,10 +522,8 @@ def work_of(row: Trial) -> float:
     return row.point.cost.rhs_evaluations or 0.0
 
 
-def measure_setting(
-    bench: Bench, setting: Setting, truth: Converged, count: int
-) -> Measured | None:
-    """Return errors and times of a setting from a start, None if the time is up.
+def point_of(bench: Bench, setting: Setting, truth: Converged, count: int) -> Point:
+    """Return error and cost of a setting from a start.
 
     A run that takes no more than `BRIEF` is made `MEASURED` times, for its time.
 
@@ -571,22 +537,38 @@ def measure_setting(
     """
     runs, began = [], monotonic()
     while len(runs) < MEASURED and (not runs or monotonic() - began < BRIEF):
-        run = bench.run(truth.start, setting)
-        if run is None:
-            return None
-        runs.append(run)
-    run, n = runs[0], min(count, len(runs[0].positions))
-    lost = run.failed is not None and not truth.run.failed
-    place = f"{truth.start.name}, before t = {run.failed:.3g} s" if run.failed is not None else ""
-    off = np.abs(run.energy[:n] - truth.run.energy[:n])
-    return Measured(
-        seconds=[one.seconds for one in runs],
-        failed=place if lost else "",
+        runs.append(bench.run(truth.start, setting))
+    run, n, times = runs[0], min(count, len(runs[0].positions)), [one.seconds for one in runs]
+    steps = 1 / setting.step
+    work = steps * EVALUATIONS.get(setting.integrator, 1)
+    cost = Cost(median(times), min(times), max(times), steps, work)
+    if run.failed is not None and not truth.run.failed:
+        reason = f"{truth.start.name}, before t = {run.failed:.3g} s"
+        return Point(setting.step, None, cost=cost, label=FAILED, reason=reason)
+    off = np.max(np.abs(run.energy[:n] - truth.run.energy[:n]), initial=0.0)
+    return Point(
+        setting.step,
         error=float(np.max(bench.apart(run, truth.run, truth.size)[:n], initial=0.0)),
+        errors={"energy": float(off / (truth.run.kinetic or 1.0)), "violation": run.violation},
+        cost=cost,
+        label="",
         bound=float(np.max(truth.error[:n], initial=0.0)),
-        energy=float(np.max(off, initial=0.0) / (truth.run.kinetic or 1.0)),
-        violation=run.violation,
     )
+
+
+def worst_of(points: Sequence[Point]) -> Point:
+    """Return the largest errors of a setting over all starts, with the median time."""
+    costs = [point.cost for point in points if point.cost]
+    times = [cost.seconds for cost in costs]
+    fastest, slowest = min(x.fastest for x in costs), max(x.slowest for x in costs)
+    cost = replace(costs[0], seconds=median(times), fastest=fastest, slowest=slowest)
+    failed = [point for point in points if point.error is None]
+    if failed:
+        return replace(failed[0], cost=cost)
+    worst = max(points, key=lambda point: point.error or 0.0)
+    errors = {name: max(point.errors[name] for point in points) for name in worst.errors}
+    bound = max(point.bound or 0.0 for point in points)
+    return replace(worst, errors=errors, bound=bound, cost=cost)
 
 
 def disagreements(series: StepSeries) -> Iterator[str]:

@@ -71,7 +71,7 @@ def choice_from(best: Trial | None, series: Sequence[StepSeries], target: float)
     one, point = best
     assert point.step is not None
     longest = max(trial.point.step or 0.0 for trial in trials_of([one]) if trial.error < 1)
-    return one.chosen(
+    return one.choice(
         target,
         step=point.step,
         error=point.error,

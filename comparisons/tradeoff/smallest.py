@@ -145,7 +145,7 @@ def smallest(ladder: Ladder, target: float) -> Choice:
     tried, series = ladder.first_values(target), ladder.series
     limit, doubt = ladder.limit(tried)
     errors = [ladder.error(value) for value in tried]
-    choice = series.chosen(target)
+    choice = series.choice(target)
     last = f"{errors[-1]:.2g} with {tried[-1]:g} {series.axis}"
     if limit - doubt > target:
         words = "; ".join(filter(None, [f"{limit:.2g} is left", ladder.unmet(limit, doubt)]))
@@ -393,7 +393,7 @@ def with_and_without(scene: str, engine: str, row: LeftOutRow, targets: Sequence
     for target in targets:
         value = 0.0 if lacks <= target else 1.0 if (has or 0.0) <= target else None
         error = has if value else lacks
-        choice = series.chosen(target, value=value, error=error, limit="; ".join(words))
+        choice = series.choice(target, value=value, error=error, limit="; ".join(words))
         choices.append(replace(choice, met=value is not None, smaller=lacks if value else None))
     return Swept((series,), tuple(choices))
 

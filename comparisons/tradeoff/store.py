@@ -37,7 +37,7 @@ class RunStore:
         self.path = Path(path) if path else None
         self.about: dict[str, Any] = json.loads(json.dumps(about))
         self.entries: dict[str, Any] = self.read()
-        self.written = monotonic()
+        self.written, self.is_new = monotonic(), False
 
     def read(self) -> dict[str, Any]:
         """Return the results in the file.
@@ -83,16 +83,17 @@ class RunStore:
 
     def put(self, key: str, value: Any) -> None:
         """Keep a result; the file is written now and then."""
+        self.is_new = True
         self.entries[key] = msgspec.to_builtins(value, enc_hook=shape_and_values)
         if monotonic() - self.written > OFTEN:
             self.write()
 
     def write(self) -> None:
-        """Write the file, if there is one."""
-        if self.path is not None:
+        """Write the file, if there is one and it lacks a result."""
+        if self.path is not None and self.is_new:
             content = {"what": PURPOSE, "about": self.about, "entries": self.entries}
             write_or_collect(self.path, (json.dumps(content) + "\n").encode())
-        self.written = monotonic()
+        self.written, self.is_new = monotonic(), False
 
 
 def shape_and_values(array: Any) -> Any:

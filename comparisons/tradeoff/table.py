@@ -138,7 +138,7 @@ class StepSeries:
         """All of it in words."""
         return f"{self.scene} {self.engine} {self.setting}"
 
-    def chosen(self, target: float, **values: Any) -> Choice:
+    def choice(self, target: float, **values: Any) -> Choice:
         """Return a choice from this series."""
         names = ("scene", "case", "engine", "model", "method", "settings", "axis", "unit")
         own = {name: getattr(self, name) for name in (*names, "quantity")}
@@ -260,7 +260,7 @@ def steady(series: Iterable[StepSeries], target: float, share: float = 1.0) -> I
         for point in reversed(one.points):
             if point.error is None or point.error > target:
                 break
-            stable = one.stable_step is None or point.step <= STABLE * one.stable_step
+            stable = one.stable_step is None or (point.step or inf) <= STABLE * one.stable_step
             if point.error <= share * target and stable:
                 yield Trial(one, point)
 
@@ -279,7 +279,7 @@ def cheapest(
     good = list(rows)
     least = min(map(price, good), default=0.0)
     alike = [row for row in good if price(row) <= noise * least]
-    return min(alike, key=preference, default=None)  # type: ignore[type-var, arg-type]
+    return min(alike, key=preference, default=None)  # type: ignore[arg-type]
 
 
 def slope_of(points: Sequence[Point]) -> float | None:

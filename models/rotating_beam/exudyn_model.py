@@ -37,7 +37,7 @@ from ..exudyn_system import (
     Turning,
     exudyn,
     items,
-    utilities,
+    load_in_time,
     weigh,
     why_no_rim,
 )
@@ -209,29 +209,22 @@ def clamp_in_space(mbs: Any, rim: int, root: int, straight: Array) -> None:
 def push(mbs: Any, turn: int, p: RotatingBeam) -> tuple[Any, ...]:
     """Put the torque of (22) or (23) on the hub; return what must stay alive.
 
-    Symbolic, so that Exudyn evaluates it in C++; time stops at the end of ramp or pulse.
+    Time stops at the end of ramp or pulse.
     """
+    if p.drive != "torque" and p.ramp_time <= 0:
+        return ()
     if p.drive == "torque":
         amplitude, end = p.torque_amplitude, p.torque_period
-
-        def shape(phase: Any) -> Any:
-            return exudyn.symbolic.sin(phase)
-    elif p.ramp_time > 0:
+    else:
         amplitude, end = PRESCRIBED * p.angular_speed / p.ramp_time, p.ramp_time
 
-        def shape(phase: Any) -> Any:
-            return 1 - exudyn.symbolic.cos(phase)
-    else:
-        return ()
+    def shape(t: Any) -> Any:
+        phase = 2 * np.pi / end * exudyn.symbolic.min(t, end)
+        if p.drive == "torque":
+            return exudyn.symbolic.sin(phase)
+        return 1 - exudyn.symbolic.cos(phase)
 
-    def torque(mbs: Any, t: Any, load: Any) -> Any:
-        return load * shape(2 * np.pi / end * exudyn.symbolic.min(t, end))
-
-    symbolic = utilities.CreateSymbolicUserFunction(
-        mbs, function=torque, userFunctionName="loadUserFunction", itemTypeName="LoadCoordinate"
-    )
-    mbs.AddLoad(items.LoadCoordinate(markerNumber=turn, load=amplitude, loadUserFunction=symbolic))
-    return (symbolic,)
+    return load_in_time(mbs, turn, amplitude, shape)
 
 
 def shearing(p: RotatingBeam, plane: str, count: int) -> tuple[Array, Array]:

@@ -234,7 +234,7 @@ def _slowest(p: SpeedRegulator) -> float | None:
 
 
 def rotates(p: SpeedRegulator) -> bool:
-    """Return whether there is a steady rotation forward."""
+    """Whether there is a steady rotation forward."""
     return p.damping > 0 and p.torque > 0 and _slowest(p) is not None
 
 

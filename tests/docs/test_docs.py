@@ -17,7 +17,7 @@ from mbcheck.comparisons.checks.suite import KINDS
 from mbcheck.comparisons.checks.truth import MOST_AMPLIFICATION
 from mbcheck.comparisons.checks.verdict import PROFILES
 from mbcheck.comparisons.cli import catalogue
-from mbcheck.comparisons.cli.group import program
+from mbcheck.comparisons.cli.group import VERBS
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.tests.support.command import MAIN, invoke
 
@@ -88,7 +88,7 @@ SMALL = (r"(=[^:= ]+:[^: ]+):30\b", r"\1:4")
 
 def test_every_verb_is_shown() -> None:
     shown = "\n".join(text for language in LANGUAGES for _, text in blocks(language))
-    for verb in program.commands:
+    for verb in VERBS:
         assert re.search(rf"^(\S*/)?mbcheck {verb} ", shown, re.MULTILINE), verb
 
 

@@ -96,12 +96,12 @@ def test_releases_of_mujoco_differ_where_loops_are_closed(
     assert forward["old"]["versions"]["mujoco"].startswith("3.6.")
     assert forward["new"]["versions"]["mujoco"].startswith("4.")
     assert not forward["regressions"]
-    fixed = {item["id"]: item for item in forward["changes"] if item["change"] == "fixed"}
-    others = [item for item in forward["changes"] if item["change"] != "fixed"]
-    assert {(item["scene"], item["model"]) for item in fixed.values()} == {
+    fixed = {item["id"]: item for item in forward["changes"] if item["sort"] == "fixed"}
+    others = [item for item in forward["changes"] if item["sort"] != "fixed"]
+    assert {(item["new"]["scene"], item["new"]["model"]) for item in fixed.values()} == {
         ("speed_regulator", model) for model in LOOP
     }
-    assert {(item["change"], item["method"]) for item in others} == {("appeared", "discrete")}
+    assert {(item["sort"], item["new"]["method"]) for item in others} == {("appeared", "discrete")}
     assert fixed[ALGEBRA]["old"]["error"] > 0.1  # relative
     assert fixed[ALGEBRA]["new"]["error"] < 1e-10
     assert all(item["old"]["verdict"] == "deviation" for item in fixed.values())
@@ -116,11 +116,11 @@ def test_releases_of_mujoco_differ_where_loops_are_closed(
     ]
 
     back = difference(new, old, tmp_path, 1)
-    worse = {item["id"] for item in back["changes"] if item["change"] == "new_deviation"}
+    worse = {item["id"] for item in back["changes"] if item["sort"] == "new_deviation"}
     assert worse == set(fixed)
 
     later = difference(middle, new, tmp_path, 0)
-    assert {(item["change"], item["method"]) for item in later["changes"]} == {
+    assert {(item["sort"], item["new"]["method"]) for item in later["changes"]} == {
         ("appeared", "discrete")
     }
 
@@ -129,7 +129,7 @@ def test_an_older_exudyn_runs_what_it_can(clone: Path, wheel: Path, tmp_path: Pa
     commands = recipe(clone, wheel, "exudyn", "--kind algebra --kind energy")
     output("bash", "-c", commands, cwd=tmp_path)
     found = difference("exudyn-1.10.json", "exudyn-1.13.json", tmp_path, 0)
-    assert {(item["change"], item["scene"]) for item in found["changes"]} == {
+    assert {(item["sort"], item["new"]["scene"]) for item in found["changes"]} == {
         ("now_runs", "speed_regulator"),
         ("appeared", "speed_regulator"),  # of a case that runs each model's best method alone
         ("now_runs", "rotating_beam"),  # `weighed`, whose clamp is off the axis

@@ -169,7 +169,11 @@ def test_frequencies_of_a_rotating_beam_in_both_planes() -> None:
     speed = 3.0
     planes = {
         plane: mbcheck.frequencies(
-            "rotating_beam", "rotation", {"angular_speed": speed}, plane=plane, count=3
+            "rotating_beam",
+            about="rotation",
+            parameters={"angular_speed": speed},
+            plane=plane,
+            count=3,
         )
         for plane in ("chordwise", "flapwise")
     }
@@ -186,7 +190,9 @@ def test_frequencies_of_a_rotating_beam_in_both_planes() -> None:
 @pytest.mark.parametrize(("engine", "error"), [("mujoco", 2e-2), ("exudyn", 1e-4)])
 def test_frequencies_of_a_beam_by_an_engine(engine: str, error: float) -> None:
     exact, found = (
-        mbcheck.frequencies("rotating_beam", "rotation", {"angular_speed": 3.0}, engine=who)
+        mbcheck.frequencies(
+            "rotating_beam", about="rotation", parameters={"angular_speed": 3.0}, engine=who
+        )
         for who in ("reference", engine)
     )
     for one, other in zip(exact.modes[:2], found.modes[:2], strict=True):

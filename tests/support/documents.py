@@ -1,12 +1,18 @@
-"""Documents held against their schemas, and the fields of these as lines of text."""
+"""Documents held against their schemas."""
 
 import json
-from collections.abc import Iterator
+import re
 from typing import Any
 
 import jsonschema
 
 from mbcheck.comparisons.documents import schema
+
+ID = re.compile(
+    r"(verification|validation)(/[\w.+-]+){4}/[\w.+-]+(@[\w.+-]+)?/[\w.+-]+"
+    r"|validation(/[a-z0-9_]+){2}",
+    re.ASCII,
+)
 
 
 def validated(name: str, document: Any) -> dict[str, Any]:
@@ -14,6 +20,11 @@ def validated(name: str, document: Any) -> dict[str, Any]:
     loaded: dict[str, Any] = json.loads(json.dumps(document, allow_nan=False))
     jsonschema.Draft202012Validator(schema(name)).validate(loaded)
     assert next(iter(loaded)) == "schema"
+    for result in loaded["results"] if name in ("check", "judge") else ():
+        assert ID.fullmatch(result["id"])
+        numbers = (result[name] for name in ("value", "reference", "error", "tolerance"))
+        assert result["verdict"] not in ("pass", "deviation") or None not in numbers
+        assert result["verdict"] == "pass" or result["reason"]
     return loaded
 
 
@@ -85,43 +96,4 @@ def results_of_sarif(text: str) -> list[dict[str, Any]]:
     hashes = [tuple(one["partialFingerprints"].values()) for one in run["results"]]
     assert len(set(hashes)) == len(hashes)
     found: list[dict[str, Any]] = run["results"]
-    return found
-
-
-def fields(schema: dict[str, Any]) -> Iterator[str]:
-    """Yield a line for each field of a schema: its path, and the types that it may have."""
-    yield from below(schema, schema.get("$defs", {}), "")
-
-
-def below(node: dict[str, Any], parts: dict[str, Any], path: str) -> Iterator[str]:
-    """Yield the lines of what stands below a node of a schema."""
-    for one in variants(node, parts):
-        for name, value in one.get("properties", {}).items():
-            optional = "" if name in one.get("required", ()) else "?"
-            yield f"{path}{name}{optional}: {' '.join(sorted(types(value, parts)))}"
-            yield from below(value, parts, f"{path}{name}.")
-        for key, mark in (("items", "[]."), ("additionalProperties", "{}.")):
-            if isinstance(one.get(key), dict):
-                yield from below(one[key], parts, f"{path.removesuffix('.')}{mark}")
-
-
-def variants(node: dict[str, Any], parts: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return what a node may be, with references followed."""
-    if "anyOf" in node:
-        return [one for part in node["anyOf"] for one in variants(part, parts)]
-    return [node | parts[node["$ref"].rpartition("/")[2]]] if "$ref" in node else [node]
-
-
-def types(node: dict[str, Any], parts: dict[str, Any]) -> set[str]:
-    """Return the types of a value, what a list or a map holds in brackets; values of a choice."""
-    found: set[str] = set()
-    for one in variants(node, parts):
-        words = one.get("enum", [one["const"]] if "const" in one else None)
-        if words is not None:
-            found |= {repr(word) for word in words}
-            continue
-        for kind in [one["type"]] if isinstance(one["type"], str) else one["type"]:
-            inner = {"array": "items", "object": "additionalProperties"}.get(kind, "")
-            held = types(one[inner], parts) if isinstance(one.get(inner), dict) else set()
-            found.add(f"{kind}({' '.join(sorted(held))})" if held else kind)
     return found

@@ -99,6 +99,7 @@ class Impostor(ReferenceEngine):
     def __init__(
         self, engine: Adapter, change: Callable[[EquationsOfMotion], EquationsOfMotion]
     ) -> None:
+        super().__init__()
         self.engine = engine
         self.change = change
 

@@ -26,7 +26,9 @@ def columns(simulation: Simulation) -> Columns:
 
 def run(engine: str = "mujoco", method: str = "RK4", **how: Any) -> Simulation:
     """Simulate the trajectory by an engine."""
-    return simulate("hula_hoop", engine, method, STEP, state=START, times=TIMES, **how)
+    return simulate(
+        "hula_hoop", engine=engine, method=method, step=STEP, state=START, times=TIMES, **how
+    )
 
 
 def verdicts(judgement: Judgement) -> set[str]:

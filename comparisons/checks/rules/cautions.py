@@ -25,9 +25,9 @@ class Caution:
     Attributes
     ----------
     rule : str
-        Its name.
+        name of the rule
     message : str
-        One sentence: what is wrong, with its numbers, and what to do.
+        what is wrong, with its numbers, and what to do
     """
 
     rule: str

@@ -34,7 +34,7 @@ SOLVER_TOLERANCE = Option(
     "solver_tolerance", "1", 1e-30, (1e-2, 1e-4, 1e-8, 1e-30), "solver tolerance"
 )
 """All values leave the same floor: Newton's method solves the two rows of a loop at once. CG does
-not, see `extremes.cases`."""
+not, see docs/extremes.md."""
 
 MODELS = 256
 """Compiled models that are kept, of 0.25 MB each: a map runs its points repeatedly."""

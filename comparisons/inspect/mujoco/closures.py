@@ -11,14 +11,15 @@ whatever the step, and departures from that die away as ``r'' + d b r' + d^2 k r
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Annotated, Any
 
 import numpy as np
 from scipy.optimize import brentq
 
 from ....reference.scene import Array
 from ....reference.soft_constraint import clamped, impedance, reference_spring
+from ...documents.fields import HIDDEN, NULLABLE, Number
 from .facts import integrator, word
 from .linear import LinearProbe, solved
 from .model import Loaded, State
@@ -35,30 +36,34 @@ class ClosedLoop:
     ----------
     number : int
         Of the equality.
-    name, kind : str
+    name : str
+        name, or kind and number
+    kind : {"connect", "weld", "joint", "tendon"}
+        element
     state : str
+        state
     solref, solimp : tuple of float
-        As the model has them.
+        as the file has it
     effective : tuple of float
-        ``solref`` as MuJoCo takes it at the file's timestep.
+        solref as MuJoCo takes it at the file's timestep
     impedance : float
-        d, open as far as predicted.
+        d, open as far as predicted [1]
     omega : float
-        Circular frequency [rad/s] of the closure itself.
+        nominal circular frequency of the closure itself [rad/s]
     decay : float
-        Rate [1/s] at which its slower departures die away.
+        nominal rate at which departures die away [1/s]
     force : float
-        Euclidean norm of f_0 (N, Nm).
+        load: norm of the exact closure's force [N, Nm]
     opening : float
-        Predicted norm of r (m, rad, or the unit of a joint or tendon); of a weld that of its
-        translation.
+        how far the load opens it, whatever the step [m], of a joint or tendon in its unit; null if
+        nothing holds it
     turn : float or None
-        Of a weld, the norm of its rotation [rad].
+        the same of a weld's rotation [rad]; null for the others
     now : float
-        Norm of r in the state itself.
+        how far it is open in the state itself
     """
 
-    number: int
+    number: int = field(metadata=HIDDEN)
     name: str
     kind: str
     state: str
@@ -69,8 +74,8 @@ class ClosedLoop:
     omega: float
     decay: float
     force: float
-    opening: float
-    turn: float | None
+    opening: Number
+    turn: Annotated[float | None, NULLABLE]
     now: float
 
 

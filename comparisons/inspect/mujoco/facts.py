@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ...documents.fields import Number
 from .model import Loaded
 
 DOFS = {"free": 6, "ball": 3, "slide": 1, "hinge": 1}
@@ -45,26 +46,58 @@ INTEGRATORS = ("Euler", "implicit", "implicitfast", "RK4", "discrete")
 
 @dataclass(frozen=True)
 class JointFacts:
-    """A joint: ``axis`` (3,) of a slide or hinge, else None; ``range`` None if not limited.
+    """A joint.
 
-    ``stiffness``, ``damping`` and ``armature`` are those of its first degree of freedom, SI.
+    Attributes
+    ----------
+    name : str
+        name, or kind and number
+    kind : {"free", "ball", "slide", "hinge"}
+        type
+    dofs : int
+        degrees of freedom
+    axis : tuple (3,) or None
+        of a slide or hinge, in the body's frame; null of the others
+    stiffness : float
+        [N/m, Nm/rad]; null if not finite
+    damping : float
+        [Ns/m, Nms/rad], of its first degree of freedom; null if not finite
+    armature : float
+        [kg, kg m^2]; null if not finite
+    range : tuple (2,) or None
+        limits [m, rad]; null without any
     """
 
     name: str
     kind: str
     dofs: int
     axis: tuple[float, ...] | None
-    stiffness: float
-    damping: float
-    armature: float
-    range: tuple[float, ...] | None
+    stiffness: Number
+    damping: Number
+    armature: Number
+    range: tuple[Number, ...] | None
 
 
 @dataclass(frozen=True)
 class BodyFacts:
-    """A body: mass [kg], centre of mass [m] in its frame, principal inertias [kg m^2].
+    """A body.
 
-    ``depth`` counts bodies from the world down, 0 for those that stand in the world itself.
+    Attributes
+    ----------
+    name : str
+        name, or kind and number
+    parent : str
+        name of the parent; world
+    depth : int
+        bodies between it and the world
+    mass : float
+        [kg]
+    centre : tuple (3,)
+        centre of mass in its frame [m]
+    inertia : tuple (3,)
+        principal moments of inertia [kg m^2]
+    joints : tuple of JointFacts
+        its joints
     """
 
     name: str
@@ -78,7 +111,35 @@ class BodyFacts:
 
 @dataclass(frozen=True)
 class Options:
-    """How the file is simulated; ``timestep`` [s], ``gravity`` [m/s^2], flags as booleans."""
+    """How the file is simulated.
+
+    Attributes
+    ----------
+    integrator : str
+        as MJCF spells it
+    timestep : float
+        [s]
+    solver : str
+        of constraints
+    tolerance : float
+        of the solver
+    iterations : int
+        of the solver
+    cone : str
+        of friction
+    jacobian : str
+        dense, sparse or auto
+    gravity : tuple (3,)
+        [m/s^2]; 0 if it is switched off
+    energy : bool
+        whether energy is computed
+    autoreset : bool
+        whether a run that fails starts anew
+    contact : bool
+        whether bodies can touch at all
+    refsafe : bool
+        whether constraints that are faster than two timesteps are softened
+    """
 
     integrator: str
     timestep: float

@@ -45,13 +45,14 @@ def rotation(session: Session, who: str) -> Numbers:
     """
     report = example_orbit(session, who)
     speed = report.mean_speed or 0.0
-    first, *others = (term.amplitude for term in report.harmonics["y"][1])
-    phase, terms = report.harmonics["theta"]
+    first, *others = (term.amplitude for term in report.harmonics["y"].terms)
+    angle = report.harmonics["theta"]
+    phase, terms = angle.mean, angle.terms
     rest = max(others) / first
     theta = max(term.amplitude for term in terms if term.order != 2) / second_harmonic(report)
     return {
         "stable": report.stable,
-        "multiplier": abs(report.floquet_multipliers[0]),
+        "multiplier": report.floquet_multipliers[0].modulus,
         "speed": speed,
         "off": abs(speed / OMEGA - 1),
         "mean_phase": float(phase),
@@ -95,7 +96,7 @@ def errors_of_solutions(session: Session) -> Numbers:
 
     And how much of that of theta Newton's method leaves.
     """
-    size = example_orbit(session).harmonics["y"][1][0].amplitude
+    size = example_orbit(session).harmonics["y"].terms[0].amplitude
     errors = approximation_errors(session)
     left, left_with_phase = (
         errors[name][1] / errors["paper"][1] for name in ("refined", "corrected")

@@ -315,7 +315,7 @@ def motion_figure(session: Session, plate: bool) -> Any:
     panels = [motions("(a) Motion from rest by the reference", exact)]
     for letter, engine in zip("bc", session.engines, strict=False):
         own = motion_map(session, plate, engine)
-        match = compare(exact, own).agreement(robust=True)
+        match = compare(exact, own).robust_agreement or 0.0
         panels.append(motions(f"({letter}) {engine} agrees at {match:.1%} of robust points", own))
     panels.append(
         Panel(f"({'abcd'[len(panels)]}) Points that are not robust, or differ", exact, {})

@@ -17,7 +17,7 @@ from ...engines.registry import REFERENCE
 from ...maps.request import Axis
 from ...maps.store import Map
 from ...queries.orbit import OrbitReport, find
-from ...queries.query import Query
+from ...queries.query import MethodQuery
 from ...queries.simulate import Simulation, simulate
 from ..session import Session
 
@@ -59,13 +59,14 @@ def samples(seconds: float) -> Array:
 
 def example_orbit(session: Session, engine: str = REFERENCE) -> OrbitReport:
     """Return the true rotation."""
-    return session.once((SCENE, "orbit", engine), lambda: find(Query(SCENE, engine), bounded=False))
+    query = MethodQuery(SCENE, engine=engine)
+    return session.once((SCENE, "orbit", engine), lambda: find(query, bounded=False))
 
 
 def example_from_rest(session: Session, engine: str = REFERENCE) -> Simulation:
     """Return the motion from rest."""
     return session.once(
-        (SCENE, "rest", engine), lambda: simulate(SCENE, engine, times=samples(LONG_RUN))
+        (SCENE, "rest", engine), lambda: simulate(SCENE, engine=engine, times=samples(LONG_RUN))
     )
 
 
@@ -74,13 +75,13 @@ def example_rotation(session: Session, engine: str = REFERENCE) -> Simulation:
     state = dict(example_orbit(session, engine).state)
     return session.once(
         (SCENE, "rotation", engine),
-        lambda: simulate(SCENE, engine, state=state, times=samples(1.0)),
+        lambda: simulate(SCENE, engine=engine, state=state, times=samples(1.0)),
     )
 
 
 def second_harmonic(report: OrbitReport) -> float:
     """Return the amplitude u_1 of theta at twice the frequency of the force [rad]."""
-    return next(term.amplitude for term in report.harmonics["theta"][1] if term.order == 2)
+    return next(term.amplitude for term in report.harmonics["theta"].terms if term.order == 2)
 
 
 def approximate_states(name: str) -> Array:

@@ -150,7 +150,7 @@ def simulated(job: Job) -> Response | str:
         energy = SCENE.energy(*np.split(states, 2), SCENE.coefficients(p))
         return Response(times, with_angle({**SCENE.observe(states, p), "energy": energy}, p))
     try:
-        motion = simulate(SCENE.name, job.who, parameters=p.as_dict(), times=times)
+        motion = simulate(SCENE.name, engine=job.who, parameters=p.as_dict(), times=times)
     except EngineError as error:
         return f"failed: {error}"
     return Response(times, with_angle(motion.observables, p))

@@ -72,7 +72,7 @@ def synchronous_orbit(
 
     def search() -> OrbitReport | None:
         try:
-            asked = Query(SCENE, engine, model, parameters=changes(p))
+            asked = Query(SCENE, engine=engine, model=model, parameters=changes(p))
             return find(asked, bounded=False)
         except NoOrbitError:
             return None
@@ -82,7 +82,7 @@ def synchronous_orbit(
 
 def orbit_value(report: OrbitReport | None, quantity: str) -> float:
     """Return a quantity of an orbit, NaN without one."""
-    return np.nan if report is None else report.quantities[quantity][0]
+    return np.nan if report is None else report.quantities[quantity].value
 
 
 @dataclass(frozen=True)
@@ -182,7 +182,7 @@ def from_rest(session: Session, case: int, who: str = REFERENCE) -> StartUp:
         if who in (REFERENCE, REDUCED):
             own = scene.variants.get(who, scene)
             return states_at(own, p, np.zeros(8), times, RUN_TOLERANCES[who])
-        run = simulate(SCENE, who, step=STEP, parameters=changes(p), times=times)
+        run = simulate(SCENE, engine=who, step=STEP, parameters=changes(p), times=times)
         return np.array([run.observables[name] for name in scene.state_names])
 
     return session.once((SCENE, "from rest", case, who), lambda: StartUp(p, times, states()))

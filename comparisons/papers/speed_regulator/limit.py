@@ -63,7 +63,7 @@ def comes_round(who: str, p: SpeedRegulator) -> bool:
     rate = (math.sqrt(damping**2 + 4 * moment * softness) - damping) / (2 * moment)
     run = simulate(
         SCENE,
-        who,
+        engine=who,
         parameters={"damping": p.damping, "torque": p.torque},
         state={"phi": saddle + BESIDE, "phi_dot": rate * BESIDE},
         times=np.linspace(0.0, SECONDS, 81),

@@ -74,7 +74,9 @@ def recorded_motion(session: Session, name: str, engine: str = REFERENCE) -> Sim
     times = np.linspace(0, what.seconds, round(what.seconds / what.spacing) + 1)
     return session.once(
         (SCENE, "run", repr(what), engine),
-        lambda: simulate(SCENE, engine, parameters=what.parameters, state=what.state, times=times),
+        lambda: simulate(
+            SCENE, engine=engine, parameters=what.parameters, state=what.state, times=times
+        ),
     )
 
 

@@ -6,12 +6,14 @@ import io
 import math
 import shlex
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ...checks.known import Use
+from ...checks.request import CheckRequest
 from ...checks.verdict import Result, Verdict
 from ...documents import document
+from ...documents.fields import HIDDEN, documented
 from ..words import assignments, plural, with_unit
 from .results import MEASURES, grouped, ran, skip_reasons, summary, worst
 
@@ -26,17 +28,17 @@ class CustomReference:
     Attributes
     ----------
     horizon : float
-        Of the run [s].
+        of the run [s]
     horizon_source : str
-        What the horizon follows from.
+        what the horizon follows from
     permitted : float
-        Part of the horizon [s] over which an initial error stays small enough.
+        part of it over which an initial error stays small enough [s]
     growth : float
-        Amplification of an initial error over that part.
+        amplification of an initial error over that part
     error_bound : mapping of str to float
-        Bound on the error of the reference by observable, the largest over the times.
+        bound on the error of each observable over the times
     units : mapping of str to str
-        Of the observables.
+        of the observables
     """
 
     horizon: float
@@ -68,11 +70,8 @@ class Run:
     ----------
     planned : int or None
         Number of checks that were to run; None if only those that ran are known.
-    selection : mapping
-        ``scenes``, ``engines``, ``kinds``, ``methods``, ``ids``, ``profile`` and ``full``, as
-        `mbcheck check` takes them; empty lists mean all. Of a run at a user's own parameters
-        ``parameters``, ``state`` and ``horizon`` too; ``source`` where it is that of papers, and
-        ``placement`` where one was asked for.
+    selection : CheckRequest
+        What was asked for.
     environment : mapping of str to str
         The machine and what computes on it.
     known_file : str or None
@@ -89,7 +88,7 @@ class Run:
     """
 
     planned: int | None = None
-    selection: Mapping[str, Any] = field(default_factory=dict)
+    selection: CheckRequest = field(default_factory=CheckRequest)
     environment: Mapping[str, str] = field(default_factory=dict)
     known_file: str | None = None
     uses: tuple[Use, ...] = ()
@@ -103,9 +102,9 @@ class Run:
         """What a run at a user's own parameters is of, in one line; empty of any other."""
         if self.reference is None:
             return ""
-        (scene,), selection = self.selection["scenes"], self.selection
-        changes = assignments(selection["parameters"]) or "its default parameters"
-        start = f" from {assignments(selection['state'])}" if selection["state"] else ""
+        (scene,), asked = self.selection.scenes, self.selection
+        changes = assignments(asked.parameters) or "its default parameters"
+        start = f" from {assignments(asked.state)}" if asked.state else ""
         return f"{scene} at {changes}{start} {self.reference.line}"
 
     @property
@@ -116,26 +115,21 @@ class Run:
     @property
     def check_command(self) -> str:
         """What a command that repeats a check of the run starts with."""
-        selection = self.selection
-        engines = [word for word in selection.get("engines", ()) if ":" in word]
-        source = selection.get("source")
-        words = ["mbcheck check", *([f"--source {source}"] if source else [])]
-        words += [*(f"--engine {shlex.quote(word)}" for word in engines)]
+        asked, plain = self.selection, CheckRequest()
+        words = ["mbcheck check"]
+        words += [] if asked.source == plain.source else [f"--source {asked.source}"]
+        words += [f"--engine {shlex.quote(word)}" for word in asked.engines if ":" in word]
         if self.reference is not None:
-            words += selection["scenes"]
+            words += asked.scenes
             words += [
                 f"{option} {shlex.quote(f'{key}={value}')}"
-                for option, name in (("--set", "parameters"), ("--state", "state"))
-                for key, value in selection[name].items()
+                for option, values in (("--set", asked.parameters), ("--state", asked.state))
+                for key, value in values.items()
             ]
-            horizon = selection["horizon"]
-            words += [] if horizon is None else [f"--horizon {horizon}"]
-        command = " ".join(words)
-        placement = selection.get("placement")
-        command += f" --placement {placement}" if placement else ""
-        profile = selection.get("profile", "default")
-        command += "" if profile == "default" else f" --profile {profile}"
-        return command + (" --full" if selection.get("full") else "")
+            words += [] if asked.horizon is None else [f"--horizon {asked.horizon}"]
+        words += [f"--placement {asked.placement}"] if asked.placement else []
+        words += [] if asked.profile == plain.profile else [f"--profile {asked.profile}"]
+        return " ".join([*words, *(["--full"] if asked.full else [])])
 
     def repeat(self, id: str) -> str:
         """Return the shell command that repeats the check of an id, and no other."""
@@ -148,41 +142,107 @@ class Run:
 
 
 @dataclass(frozen=True)
+class Checks:
+    """Number of checks, of several results each; one of which a single result was judged ran.
+
+    Attributes
+    ----------
+    planned : int
+        that were to run, those that cannot among them
+    ran : int
+        of which a result was judged
+    skipped : int
+        of which none was
+    not_reached : int
+        that were not begun: the run was stopped
+    """
+
+    planned: int
+    ran: int
+    skipped: int
+    not_reached: int
+
+
+@dataclass(frozen=True)
+class SkipReason:
+    """Why results of an engine were skipped.
+
+    Attributes
+    ----------
+    reason : str
+        why
+    results : int
+        how many
+    """
+
+    engine: str
+    reason: str
+    results: int
+
+
+@dataclass(frozen=True)
 class Report:
     """The results of a run of checks.
 
     Attributes
     ----------
     results : tuple of Result
-    versions : mapping of str to str
+        one for each quantity of each check, in the order of the checks whatever `-j` was
     run : Run
         What was asked for, where it ran, and what became of the known deviations.
     """
 
     results: tuple[Result, ...]
     versions: Mapping[str, str]
-    run: Run = field(default_factory=Run)
+    run: Run = field(default_factory=Run, metadata=HIDDEN)
 
     @property
+    @documented
     def summary(self) -> dict[str, int]:
-        """Number of results by verdict, and their ``total``."""
+        """Number of results by verdict, and their `total`."""
         return summary(self.results)
 
     @property
-    def checks(self) -> dict[str, int]:
-        """How many checks were ``planned``, ``ran``, were ``skipped`` or ``not_reached``.
-
-        A check of which a single result was judged ran.
-        """
+    @documented
+    def checks(self) -> Checks:
+        """Number of checks, of several results each."""
         groups = grouped(ran(self.results), lambda r: (r.check_id,)).values()
         skipped = sum(all(r.verdict == "skipped" for r in members) for members in groups)
         planned = len(groups) if self.run.planned is None else self.run.planned
-        return {
-            "planned": planned,
-            "ran": len(groups) - skipped,
-            "skipped": skipped,
-            "not_reached": max(0, planned - len(groups)),
-        }
+        return Checks(planned, len(groups) - skipped, skipped, max(0, planned - len(groups)))
+
+    @property
+    @documented
+    def skipped(self) -> list[SkipReason]:
+        """Why results were skipped."""
+        return [
+            SkipReason(engine, reason, len(members))
+            for (engine, reason), members in skip_reasons(self.results).items()
+        ]
+
+    @property
+    @documented
+    def environment(self) -> Mapping[str, str]:
+        """What rounding may depend on: python, system, machine, processor, libc."""
+        return self.run.environment
+
+    @property
+    @documented
+    def selection(self) -> CheckRequest:
+        """What was asked for, as options of `mbcheck check`; empty lists are all."""
+        return self.run.selection
+
+    @property
+    @documented
+    def reference(self) -> CustomReference | None:
+        """The reference of a run at a user's own parameters; null for other runs."""
+        return self.run.reference
+
+    @property
+    @documented
+    def known(self) -> tuple[Use, ...]:
+        """What became of the known deviations, in the order of the file."""
+        return self.run.uses
 
     @property
     def exit_code(self) -> int:
@@ -203,7 +263,7 @@ class Report:
     def idle_engines(self) -> int:
         """How many of the engines that were asked for by name have passed nothing."""
         passed = {r.engine for r in self.results if r.verdict in ("pass", "known")}
-        return max(0, len(set(self.run.selection.get("engines", ()))) - len(passed))
+        return max(0, len(set(self.run.selection.engines)) - len(passed))
 
     @property
     def word(self) -> str:
@@ -221,9 +281,9 @@ class Report:
     def counts_line(self) -> str:
         """How many checks ran, in one line."""
         counts = self.checks
-        parts = [f"{plural(counts['planned'], 'check')}: {counts['ran']} ran"]
-        parts += [f"{counts['skipped']} skipped"] if counts["skipped"] else []
-        parts += [f"{counts['not_reached']} not reached"] if counts["not_reached"] else []
+        parts = [f"{plural(counts.planned, 'check')}: {counts.ran} ran"]
+        parts += [f"{counts.skipped} skipped"] if counts.skipped else []
+        parts += [f"{counts.not_reached} not reached"] if counts.not_reached else []
         return ", ".join(parts)
 
     @property
@@ -250,35 +310,15 @@ class Report:
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``check`` document of docs/json.md; it holds no NaN and no infinity."""
-        run = self.run
-        skipped = [
-            {"engine": engine, "reason": reason, "results": len(members)}
-            for (engine, reason), members in skip_reasons(self.results).items()
-        ]
-        entries = [
-            vars(use.entry) | {"results": use.results, "state": use.state, "why": use.why}
-            for use in run.uses
-        ]
-        return document(
-            "check",
-            self,
-            summary=self.summary,
-            checks=self.checks,
-            skipped=skipped,
-            environment=run.environment,
-            selection=run.selection,
-            known={"file": run.known_file, "strict": run.strict_known, "entries": entries},
-            results=[json_result(result) for result in self.results],
-            **({"reference": run.reference} if run.reference else {}),
-        )
+        return document("check", self, results=list(map(with_lost_numbers, self.results)))
 
 
-def json_result(result: Result) -> dict[str, Any]:
-    """Return the fields of one result; a number that JSON has no word for is told in its reason."""
-    fields = result.as_dict()
+def with_lost_numbers(result: Result) -> Result:
+    """Return a result whose reason names the numbers that JSON cannot hold."""
+    numbers = ((name, getattr(result, name)) for name in MEASURES)
     lost = [
-        f"{name} was {float(fields[name])}"
-        for name in MEASURES
-        if fields[name] is not None and not math.isfinite(fields[name])
+        f"{name} was {float(value)}"
+        for name, value in numbers
+        if value is not None and not math.isfinite(value)
     ]
-    return fields | {"reason": "; ".join(filter(None, [result.reason, *lost]))}
+    return replace(result, reason="; ".join(filter(None, [result.reason, *lost])))

@@ -11,9 +11,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
-from typing import Any
 
 from ....reference.errors import UsageError
+from ...checks.request import CheckRequest
 from ..files import STDOUT, Destination
 from ..html import render
 from ..sections import Section
@@ -111,13 +111,12 @@ def facts(report: Report, when: datetime | None) -> list[tuple[str, str]]:
     ]
 
 
-def selection(asked: Mapping[str, Any]) -> str:
+def selection(asked: CheckRequest) -> str:
     """Return in words what a run was restricted to."""
-    named = {key: asked.get(key, ()) for key in ("scenes", "engines", "kinds", "methods", "ids")}
+    named = {key: getattr(asked, key) for key in ("scenes", "engines", "kinds", "methods", "ids")}
     parts = [f"{key} {', '.join(names)}" for key, names in named.items() if names]
-    profile = asked.get("profile", "default")
-    parts += [] if profile == "default" else [f"profile {profile}"]
-    parts += [f"with --{name}" for name in ("full", "quick") if asked.get(name)]
+    parts += [] if asked.profile == "default" else [f"profile {asked.profile}"]
+    parts += [f"with --{name}" for name in ("full", "quick") if getattr(asked, name)]
     return "; ".join(parts) or "everything that is checked by default"
 
 

@@ -4,7 +4,7 @@ They are fixed points of the period map of the reference or an engine, of two ki
 later the equations of motion are those of -y and theta + pi; a rotation either repeats itself so,
 or has a twin. The first kind is looked for over half a period; where it loses its stability with a
 multiplier through 1, the twins part from it and are stable for a while: they are looked for beside
-it.
+it. Harmonic balance leads the reference near them, at a tenth of the cost of the period map.
 """
 
 from __future__ import annotations
@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....reference.differences import balanced_step
-from ....reference.hula_hoop.equations import HulaHoop, coefficients
+from ....reference.hula_hoop.balance import Balance, Nodes
+from ....reference.hula_hoop.equations import Coefficients, HulaHoop, coefficients
 from ....reference.newton import Effort
 from ....reference.orbits import PeriodMap, period_advance
 from ....reference.scene import Array
@@ -24,16 +25,21 @@ from ...engines.registry import REFERENCE
 from ..quantity import Flow, Points
 from .steps import Places
 
-EFFORT = Effort(jacobians=9, chords=1, within_reach=True)
+EFFORT = Effort(jacobians=9, chords=1)
+BALANCED = Effort(jacobians=3, chords=3)
+"""From what harmonic balance leads to."""
 KNOWN = Effort(jacobians=9, chords=4)
 """Where the first Jacobian is nearly right."""
 
-HALF_STARTS = ((0, 0.0, 0.0), (1, 5 * np.pi / 4, 1.0))
-WHOLE_STARTS = ((0, 3 * np.pi / 2, 1.0), (0, 4 * np.pi / 3, 1.0), (0, np.pi / 2, 1.0))
-"""Starts of the search over half a period and over all of it: which guess, by what angle [rad] its
-rod is turned on, and by what share of omega it turns faster. The second of the former finds the
-rotations whose theta' swings by more than its mean, the latter those that are not their own mirror
-images."""
+HALF_NODES, NODES = Nodes(16, half=True), Nodes(32, half=False)
+"""Of harmonic balance. They leave 1e-6 rad where the rotation is rough, which shooting removes."""
+
+HALF_STARTS = ((0, 0.0, 0.0), (1, 5 * np.pi / 4, 0.5))
+WHOLE_STARTS = ((0, 0.0, 1.0), (0, np.pi / 4, 1.6j), (0, 0.0, 0.5j))
+"""Starts of the search over half a period and over all of it: which guess, by what angle [rad]
+its rod is turned on, and by what complex amplitude [rad] it swings: at twice the frequency of the
+force, and at that itself. The second of the former finds the rotations whose theta' swings by more
+than its mean, the latter those that are not their own mirror images."""
 
 LEVELS = 12
 """Of the force, from a weak one up to a point's own, on the way of which a rotation is followed."""
@@ -48,8 +54,14 @@ MOST_UNSTABLE = 5.0
 FORWARD, CENTRAL = balanced_step(1, rounding=1e-14), balanced_step(2, rounding=1e-14, roughness=1e3)
 """Steps of the differences, in the size of each state."""
 
+BESIDE = 1e-4
+"""Displacement, by that to twins, at which the way to them is looked at."""
+
 SYMMETRIC = 1e-10
 """By how far, in the size of the states, a rotation that is its own mirror image may miss that."""
+
+SAME = 1e-4
+"""In the size of the states: what differs by less counts as the same rotation."""
 
 COARSER = 3
 """By how much longer the steps are that the search takes."""
@@ -176,11 +188,12 @@ def improve(
     which: Places,
     guess: Array,
     steps: Places,
+    effort: Effort = EFFORT,
 ) -> None:
     """Take the orbits that Newton's method leads to from guesses (4, m) where they are better."""
     if not which.size:
         return
-    orbits = flow.about(which, guess, steps).close(EFFORT)
+    orbits = flow.about(which, guess, steps).close(effort)
     closed = orbits.at(orbits.closed)
     matrices = closed.monodromy @ closed.monodromy if flow.half else closed.monodromy
     best.take(which[orbits.closed], closed.states, matrices)
@@ -217,25 +230,96 @@ def search(points: Points, flow: PeriodFlow, guesses: list[Array], steps: Any) -
     steps : int array (k,)
         In a period.
     """
-    points.parameters.refuse_gravity("maps of hula_hoop's rotations")  # breaks the symmetry
-    best, half = Rotations.unknown(len(points)), replace(flow, half=True)
-
-    def start(over: PeriodFlow, place: int, angle: float, faster: float) -> None:
-        """Start points without a stable rotation from a changed guess."""
-        which = np.flatnonzero(~best.stable)
-        states = guesses[place][:, which].copy()
-        states[1] += angle
-        states[3] += faster * 2 * np.pi / flow.period[which]
-        improve(best, over, which, states, steps)
-
-    for one in HALF_STARTS:
-        start(half, *one)
-    raise_force(best, points, half, steps)
-    find_twins(best, flow, steps)
-    for one in WHOLE_STARTS:
-        start(flow, *one)
+    best = Rotations.unknown(len(points))
+    c = coefficients_of(points)
+    over_half, over_all = (
+        Search(best, replace(flow, half=True), c, HALF_NODES, steps),
+        Search(best, flow, c, NODES, steps),
+    )
+    for start in HALF_STARTS:
+        over_half.start(*over_half.changed(guesses, start))
+    raise_force(over_half, points)
+    starts = [*twins(over_all), *(over_all.changed(guesses, start) for start in WHOLE_STARTS)]
+    over_all.start(*map(np.concatenate, zip(*starts, strict=True)))
     follow(best, points, flow, steps)
     return best
+
+
+def coefficients_of(points: Points) -> Coefficients:
+    """Return the coefficients (k,) of the reference's equations.
+
+    Raises
+    ------
+    ParameterError
+        If there is gravity, which no rotation is its own mirror image in.
+    """
+    points.parameters.refuse_gravity("maps of hula_hoop's rotations")
+    values = coefficients(points.parameters)
+    return Coefficients(*(np.array(np.broadcast_to(x, len(points)), float) for x in values))
+
+
+Start = tuple[Places, Array]
+"""Points (m,), and phi (m, nodes) from which they start."""
+
+
+@dataclass(frozen=True)
+class Search:
+    """A search of the reference: by harmonic balance at nodes, then by shooting.
+
+    Attributes
+    ----------
+    best : Rotations
+        What it has come to.
+    flow : PeriodFlow
+    c : Coefficients
+        Arrays (k,).
+    nodes : Nodes
+    steps : int array (k,)
+        In a period.
+    """
+
+    best: Rotations
+    flow: PeriodFlow
+    c: Coefficients
+    nodes: Nodes
+    steps: Places
+
+    def start(self, which: Places, phi: Array) -> None:
+        """Start some points from phi (m, nodes), theta less the phase of the force."""
+        if not which.size:
+            return
+        balance = Balance(self.c, self.nodes)
+        phi, solved = balance.solve(which, phi)
+        which = which[solved]
+        states = balance.states(which, phi[solved])
+        new = self.is_new(which, states)
+        improve(self.best, self.flow, which[new], states[:, new], self.steps, BALANCED)
+
+    def is_new(self, which: Places, states: Array) -> NDArray[np.bool_]:
+        """Return which of states (4, m) are neither known already nor there before."""
+        off = (states - self.best.states[:, which]) / self.flow.scale[:, which]
+        off[1] -= np.rint(off[1])  # its size is a turn
+        known = np.max(np.abs(off), axis=0) < SAME
+        turns = states[1] / (2 * np.pi)
+        rows = np.stack([which, np.rint((turns - np.floor(turns)) / SAME)])
+        first = np.zeros(len(which), dtype=bool)
+        first[np.unique(rows, axis=1, return_index=True)[1]] = True
+        return first & ~known
+
+    def changed(self, guesses: list[Array], start: tuple[int, float, complex]) -> Start:
+        """Return a changed guess of points without a stable rotation, see `HALF_STARTS`."""
+        place, angle, amplitude = start
+        which = np.flatnonzero(~self.best.stable)
+        order = 2 if self.nodes.half else 1
+        swing = np.imag(amplitude * np.exp(1j * order * self.nodes.phases))
+        return which, guesses[place][1, which, None] + angle + swing
+
+    def phi(self, which: Places, states: Array) -> Array:
+        """Return phi (m, nodes) of motions of some points from states (4, m)."""
+        count = self.nodes.count
+        spacing, steps = self.flow.period[which] / count, -(-self.steps[which] // count)
+        path = self.flow.flow(which, states, 0.0, spacing, count - 1, steps)[1]
+        return np.concatenate([states[1][:, None], path], axis=1) - self.nodes.phases
 
 
 def weakest_force(p: HulaHoop) -> Any:
@@ -247,38 +331,40 @@ def weakest_force(p: HulaHoop) -> Any:
     return np.abs(friction - own) * np.abs(impedance)
 
 
-def raise_force(best: Rotations, points: Points, flow: PeriodFlow, steps: Places) -> None:
+def raise_force(search: Search, points: Points) -> None:
     """Follow the rotation of a weak force up to points that have none, by secants."""
-    p = points.parameters
+    p, best, nodes = points.parameters, search.best, search.nodes
     own = np.broadcast_to(p.force_amplitude, len(points))
     weak = np.maximum(WEAKEST * weakest_force(p), own / LEVELS)
     which = np.flatnonzero(~best.exists & (weak < own))
     if not which.size:
         return
-    guess = points.scene.orbit.guesses(p.replace(force_amplitude=weak))[0]
-    before = states = np.broadcast_to(guess, (4, len(points)))[:, which].copy()
+    guess = points.scene.orbit.guesses(p.replace(force_amplitude=weak))[0][1]
+    before = phi = np.repeat(np.broadcast_to(guess, len(points))[which, None], nodes.count, axis=1)
     for level, force in enumerate(np.linspace(weak, own, LEVELS)[:-1]):
-        weaker = replace(points, parameters=p.replace(force_amplitude=force))
-        over = replace(flow, flow=replace(flow.flow, points=weaker))
-        reached = over.about(which, states if level < 2 else 2 * states - before, steps)
-        orbits = reached.close(EFFORT)
-        which, before = which[orbits.closed], states[:, orbits.closed]
-        states = orbits.states[:, orbits.closed]
-    improve(best, flow, which, 2 * states - before, steps)
+        balance = Balance(search.c._replace(force=force), nodes)
+        reached, solved = balance.solve(which, phi if level < 2 else 2 * phi - before)
+        which, before, phi = which[solved], phi[solved], reached[solved]
+    search.start(which, 2 * phi - before)
 
 
-def find_twins(best: Rotations, flow: PeriodFlow, steps: Places) -> None:
-    """Look for twins along the direction in which an unstable rotation is left."""
+def twins(search: Search) -> list[Start]:
+    """Return where to look for twins: along the direction in which an unstable rotation is left."""
+    best, flow = search.best, search.flow
     which = np.flatnonzero(best.exists & ~best.stable & (best.multiplier < MOST_UNSTABLE))
+    if not which.size:
+        return []
     values, vectors = np.linalg.eig(best.matrices[which])
     each, leading = np.arange(len(which)), np.argmax(np.abs(values), axis=1)
     value, vector = values[each, leading], vectors[each, :, leading]
     parting = (value.imag == 0) & (value.real > 0)
-    which, away, growth = which[parting], vector[parting].real.T, value[parting].real
-    away *= np.sqrt(np.minimum(growth - 1, 1)) / np.max(np.abs(away), axis=0)
-    middle = best.states[:, which]
-    for distance in TWINS:
-        improve(best, flow, which, middle + distance * away * flow.scale[:, which], steps)
+    which, away, growth = which[parting], vector[parting].real.T, value[parting].real[:, None]
+    away *= np.sqrt(np.minimum(growth.T - 1, 1)) / np.max(np.abs(away), axis=0)
+    states = best.states[:, which]
+    middle = search.phi(which, states)
+    beside = search.phi(which, states + BESIDE * away * flow.scale[:, which])
+    parts = (beside - middle) / BESIDE * growth ** (-search.nodes.phases / (2 * np.pi))
+    return [(which, middle + distance * parts) for distance in TWINS]
 
 
 def follow(best: Rotations, points: Points, flow: PeriodFlow, steps: Places) -> None:
@@ -295,7 +381,11 @@ def follow(best: Rotations, points: Points, flow: PeriodFlow, steps: Places) -> 
             return
         tried[which] = source = source[which]
         own, states = Rotations.unknown(len(points)), best.states[:, source]
-        improve(own, flow, which, states, steps)
+        if flow.flow.points.engine == REFERENCE:
+            search = Search(own, flow, coefficients_of(points), NODES, steps)
+            search.start(which, search.phi(source, states))
+        else:
+            improve(own, flow, which, states, steps)
         gained = np.flatnonzero(own.stable | (own.exists & ~best.exists))
         best.take(gained, own.states[:, gained], own.matrices[gained])
 

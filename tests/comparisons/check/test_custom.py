@@ -22,9 +22,10 @@ from mbcheck.comparisons.check.custom import (
     refuse_too_short,
     with_horizon,
 )
-from mbcheck.comparisons.check.request import CheckRequest, matching_checks
+from mbcheck.comparisons.check.request import matching_checks
 from mbcheck.comparisons.checks import suite
 from mbcheck.comparisons.checks.known import TODO
+from mbcheck.comparisons.checks.request import CheckRequest
 from mbcheck.comparisons.checks.truth import MOST_AMPLIFICATION
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.registry import get_engine
@@ -160,8 +161,8 @@ def test_the_bound_is_that_of_the_reference(document: dict[str, Any]) -> None:
 def test_a_run_of_the_scenes_own_cases_has_no_such_reference() -> None:
     report = mbcheck.check(["hula_hoop"], ["mujoco"], ["frequency"])
     document = validated("check", report.as_json())
-    assert "reference" not in document
-    assert "parameters" not in document["selection"]
+    assert document["reference"] is None
+    assert document["selection"]["parameters"] == {}
 
 
 def test_the_console_names_parameters_horizon_and_bound() -> None:

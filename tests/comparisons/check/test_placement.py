@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from mbcheck.comparisons.check.request import CheckRequest, check
+from mbcheck.comparisons.check.request import check, plan_checks
+from mbcheck.comparisons.checks.request import CheckRequest
 from mbcheck.comparisons.checks.suite import checks_of, kinds_of, plan_cases, run_check
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.adapter import adapt
@@ -68,8 +69,8 @@ def test_reactions_along_the_axes_of_the_world_are_named(placement: str) -> None
 
 
 def test_a_placement_is_part_of_new_ids_only() -> None:
-    plain = [one.prefix for one in CheckRequest(placement="none").plan().checks]
-    every = [one.prefix for one in CheckRequest().plan().checks]
+    plain = [one.prefix for one in plan_checks(CheckRequest(placement="none")).checks]
+    every = [one.prefix for one in plan_checks(CheckRequest()).checks]
     more = [prefix for prefix in every if prefix not in set(plain)]
     assert [prefix for prefix in every if prefix in set(plain)] == plain
     assert all("+turned-1/" in prefix or "+mirrored-2/" in prefix for prefix in more)
@@ -100,4 +101,4 @@ def test_all_models_can_be_placed() -> None:
 @pytest.mark.parametrize("placement", ["turned", "turned:-1", "turned:1.5", "left:1", "turned: 1"])
 def test_a_placement_that_is_none_is_refused(placement: str) -> None:
     with pytest.raises(UsageError, match="placement"):
-        CheckRequest(["hula_hoop"], placement=placement).plan()
+        plan_checks(CheckRequest(["hula_hoop"], placement=placement))

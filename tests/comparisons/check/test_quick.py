@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import pytest
 
-from mbcheck.comparisons.check.request import CheckRequest
+from mbcheck.comparisons.check.request import plan_checks, select
 from mbcheck.comparisons.checks.execution import grouped, run_checks, weight
+from mbcheck.comparisons.checks.request import CheckRequest
 from mbcheck.comparisons.checks.suite import KINDS, QUICK, plan, quick
 from mbcheck.comparisons.terminal import program
 from mbcheck.comparisons.terminal.program import PAUSE, progress_lines, time_left
@@ -17,7 +18,7 @@ from mbcheck.tests.support.command import refusal, succeeds
 
 
 def test_each_level_is_checked_once_in_each_scene() -> None:
-    chosen = CheckRequest(engines=("mujoco",), quick=True).plan().checks
+    chosen = plan_checks(CheckRequest(engines=("mujoco",), quick=True)).checks
     every = {check.prefix for check in plan(engines=["mujoco"])}
     assert {check.prefix for check in chosen} <= every
     assert not any("+" in check.prefix for check in chosen)
@@ -62,9 +63,9 @@ def test_it_is_told_of() -> None:
 )
 def test_what_an_id_names_is_run(id: str, count: int) -> None:
     request = CheckRequest(("hula_hoop",), ("mujoco",), ids=(id,), quick=True)
-    chosen = {check.prefix for check in request.select()}
+    chosen = {check.prefix for check in select(request)}
     assert len(chosen) == count
-    every = {check.prefix for check in replace(request, ids=()).select()}
+    every = {check.prefix for check in select(replace(request, ids=()))}
     assert (chosen <= every) == ("order" not in id)
 
 

@@ -123,7 +123,7 @@ def test_results_do_not_depend_on_the_number_of_processes() -> None:
     assert {check.kind for check in checks} == set(KINDS) - {"stability"}
     assert any(check.why_not for check in checks)
     alone, shared = (
-        [replace(item, work={}) for item in run_checks(checks, execution=Execution(jobs))]
+        [replace(item, work={}) for item in run_checks(checks, execution=Execution(jobs=jobs))]
         for jobs in (1, 2)
     )
     assert alone == shared
@@ -162,7 +162,7 @@ class Bomb(Case):
 def test_a_check_that_kills_its_process_takes_no_other_along() -> None:
     good = [item for item in plan(kinds=["frequency"], engines=["mujoco"]) if not item.why_not]
     deadly = replace(good[0], case=Bomb("hula_hoop", "bomb", HulaHoop()))
-    results = run_checks([deadly, *good], execution=Execution(2))
+    results = run_checks([deadly, *good], execution=Execution(jobs=2))
     verdicts = {item.case: item.verdict for item in results}
     assert verdicts.pop("bomb") == "error"
     assert set(verdicts.values()) == {"pass"}

@@ -224,7 +224,7 @@ def test_a_known_deviation_does_not_fail() -> None:
     assert set(items) == bad
     assert items[WRONG]["known"] == "the spring is too stiff: issue 12"
     assert "x its tolerance" in items[WRONG]["reason"]
-    (entry,) = found["known"]["entries"]
+    (entry,) = found["known"]
     assert (entry["state"], entry["results"]) == ("used", len(bad))
     skipped = ET.parse("r.xml").findall(".//skipped")
     assert len(skipped) == len(bad)
@@ -235,10 +235,10 @@ def test_an_entry_whose_checks_pass_is_stale() -> None:
     text = file(ENTRY.replace("hula_hoop", "rest_rod_across"))
     code, found = document(f"{RUN} --known {text} --junit r.xml")
     assert code == 0
-    assert found["known"]["entries"][0]["state"] == "stale"
+    assert found["known"][0]["state"] == "stale"
     (message,) = [str(item.get("message")) for item in ET.parse("r.xml").findall(".//skipped")]
     assert message.startswith("stale: known.toml, entry 1, ")
-    assert message.endswith(f"{found['known']['entries'][0]['why']}; remove it")
+    assert message.endswith(f"{found['known'][0]['why']}; remove it")
     done = invoke(f"{RUN} --known {text} --strict-known --junit r.xml --annotations -q")
     assert done.exit_code == 1
     assert "stale: known.toml, entry 1, '*/rest_rod_across/*" in done.stdout
@@ -320,7 +320,7 @@ def test_an_interrupted_run_writes_no_entries(monkeypatch: pytest.MonkeyPatch) -
     assert not Path("new.toml").exists()
     found = json.loads(Path("r.json").read_text())
     assert found["checks"]["not_reached"] == found["checks"]["planned"] - 1 > 0
-    assert found["known"]["entries"][0]["state"] == "open"
+    assert found["known"][0]["state"] == "open"
 
 
 def test_python_takes_the_file_too() -> None:

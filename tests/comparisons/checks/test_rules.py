@@ -359,9 +359,11 @@ def test_errors_of_a_motion_too_stiff_to_follow_are_not_called_growth() -> None:
 def test_simulate_tells_before_it_runs() -> None:
     times = [0.25, 0.5]
     with pytest.raises(EngineError, match="rule step_limit"):
-        simulate("hula_hoop", "mujoco", "Euler", step=2.0**-2, times=np.arange(1, 200) / 4)
+        simulate(
+            "hula_hoop", engine="mujoco", method="Euler", step=2.0**-2, times=np.arange(1, 200) / 4
+        )
     long = {"crank_radius": 0.4}
-    told = simulate("speed_regulator", "mujoco", "RK4", parameters=long, times=times)
+    told = simulate("speed_regulator", engine="mujoco", method="RK4", parameters=long, times=times)
     document = told.as_json()["cautions"]
     assert [item["rule"] for item in document] == ["closure_softness"]
     assert not simulate("hula_hoop", times=times).cautions

@@ -21,8 +21,8 @@ from mbcheck.comparisons.checks.verdict import Subject
 from mbcheck.comparisons.engines import THREADS
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.queries.simulate import simulate
+from mbcheck.comparisons.queries.times import times_from
 from mbcheck.comparisons.reports import files as destinations
-from mbcheck.comparisons.terminal import program as terminal
 from mbcheck.reference.errors import EngineError, EngineUnavailableError, UsageError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
 from mbcheck.tests.support.command import MAIN, invoke, process, refusal, succeeds
@@ -174,11 +174,11 @@ def test_a_long_table_is_cut() -> None:
     ],
 )
 def test_times(text: str, times: list[float]) -> None:
-    assert terminal.times_option(None, None, text) == times  # type: ignore[arg-type]
+    assert times_from(text, "--times") == times
 
 
 def test_a_long_range_does_not_drift() -> None:
-    times = terminal.times_option(None, None, "0:100:0.001")  # type: ignore[arg-type]
+    times = times_from("0:100:0.001", "--times")
     assert times == [i / 1000 for i in range(100_001)]
 
 
@@ -283,12 +283,12 @@ def test_options_reach_the_suite(monkeypatch: pytest.MonkeyPatch) -> None:
     seen: list[Any] = []
 
     def run(checks: Any, profile: str, how: Execution, *_: Any) -> list[Judged]:
-        seen.append(({check.method.name for check in checks}, profile, how))
+        seen.append(({check.method.name for check in checks}, profile, how.jobs, how.fail_fast))
         return [judged("pass")]
 
     pretend(monkeypatch, run)
     succeeds("check --kind order --method RK4 --method RK44 -j 2 --fail-fast --profile loose")
-    assert seen == [({"RK4", "RK44"}, "loose", Execution(2, True))]
+    assert seen == [({"RK4", "RK44"}, "loose", 2, True)]
 
 
 def test_interrupted(monkeypatch: pytest.MonkeyPatch) -> None:

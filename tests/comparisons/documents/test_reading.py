@@ -63,4 +63,4 @@ def test_a_large_file_is_refused_before_it_is_read() -> None:
 def test_a_document_of_another_verb_is_named(tmp_path: Path) -> None:
     written(tmp_path)
     invoke("inspect model.xml --no-modes --json other.json")
-    assert "there is no 'results'" in refusal("diff other.json other.json")
+    assert "missing required field" in refusal("diff other.json other.json")

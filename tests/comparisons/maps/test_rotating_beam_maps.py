@@ -96,7 +96,9 @@ def test_engines_show_their_own_systems() -> None:
         truth = frequencies(p, continuum="extensible").omega
         own = [elements.values[f"frequency_{j}"][i] for j in (1, 2)]
         np.testing.assert_allclose(own, truth, rtol=2e-3)
-        shown = mbcheck.frequencies("rotating_beam", None, p.as_dict(), "exudyn", count=1).modes
+        shown = mbcheck.frequencies(
+            "rotating_beam", parameters=p.as_dict(), engine="exudyn", count=1
+        ).modes
         assert elements.values["frequency_1"][i] == shown[0].omega
     assert np.all(np.isnan(chain.values["flapwise_1"]))
     assert np.all(np.isnan(chain.values["bound_1"]))

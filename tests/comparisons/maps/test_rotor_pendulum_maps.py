@@ -268,7 +268,7 @@ def test_sync_ends_as_the_single_run_does() -> None:
     duration = float(found.values["duration"][0])
     spacing = 2 * np.pi / float(operating_speed(STRONG)) / 10
     times = [spacing * i for i in range(round(duration / spacing) + 1)]
-    run = simulate("rotor_pendulum", "mujoco", parameters=stiffnesses(STRONG), times=times)
+    run = simulate("rotor_pendulum", engine="mujoco", parameters=stiffnesses(STRONG), times=times)
     assert SCENE.outcome is not None
     assert SCENE.outcome(times, run.observables, STRONG) == "synchronised"
 

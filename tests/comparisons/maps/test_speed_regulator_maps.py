@@ -221,7 +221,7 @@ def test_the_own_rotation_of_a_soft_closure_is_where_a_long_run_ends() -> None:
     times = np.linspace(0, 160, 2561)
     start = {"phi_dot": float(rotations(points(damping=[4.0])).start_speed[0])}
     run = simulate(
-        "speed_regulator", "mujoco", parameters={"damping": 4.0}, state=start, times=times
+        "speed_regulator", engine="mujoco", parameters={"damping": 4.0}, state=start, times=times
     )
     phi = run.observables["phi"]
     marks = 2 * np.pi * np.array([phi[-1] // (2 * np.pi) - 20, phi[-1] // (2 * np.pi)])

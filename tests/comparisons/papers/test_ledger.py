@@ -151,8 +151,8 @@ def test_no_verdict_hangs_on_a_limit_of_ours_that_is_close(
     assessment = assess(row, Session())
     assert assessment.verdict == verdict
     (threshold,) = assessment.thresholds
-    assert threshold["value"] == value
-    assert threshold["distance"] == pytest.approx(10 - value)
+    assert threshold.value == value
+    assert threshold.distance == pytest.approx(10 - value)
 
 
 def test_a_close_limit_is_open_only_where_the_verdict_hangs_on_it() -> None:
@@ -174,8 +174,8 @@ def test_printed_number_is_a_number_with_unit_and_tolerance() -> None:
     assert row.quantity == ledger.Printed(3.08, 0.005, "N m")
     assert assessment.values == {"reference": 1.0, "able": 2.0}
     (threshold,) = assessment.thresholds
-    assert (threshold["limit"], threshold["value"]) == (3.08, 1.0)
-    assert threshold["distance"] == pytest.approx(0.005 - 2.08)
+    assert (threshold.limit, threshold.value) == (3.08, 1.0)
+    assert threshold.distance == pytest.approx(0.005 - 2.08)
 
 
 def by_engine(session: Session, who: str) -> Any:

@@ -154,7 +154,7 @@ def test_number_that_a_row_is_judged_by(condition: Any, value: Any, expected: An
 def test_results_do_not_depend_on_processes() -> None:
     checks = plan(ids=QUICK)
     alone, together = (
-        [replace(item, work={}) for item in run_checks(checks, execution=Execution(jobs))]
+        [replace(item, work={}) for item in run_checks(checks, execution=Execution(jobs=jobs))]
         for jobs in (1, 2)
     )
     assert alone == together

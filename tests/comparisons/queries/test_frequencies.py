@@ -21,7 +21,7 @@ ALIGNED = np.sqrt(1000 / 0.495)
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize(("about", "omega"), [(None, ACROSS), ("rod_aligned", ALIGNED)])
 def test_undamped_frequencies(engine: str, about: str | None, omega: float) -> None:
-    found = mbcheck.frequencies("hula_hoop", about, engine=engine, undamped=True)
+    found = mbcheck.frequencies("hula_hoop", about=about, engine=engine, undamped=True)
     document = validated("frequencies", found.as_json())
     zero, mode = document["modes"]
     assert zero["damping_ratio"] is None
@@ -33,7 +33,7 @@ def test_undamped_frequencies(engine: str, about: str | None, omega: float) -> N
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_damped_frequencies(engine: str) -> None:
-    found = mbcheck.frequencies("hula_hoop", "rod_aligned", engine=engine)
+    found = mbcheck.frequencies("hula_hoop", about="rod_aligned", engine=engine)
     assert found.state["theta"] == np.pi / 2
     slide = found.modes[-1]
     assert slide.damping_ratio == pytest.approx(0.1, rel=1e-8)  # rho, by its definition
@@ -45,9 +45,11 @@ def test_damped_frequencies(engine: str) -> None:
 def test_a_beam_that_shears_has_a_first_mode() -> None:
     """Shear is 10^10 times as stiff as bending: its first mode was taken for a free one."""
     loads = {"mass": 0.4, "ramp_time": 0.0, "angular_speed": 0.0}
-    (right,) = mbcheck.frequencies("rotating_beam", None, loads, count=1).modes
+    (right,) = mbcheck.frequencies("rotating_beam", parameters=loads, count=1).modes
     shears = loads | {"element": "geometrically_exact"}
-    (found,) = mbcheck.frequencies("rotating_beam", None, shears, "exudyn", count=1).modes
+    (found,) = mbcheck.frequencies(
+        "rotating_beam", parameters=shears, engine="exudyn", count=1
+    ).modes
     assert found.omega == pytest.approx(right.omega, rel=1e-3)
 
 
@@ -83,7 +85,7 @@ def test_what_nothing_resists_is_listed_once(
 ) -> None:
     """The turn about the vertical, and the length of the quaternion."""
     parameters = {"gravity_z": 9.81} | loss
-    found = mbcheck.frequencies(scene, "hanging", parameters=parameters).modes
+    found = mbcheck.frequencies(scene, about="hanging", parameters=parameters).modes
     assert len(found) == coordinates
     assert [mode.damping_ratio is None for mode in found] == [True] * 2 + [False] * (
         coordinates - 2
@@ -95,6 +97,6 @@ def test_friction_in_a_ball_joint_ends_the_turn_about_the_vertical() -> None:
     """The attitude that is left is any; the rate decays by r / J."""
     upright = dict.fromkeys(("centre_x", "centre_y", "axes_x", "axes_y", "axes_z"), 0.0)
     values = upright | {"gravity_z": 9.81, "joint_damping": 0.005, "moment_3": 0.007}
-    modes = mbcheck.frequencies("ball_hoop", "hanging", parameters=values).modes
+    modes = mbcheck.frequencies("ball_hoop", about="hanging", parameters=values).modes
     decays = [mode.re for mode in modes if mode.im == 0 and mode.re < 0]
     assert decays == [pytest.approx(-0.005 / 0.007, rel=1e-9)]

@@ -17,19 +17,25 @@ Refused = tuple[Callable[[], object], type[Exception], str]
 
 REFUSED: list[Refused] = [
     (lambda: mbcheck.simulate("hula_hop", times=[1]), UnknownNameError, "'hula_hoop'"),
-    (lambda: mbcheck.simulate("hula_hoop", "mujco", times=[1]), UnknownNameError, "'mujoco'"),
     (
-        lambda: mbcheck.simulate("hula_hoop", "mujoco", "RK5", times=[1]),
+        lambda: mbcheck.simulate("hula_hoop", engine="mujco", times=[1]),
+        UnknownNameError,
+        "'mujoco'",
+    ),
+    (
+        lambda: mbcheck.simulate("hula_hoop", engine="mujoco", method="RK5", times=[1]),
         UnknownNameError,
         "'RK4'",
     ),
     (
-        lambda: mbcheck.simulate("hula_hoop", "exudyn", model="redundnt", times=[1]),
+        lambda: mbcheck.simulate("hula_hoop", engine="exudyn", model="redundnt", times=[1]),
         UnknownNameError,
         "'redundant'",
     ),
     (
-        lambda: mbcheck.simulate("hula_hoop", "exudyn", "RK44", model="redundant", times=[1]),
+        lambda: mbcheck.simulate(
+            "hula_hoop", engine="exudyn", method="RK44", model="redundant", times=[1]
+        ),
         UsageError,
         "GeneralizedAlpha",
     ),
@@ -60,7 +66,7 @@ REFUSED: list[Refused] = [
     ),
     (lambda: mbcheck.simulate("hula_hoop", step=0.1, times=[1]), UsageError, "its own steps"),
     (
-        lambda: mbcheck.simulate("hula_hoop", "mujoco", step=np.nan, times=[1]),
+        lambda: mbcheck.simulate("hula_hoop", engine="mujoco", step=np.nan, times=[1]),
         ParameterError,
         "step must be",
     ),
@@ -75,7 +81,11 @@ REFUSED: list[Refused] = [
     (lambda: mbcheck.simulate("hula_hoop", times=[2, 1]), UsageError, "increase"),
     (lambda: mbcheck.simulate("hula_hoop", times=np.ones((2, 2))), UsageError, "one row"),
     (lambda: mbcheck.simulate("hula_hoop", times=["a"]), UsageError, "numbers"),  # type: ignore[list-item]
-    (lambda: mbcheck.frequencies("hula_hoop", "rod_alinged"), UnknownNameError, "'rod_aligned'"),
+    (
+        lambda: mbcheck.frequencies("hula_hoop", about="rod_alinged"),
+        UnknownNameError,
+        "'rod_aligned'",
+    ),
     (lambda: mbcheck.frequencies("hula_hoop", count=0), UsageError, "1 or more"),
     (lambda: mbcheck.orbit("hula_hoop", step=0.1), UsageError, "its own steps"),
     (lambda: mbcheck.orbit("hula_hoop", engine="mujoco", step=0.1), UsageError, "too long"),

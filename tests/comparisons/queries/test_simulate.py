@@ -56,7 +56,11 @@ def test_engine_meets_the_reference(
 
 def test_simulation_repeats_from_its_document() -> None:
     first = mbcheck.simulate(
-        "hula_hoop", "mujoco", times=TIMES, parameters={"rod_length": 0.06}, state={"theta": 0.3}
+        "hula_hoop",
+        engine="mujoco",
+        times=TIMES,
+        parameters={"rod_length": 0.06},
+        state={"theta": 0.3},
     )
     again = mbcheck.simulate(
         first.scene,
@@ -88,11 +92,11 @@ def test_default_method(options: dict[str, Any], method: str) -> None:
 
 def test_times_beside_the_grid_are_refused_with_the_nearest() -> None:
     with pytest.raises(UsageError, match=r"nearest that fit are 0\.0005 and 0\.001"):
-        mbcheck.simulate("hula_hoop", "mujoco", step=0.0005, times=[0.0007])
+        mbcheck.simulate("hula_hoop", engine="mujoco", step=0.0005, times=[0.0007])
 
 
 def test_a_typed_step_may_round() -> None:
-    found = mbcheck.simulate("hula_hoop", "mujoco", step=0.0033333333, times=[0.3333333301])
+    found = mbcheck.simulate("hula_hoop", engine="mujoco", step=0.0033333333, times=[0.3333333301])
     assert found.times[0] == pytest.approx(0.33333333, abs=1e-12)
     assert found.work["steps"] == 100
 

@@ -6,11 +6,11 @@ import pytest
 
 from mbcheck.comparisons.engines.exudyn.engine import (
     IMPLICIT,
+    Probe,
     integrate_samples,
     place_initial,
     quiet,
 )
-from mbcheck.comparisons.engines.exudyn.probe import Probe
 from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
 from mbcheck.models.mjcf import export
 from mbcheck.models.speed_regulator import exudyn_model

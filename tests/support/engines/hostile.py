@@ -66,9 +66,10 @@ DEEDS: dict[str, Callable[[], None]] = {
 class Hostile(ReferenceEngine):
     """The reference's equations by Kutta's method; other methods do what they are named after."""
 
-    name = NAME
-    version = "0"
-    methods = (Method("RK4", 4, "RK44"), *(Method(name, 4, "RK44") for name in DEEDS))
+    def __init__(self) -> None:
+        super().__init__()
+        self.name, self.version = NAME, "0"
+        self.methods = tuple(Method(name, 4, "RK44") for name in ("RK4", *DEEDS))
 
     def models(self, scene: str) -> tuple[str, ...]:
         return ("exact",)

@@ -24,9 +24,10 @@ from rich.console import Console
 from mbcheck.comparisons.check import request
 from mbcheck.comparisons.checks import known, suite
 from mbcheck.comparisons.checks.known import Entry, Use
+from mbcheck.comparisons.checks.request import CheckRequest
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.reports import github
-from mbcheck.comparisons.reports.run.outcome import Report, Run
+from mbcheck.comparisons.reports.run.outcome import Checks, Report, Run
 from mbcheck.comparisons.reports.run.sections import print_report, run_annotations, run_summary
 from mbcheck.comparisons.reports.run.sections import run_junit as junit
 from mbcheck.tests.support.command import invoke
@@ -89,9 +90,9 @@ def test_every_report_tells_what_ran_and_why_not() -> None:
 
 
 def test_a_check_is_repeated_as_it_was_run() -> None:
-    plain = {"engines": ("mujoco",), "profile": "default", "full": False}
+    plain = CheckRequest(engines=("mujoco",))
     assert Run(selection=plain).check_command == "mbcheck check"
-    odd = {"engines": ("mujoco", "a.b:C d"), "profile": "strict", "full": True}
+    odd = CheckRequest(engines=("mujoco", "a.b:C d"), profile="strict", full=True)
     assert (
         Run(selection=odd).check_command
         == "mbcheck check --engine 'a.b:C d' --profile strict --full"
@@ -102,9 +103,7 @@ def test_an_engine_that_is_not_there_is_no_check() -> None:
     blank = changed(
         result(verdict="skipped", kind="-"), id="verification/-/-/-/exudyn/-/-", scene="-"
     )
-    assert Report((blank,), {}).checks == dict.fromkeys(
-        ("planned", "ran", "skipped", "not_reached"), 0
-    )
+    assert Report((blank,), {}).checks == Checks(0, 0, 0, 0)
 
 
 @pytest.mark.parametrize(("strict", "code"), [(False, 0), (True, 1)])

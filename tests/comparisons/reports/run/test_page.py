@@ -17,6 +17,7 @@ import pytest
 from mbcheck.comparisons.check import request
 from mbcheck.comparisons.checks import suite
 from mbcheck.comparisons.checks.known import Entry, Use
+from mbcheck.comparisons.checks.request import CheckRequest
 from mbcheck.comparisons.checks.verdict import Result, Series
 from mbcheck.comparisons.reports import drawing
 from mbcheck.comparisons.reports.run.outcome import Report, Run
@@ -141,7 +142,7 @@ def test_a_run_that_failed_nowhere_and_one_that_was_interrupted() -> None:
     assert "<title>PASS</title>" in clean
     for word in ("Stale", "Known deviations", "Skipped"):
         assert word not in clean
-    chosen = {"scenes": ("a",), "ids": (), "profile": "loose", "full": True}
+    chosen = CheckRequest(("a",), profile="loose", full=True)
     stopped = page_of([result()], planned=7, interrupted=True, selection=chosen)
     assert "<title>INTERRUPTED</title>" in stopped
     assert "6 not reached" in stopped

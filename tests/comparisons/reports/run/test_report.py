@@ -14,6 +14,7 @@ import pytest
 from rich.console import Console
 
 from mbcheck.comparisons.checks.known import Entry, Use
+from mbcheck.comparisons.checks.request import CheckRequest
 from mbcheck.comparisons.checks.verdict import Result, Verdict
 from mbcheck.comparisons.reports import drawing
 from mbcheck.comparisons.reports.run.outcome import Report, Run
@@ -62,7 +63,7 @@ def test_every_engine_that_was_asked_for_must_pass_something(
     engines: tuple[str, ...], code: int
 ) -> None:
     results = [result("RK4"), result("RK67", "skipped", engine="exudyn")]
-    assert outcome(results, selection={"engines": engines}).exit_code == code
+    assert outcome(results, selection=CheckRequest(engines=engines)).exit_code == code
 
 
 # JSON
@@ -284,7 +285,7 @@ def test_report_in_an_old_encoding() -> None:
 
 def test_rerun_command_keeps_options_and_quotes() -> None:
     odd = changed(result(verdict="deviation"), id="a/b/c/d/e/f/it's", quantity="it's")
-    text = printed([odd], 0, selection={"full": True})
+    text = printed([odd], 0, selection=CheckRequest(full=True))
     assert "mbcheck check --full --id 'a/b/c/d/e/f/it'\\''s'" in text
 
 
