@@ -22,6 +22,7 @@ from ..terminal.program import (
     JUNIT,
     MARKDOWN,
     QUIET,
+    SARIF,
     complain,
     console,
     destination,
@@ -71,6 +72,7 @@ def new_file(
 @with_options_of(CheckRun)
 @JSON
 @JUNIT
+@SARIF
 @MARKDOWN
 @click.option(
     "--write-known",
@@ -97,6 +99,7 @@ def new_file(
 def check_verb(
     json_file: Destination | None,
     junit_file: Destination | None,
+    sarif_file: Destination | None,
     markdown_file: Destination | None,
     draft_file: Destination | None,
     annotations: bool | None,
@@ -118,14 +121,12 @@ def check_verb(
     """
     if quiet and verbose:
         raise UsageError("--quiet and --verbose contradict each other")
-    files = (json_file, junit_file, markdown_file, draft_file, html_file)
+    files = (json_file, junit_file, sarif_file, markdown_file, draft_file, html_file)
     refuse_conflicts(*files)
     from ..checks import known
     from ..engines.registry import in_this_process
-    from ..reports.run import github
-    from ..reports.run.console import print_report
-    from ..reports.run.junit import junit
-    from ..reports.run.markdown import run_summary
+    from ..reports import github
+    from ..reports.run import sections
 
     asked = CheckRun(**options)
     names = options["engines"]
@@ -141,19 +142,20 @@ def check_verb(
     if json_file:
         json_file.write(json_text(outcome.as_json()))
     if junit_file:
-        junit_file.write(junit(outcome))
-    summary = run_summary(outcome)
+        junit_file.write(sections.run_junit(outcome))
+    if sarif_file:
+        sarif_file.write(sections.run_sarif(outcome))
+    summary = sections.run_summary(outcome)
     if markdown_file:
         markdown_file.write(summary)
     if html_file:
         write_page(html_file, outcome)
     if draft_file and not outcome.run.interrupted:
         draft_file.write(known.draft(outcome.results))
-    if failure := github.append_step_summary(summary):
-        click.echo(f"Warning: {failure}", err=True)
-    commands = partial(github.workflow_commands, outcome)
-    with github.annotated(commands, annotations, err=to_stdout(*files)):
-        print_report(console(*files), outcome, verbosity=int(verbose) - int(quiet))
+    github.append_step_summary(summary)
+    items = partial(sections.run_annotations, outcome)
+    with github.annotated(items, annotations, err=to_stdout(*files)):
+        sections.print_report(console(*files), outcome, verbosity=int(verbose) - int(quiet))
     if outcome.run.interrupted:
         return complain("interrupted", INTERRUPTED)
     return outcome.exit_code

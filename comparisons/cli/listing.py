@@ -7,7 +7,7 @@ from typing import Any
 
 from rich.console import Console
 
-from ..reports.text import print_line, print_matrix, print_table, print_wrapped
+from ..reports.text import matrix_by_kind, print_line, print_table, print_wrapped
 from ..reports.words import assignments
 
 
@@ -33,7 +33,7 @@ def print_coverage(console: Console, coverage: Mapping[str, Any]) -> None:
     counts: dict[tuple[str, ...], object] = {
         (c["scene"], c["engine"], c["kind"]): c["checks"] or None for c in cells
     }
-    print_matrix(console, counts)
+    print_table(console, *matrix_by_kind(counts))
     for cell in cells:
         if not cell["checks"]:
             place = " ".join((cell["scene"], cell["engine"], cell["kind"]))

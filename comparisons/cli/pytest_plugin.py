@@ -180,9 +180,7 @@ def parametrize(metafunc: pytest.Metafunc) -> None:
 def run_test(check: Check, node: pytest.Item) -> None:
     """Run a check as a test: fails, or is skipped or expected to fail, with its reasons."""
     from ..checks import suite
-    from ..reports.run.blocks import blocks
-    from ..reports.run.located import located
-    from ..reports.run.outcome import Run
+    from ..reports.run.outcome import Report, Run
     from ..reports.run.results import FAILURES, why_known
 
     plan = check_plan(node.config)
@@ -192,15 +190,11 @@ def run_test(check: Check, node: pytest.Item) -> None:
     bad = (*FAILURES, *(("known",) if as_if_unknown else ()))
     failed = [result for result in results if result.verdict in bad]
     if failed:
+        as_failures = [
+            replace(r, verdict="deviation") if r.verdict == "known" else r for r in failed
+        ]
         run = Run(selection=plan.request)
-        lines = []
-        for block in blocks(
-            [replace(r, verdict="deviation") if r.verdict == "known" else r for r in failed]
-        ):
-            words = [*located(block.failed), block.title, *block.quantities, block.why]
-            lines.append("\n".join([*words, run.repeat(block.worst.id)]))
-        lines += dict.fromkeys(filter(None, (r.traceback for r in failed)))
-        pytest.fail("\n\n".join(lines), pytrace=False)
+        pytest.fail(Report(tuple(as_failures), {}, run).text(1), pytrace=False)
     reasons = dict.fromkeys(why_known(r) for r in results if r.verdict == "known")
     if reasons:
         pytest.xfail(f"known deviation: {'; '.join(reasons)}")
@@ -248,9 +242,9 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     if is_worker(config) or config.option.collectonly or not concerned(config):
         return
     from ..checks.verdict import result_from
+    from ..reports import github
     from ..reports.files import Destination, collect_unwritten
-    from ..reports.run import github
-    from ..reports.run.markdown import run_summary
+    from ..reports.run.sections import run_summary
     from ..terminal.program import json_text
 
     plan = check_plan(config)
@@ -280,24 +274,11 @@ def concerned(config: pytest.Config) -> bool:
 def pytest_terminal_summary(
     terminalreporter: pytest.TerminalReporter, config: pytest.Config
 ) -> None:
-    """Tell how many checks ran, why others did not, and which entries are stale."""
+    """Print the report of `mbcheck check`."""
     if REPORT not in config.stash:
         return
-    from ..reports.run.located import located
-    from ..reports.run.results import skip_reasons
-    from ..reports.words import printable
-
     outcome = config.stash[REPORT]
-    run = outcome.run
     terminalreporter.section("mbcheck")
-    for line in located(outcome.results):
-        terminalreporter.line(printable(line))
-    for (engine, reason), members in skip_reasons(outcome.results).items():
-        terminalreporter.line(printable(f"skipped {len(members)} x {engine}: {reason}"))
-    for use in run.stale:
-        line = printable(run.stale_line(use))
-        terminalreporter.line(line, red=run.strict_known, yellow=True)
-    terminalreporter.line(outcome.counts_line)
-    terminalreporter.line(outcome.summary_line)
+    terminalreporter.write(outcome.text())
     if not outcome.results:
         terminalreporter.line(f"no check ran: add --pyargs {PACKAGE}, or see why above", red=True)

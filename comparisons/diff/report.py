@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterator
 
 from rich.console import Console
 
-from ..reports.run.markdown import short_table
-from ..reports.text import print_line, print_wrapped
-from ..reports.words import code, plain, plural, with_unit
+from ..reports.sections import Section, markdown_sections, print_sections
+from ..reports.text import STYLES, print_line
+from ..reports.words import plural, with_unit
 from .changes import SORTS, Change, Diff
 from .document import Document
 
@@ -17,8 +18,6 @@ FEW = 3
 
 MOST_GROUPS = 4
 """Groups of a sort that are shown; ``--verbose`` and the documents have all."""
-
-Groups = list[tuple[str, list[Change]]]
 
 
 def summary_line(diff: Diff) -> str:
@@ -35,30 +34,6 @@ def side_line(name: str, side: Document) -> str:
     """Return what one of the runs was."""
     versions = ", ".join(f"{what} {text}" for what, text in side.versions.items())
     return f"{name} {side.file}: {plural(len(side.results), 'result')}; {versions}"
-
-
-def by_sort(diff: Diff) -> Iterator[tuple[str, list[Change]]]:
-    """Yield the sorts that there are, with their changes."""
-    for name in SORTS:
-        changes = [change for change in diff.changes if change.sort == name]
-        if changes:
-            yield name, changes
-
-
-def groups(changes: Sequence[Change]) -> Groups:
-    """Return changes by engine and kind, the group with the worst change first."""
-    by_name: dict[str, list[Change]] = {}
-    for change in changes:
-        by_name.setdefault(f"{change.result.engine} {change.result.kind}", []).append(change)
-    return list(by_name.items())
-
-
-def where(changes: Sequence[Change]) -> str:
-    """Return how many changes there are, and in which scenes."""
-    scenes: dict[str, int] = {}
-    for change in changes:
-        scenes[change.result.scene] = scenes.get(change.result.scene, 0) + 1
-    return f"{len(changes)} in " + ", ".join(f"{name} ({n})" for name, n in scenes.items())
 
 
 def numbers(change: Change) -> str:
@@ -80,66 +55,41 @@ def reason(change: Change) -> str:
     return change.result.reason if wanted else ""
 
 
-# Console
+def diff_sections(diff: Diff, verbose: bool) -> Iterator[Section]:
+    """Yield what was compared, then each sort of change; ``verbose`` lists every change."""
+    sides = [side_line("old", diff.old), side_line("new", diff.new)]
+    yield Section(lines=[*sides, *(f"  {note}" for note in diff.notes)])
+    for name, sort in SORTS.items():
+        changes = [change for change in diff.changes if change.sort == name]
+        groups: dict[str, list[Change]] = {}
+        for change in changes:
+            groups.setdefault(f"{change.result.engine} {change.result.kind}", []).append(change)
+        lines = []
+        for change in changes if verbose or len(changes) <= FEW else ():
+            lines += change_lines(change)
+        for title, members in () if lines else list(groups.items())[:MOST_GROUPS]:
+            scenes = Counter(change.result.scene for change in members).items()
+            where = ", ".join(f"{scene} ({count})" for scene, count in scenes)
+            lines.append(f"{title}: {len(members)} in {where}")
+            if sort.regression:
+                lines += change_lines(members[0], "  worst: ")
+        if changes:
+            verdict = "deviation" if sort.regression else ""
+            yield Section(f"{sort.title} ({len(changes)})", lines=lines, verdict=verdict)
+
+
+def change_lines(change: Change, title: str = "") -> list[str]:
+    """Return a change in lines: its id, its numbers, and why."""
+    lines = filter(None, (numbers(change), reason(change)))
+    return [f"{title}{change.result.id}", *(f"    {line}" for line in lines)]
 
 
 def print_diff(console: Console, diff: Diff, verbose: bool = False) -> None:
-    """Print what was compared, then what changed, then one line.
-
-    Parameters
-    ----------
-    console : rich.console.Console
-    diff : Diff
-    verbose : bool
-        Show every change.
-    """
-    for name, side in (("old", diff.old), ("new", diff.new)):
-        print_wrapped(console, side_line(name, side))
-    for note in diff.notes:
-        print_wrapped(console, note, indent="  ")
-    for name, changes in by_sort(diff):
-        console.print()
-        style = "bold red" if SORTS[name].regression else "bold"
-        print_line(console, f"{SORTS[name].title} ({len(changes)})", style)
-        if verbose or len(changes) <= FEW:
-            for change in changes:
-                print_change(console, change, "  ")
-            continue
-        by_name = groups(changes)
-        for title, members in by_name[:MOST_GROUPS]:
-            print_wrapped(console, f"{title}: {where(members)}", indent="  ")
-            if SORTS[name].regression:
-                print_change(console, members[0], "    worst: ")
-        left = by_name[MOST_GROUPS:]
-        if left:
-            count = sum(len(members) for _, members in left)
-            print_wrapped(console, f"{count} more in {plural(len(left), 'group')}", indent="  ")
-    console.print()
-    style = "bold red" if diff.regressions else "green"
-    print_line(console, summary_line(diff), style)
-
-
-def print_change(console: Console, change: Change, indent: str) -> None:
-    """Print one change: its id, its numbers, and why."""
-    print_line(console, f"{indent}{change.result.id}", "")
-    for line in filter(None, (numbers(change), reason(change))):
-        print_wrapped(console, line, indent="      ")
-
-
-# Markdown
+    """Print what was compared, then what changed, then one line."""
+    print_sections(console, diff_sections(diff, verbose))
+    print_line(console, summary_line(diff), STYLES["deviation" if diff.regressions else "pass"])
 
 
 def markdown(diff: Diff) -> str:
-    """Return what changed as Markdown: a table for each sort of change."""
-    parts = [f"## mbcheck diff: {plain(summary_line(diff))}\n"]
-    parts += [f"{plain(side_line(n, s))}\n" for n, s in (("old", diff.old), ("new", diff.new))]
-    if diff.notes:
-        parts.append("".join(f"- {plain(note)}\n" for note in diff.notes))
-    for name, changes in by_sort(diff):
-        parts.append(f"### {SORTS[name].title} ({len(changes)})\n")
-        if len(changes) > FEW:
-            cells = ((title, where(members)) for title, members in groups(changes))
-            parts.append(short_table(("Engine, kind", "Changes"), cells))
-        rows = ((code(c.result.id), numbers(c), reason(c)) for c in changes)
-        parts.append(short_table(("Id", "Change", "Why"), rows))
-    return "\n".join(parts)
+    """Return what changed as Markdown."""
+    return markdown_sections(f"mbcheck diff: {summary_line(diff)}", diff_sections(diff, True))

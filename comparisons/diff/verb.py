@@ -33,7 +33,7 @@ def diff(
     one, 2 if there is nothing to compare.
     """
     refuse_conflicts(json_file, markdown_file)
-    from ..reports.run.github import append_step_summary
+    from ..reports.github import append_step_summary
     from . import report
     from .changes import compare
     from .document import read
@@ -44,8 +44,7 @@ def diff(
     text = report.markdown(result)
     if markdown_file:
         markdown_file.write(text)
-    if failure := append_step_summary(text):
-        click.echo(f"Warning: {failure}", err=True)
+    append_step_summary(text)
     if not to_stdout(json_file, markdown_file):
         report.print_diff(console(), result, verbose)
     return result.exit_code

@@ -7,6 +7,7 @@ import json
 import os
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -17,7 +18,7 @@ from typing import Any
 from ...reference.errors import MbcheckError, UnknownNameError, UsageError
 from ..documents import document
 from ..documents.reading import read_bytes, read_document
-from ..reports.remarks import Remark
+from ..reports.item import Outcome, ReportItem
 from ..reports.words import plural
 from .inspection import Selection
 from .mujoco.source import ROOT, OtherRootError, Waiver, read
@@ -267,18 +268,36 @@ class Inspections:
         names = (*SEVERITIES, "waived")
         return {name: sum(one["summary"][name] for one in self.models) for name in names}
 
-    def remarks(self) -> list[Remark]:
-        """Return what is said about lines, file by file."""
-        names = ("line", "severity", "rule", "element", "attribute", "message", "fix")
-        return [
-            Remark(
-                **{name: finding[name] for name in names},
-                file=path_of(one, finding["file"]),
-                subject=one["file"],
-            )
-            for one in self.models
-            for finding in unwaived(one)
-        ]
+    def items(self, fail_on: str = "error") -> list[ReportItem]:
+        """Return an item for each finding, and one for each file that has none or cannot be read.
+
+        A finding of a severity that is to fail is a failure, others are skipped.
+        """
+        items, seen = list[ReportItem](), Counter[tuple[str, ...]]()
+        for model in self.models:
+            for one in unwaived(model):
+                file = path_of(model, one["file"])
+                parts = [one[key] for key in ("rule", "element", "attribute") if one[key]]
+                seen[model["file"], file, *parts] += 1
+                again = seen[model["file"], file, *parts]
+                items.append(
+                    ReportItem(
+                        id=" ".join(parts) + (f" ({again})" if again > 1 else ""),
+                        rule=one["rule"],
+                        suite=model["file"],
+                        outcome="failure" if one["severity"] in FAIL_ON[fail_on] else "skipped",
+                        severity=one["severity"],
+                        message=one["message"],
+                        details=(f"fix: {one['fix']}",),
+                        file=file,
+                        line=one["line"],
+                    )
+                )
+        clean = {file: "" for file in self.files if file not in {item.suite for item in items}}
+        for file, why in (clean | dict(self.unreadable)).items():
+            outcome: Outcome = "error" if why else "pass"
+            items.append(ReportItem("inspect", "unreadable", file, outcome, None, why, file=file))
+        return items
 
     def exit_code(self, fail_on: str) -> int:
         """Return 2 if a file could not be read, 1 if a finding fails or parts were left out."""

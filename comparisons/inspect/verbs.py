@@ -17,10 +17,10 @@ from ..terminal.program import (
     JSON,
     JUNIT,
     MISUSED,
+    SARIF,
     complain,
     console,
     examples,
-    into,
     json_text,
     progress_bar,
     several,
@@ -30,7 +30,7 @@ from ..terminal.program import (
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from ..reports.remarks import Remark
+    from ..reports.item import ReportItem
     from .batch import Inspections, InspectRequest
     from .sandbox import Sandbox
 
@@ -94,7 +94,7 @@ DOCUMENTS = ("json", "junit", "sarif")
 @click.option("--baseline", metavar="FILE", help="Waive what a document of --json has found.")
 @JSON
 @JUNIT
-@into("sarif", "Write SARIF, for code scanning, to a file or '-'.")
+@SARIF
 @click.option(
     "--annotations/--no-annotations",
     default=None,
@@ -130,8 +130,7 @@ def inspect(models: tuple[str, ...], **options: Any) -> int:
         raise UsageError("which file? mbcheck inspect MODEL.xml")
     documents = [options[f"{name}_file"] for name in DOCUMENTS]
     refuse_conflicts(*documents)
-    from ..reports.remarks import github_annotations
-    from ..reports.run.github import annotated
+    from ..reports.github import annotated
     from .batch import InspectRequest
 
     request = InspectRequest(
@@ -144,11 +143,11 @@ def inspect(models: tuple[str, ...], **options: Any) -> int:
     request.refuse_slips()
     if options["dry_run"] and not options["fix"]:
         raise UsageError("--dry-run is for --fix")
-    remarks: list[Remark] = []
+    items: list[ReportItem] = []
     quiet = to_stdout(*documents)
-    with annotated(lambda: github_annotations(remarks), options["annotations"], quiet):
+    with annotated(lambda: items, options["annotations"], quiet):
         if not options["compare"]:
-            return inspect_all(models, request, options, remarks)
+            return inspect_all(models, request, options, items)
         if options["fix"]:
             raise UsageError("--fix is of files: leave out --diff")
         return inspect_two(models, request, options)
@@ -158,14 +157,14 @@ def inspect_all(
     models: Sequence[str],
     request: InspectRequest,
     options: Mapping[str, Any],
-    remarks: list[Remark],
+    items: list[ReportItem],
 ) -> int:
-    """Inspect models: reports and documents; return the exit code, and add to remarks."""
-    from ..reports.remarks import step_summary
-    from ..reports.run.github import append_step_summary
+    """Inspect models: reports and documents; return the exit code, and add to items."""
+    from ..reports.github import append_step_summary
+    from ..reports.sections import markdown_sections
     from ..reports.text import in_encoding
     from .batch import files_of, named_once
-    from .console import print_lines
+    from .console import findings_table, print_lines
     from .sandbox import inspect_file, inspect_files
 
     files, fail_on = files_of(models, options["whole_models"]), options["fail_on"]
@@ -185,8 +184,8 @@ def inspect_all(
         )
     if single and not reports:
         raise UsageError(named_once(*next(iter(every.unreadable.items()))))
-    remarks += every.remarks()
-    write_documents(every, single, options)
+    items += every.items(fail_on)
+    write_documents(every, items, single, options)
     if not screen.stderr:
         if single and not options["lines"]:
             screen.file.write(in_encoding(reports[0], screen))
@@ -194,8 +193,8 @@ def inspect_all(
             print_lines(screen, every, fail_on)
     for file, why in every.unreadable.items():
         complain(named_once(file, why), MISUSED)
-    if failure := append_step_summary(step_summary(every.verdict(fail_on), remarks)):
-        click.echo(f"Warning: {failure}", err=True)
+    title = f"mbcheck inspect: {every.verdict(fail_on)}"
+    append_step_summary(markdown_sections(title, [findings_table(items)]))
     return every.exit_code(fail_on)
 
 
@@ -274,23 +273,22 @@ def refuse_single(options: Mapping[str, Any]) -> None:
             raise UsageError(f"--{option} is for one model")
 
 
-def write_documents(every: Inspections, single: bool, options: Mapping[str, Any]) -> None:
+def write_documents(
+    every: Inspections, items: Sequence[ReportItem], single: bool, options: Mapping[str, Any]
+) -> None:
     """Write documents; JSON of a single model is of that one."""
     from ..queries.environment import versions
-    from ..reports.remarks import junit_of_files, sarif
-    from .batch import FAIL_ON
+    from ..reports.junit import junit
+    from ..reports.sarif import sarif
     from .rules.table import RULES
 
-    remarks = every.remarks()
     if options["json_file"]:
         options["json_file"].write(json_text(every.models[0] if single else every.as_json()))
     if options["junit_file"]:
-        fails = FAIL_ON[options["fail_on"]]
-        text = junit_of_files(every.files, remarks, fails, every.unreadable)
-        options["junit_file"].write(text)
+        options["junit_file"].write(junit(items))
     if options["sarif_file"]:
         rules = {name: (rule.meaning, rule.why) for name, rule in RULES.items()}
-        options["sarif_file"].write(sarif(remarks, rules, versions(())["mbcheck"]))
+        options["sarif_file"].write(sarif(items, rules, versions(())["mbcheck"]))
 
 
 def explain_rule(name: str) -> None:

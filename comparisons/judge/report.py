@@ -7,7 +7,8 @@ from rich.console import Console
 from ..checks.request import CheckRequest
 from ..queries.environment import environment
 from ..reports.run.outcome import Report, Run
-from ..reports.text import STYLES, print_line, print_table, print_wrapped
+from ..reports.sections import Section, print_sections
+from ..reports.text import STYLES, print_line
 from ..reports.words import assignments, number
 from .judge import Judgement
 
@@ -25,9 +26,9 @@ def as_report(judgement: Judgement, command: str | None = None) -> Report:
 
 
 def print_judgement(console: Console, judgement: Judgement, quiet: bool = False) -> None:
-    """Print errors, what they are held against, and what was noticed; or the last line alone."""
+    """Print errors, what they are compared with, and what was noticed; or the last line alone."""
     if not quiet:
-        print_errors(console, judgement)
+        print_sections(console, [judgement_section(judgement)])
     if judgement.tolerance:
         outcome = as_report(judgement)
         print_line(console, outcome.summary_line, STYLES[outcome.verdict])
@@ -35,37 +36,33 @@ def print_judgement(console: Console, judgement: Judgement, quiet: bool = False)
         print_line(console, "nothing is judged without --tolerance, or --order and --step")
 
 
-def print_errors(console: Console, judgement: Judgement) -> None:
-    """Print errors, what they are held against, and what was noticed."""
+def judgement_section(judgement: Judgement) -> Section:
+    """Return the largest error of each observable, and what was noticed."""
     changed = {**judgement.state} if judgement.case == "user" else {}
     start = f", from {assignments(changed)}" if changed else ""
-    print_wrapped(console, f"{judgement.file} against {judgement.scene}/{judgement.case}{start}")
-    by_quantity = {result.quantity: result for result in judgement.results}
-    heads = ["", "largest error", "relative", "at t [s]"]
-    lines: list[list[object]] = []
+    results = {result.quantity: result for result in judgement.results}
+    rows = []
     for error in judgement.errors:
-        line: list[object] = [f"{error.quantity} [{error.unit}]", error.error, error.relative]
-        line.append(error.time)
-        if judgement.tolerance:
-            result = by_quantity[error.quantity]
-            line = [result.verdict, *line[:2], result.tolerance, *line[2:]]
-        else:
-            line += [error.value, error.reference]
-        lines.append(line)
-    if judgement.tolerance:
-        heads = ["verdict", *heads[:2], "tolerance", *heads[2:]]
-    else:
-        heads += ["value", "reference"]
-    print_table(console, heads, lines, digits=4)
-    print_wrapped(
-        console,
-        f"{judgement.judged} of {judgement.samples} samples judged, to t = "
-        f"{number(judgement.until, 6)} s; an initial error grows by {number(judgement.growth)} "
-        "until then: "
-        + ("errors are the method's or the model's." if judgement.growth <= HARMLESS else CHAOS),
+        result = results.get(error.quantity)
+        name = f"{error.quantity} [{error.unit}]"
+        compared = (error.value, error.reference, error.error, error.relative, error.time)
+        rows.append((name, *compared, *([result.tolerance, result.verdict] if result else [])))
+    heads = ["", "value", "reference", "largest error", "relative", "at t [s]"]
+    growth = "errors are the method's or the model's." if judgement.growth <= HARMLESS else CHAOS
+    return Section(
+        f"{judgement.file} against {judgement.scene}/{judgement.case}{start}",
+        [*heads, *(["tolerance", "verdict"] if results else [])],
+        rows,
+        [
+            f"{judgement.judged} of {judgement.samples} samples judged, to t = "
+            f"{number(judgement.until, 6)} s; an initial error grows by "
+            f"{number(judgement.growth)} until then: {growth}",
+            *(f"Note: {note}" for note in judgement.notes),
+            *(
+                f"{result.verdict}: {result.quantity}: {result.reason}"
+                for result in judgement.results
+                if result.verdict in ("error", "skipped")
+            ),
+        ],
+        digits=4,
     )
-    for note in judgement.notes:
-        print_wrapped(console, f"Note: {note}")
-    for result in judgement.results:
-        if result.verdict in ("error", "skipped"):
-            print_wrapped(console, f"{result.verdict}: {result.quantity}: {result.reason}")

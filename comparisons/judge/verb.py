@@ -51,7 +51,7 @@ def judge_verb(
     is standard input. Errors are those against the reference of the case, at the times of the
     file. Exit codes are those of `check`; without a tolerance nothing is judged.
     """
-    from ..reports.run.junit import junit
+    from ..reports.run.sections import run_junit
     from . import report
 
     refuse_conflicts(json_file, junit_file, html_file)
@@ -66,7 +66,7 @@ def judge_verb(
     if json_file:
         json_file.write(json_text(judgement.as_json()))
     if junit_file:
-        junit_file.write(junit(outcome))
+        junit_file.write(run_junit(outcome))
     if html_file:
         write_page(html_file, outcome)
     report.print_judgement(console(json_file, junit_file), judgement, quiet)

@@ -59,7 +59,7 @@ def print_simulation(console: Console, result: Simulation) -> None:
             for row in zip(result.times, *columns, strict=True)
         ]
         if len(rows) > most:
-            rows[most // 2 : -most // 2] = [["..."]]
+            rows[most // 2 : -most // 2] = [["...", *("" for _ in columns)]]
         print_table(console, ["t [s]", *heads[first : first + fit]], rows)
     if result.error_bound is not None:
         bounds = (f"{name} {number(value, 2)}" for name, value in result.error_bound.items())

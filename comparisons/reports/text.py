@@ -10,9 +10,12 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
 
+from rich.box import Box
 from rich.cells import cell_len
 from rich.console import Console
+from rich.table import Table
 from rich.text import Text
 
 from .words import Markdown, number, printable
@@ -24,7 +27,21 @@ STYLES: Mapping[str, str] = {
     "skipped": "dim",
     "error": "bold magenta",
 }
-"""Of verdicts."""
+"""Style of each verdict."""
+
+
+class Cell(NamedTuple):
+    """Text in the style of a verdict; ``target`` is the anchor that it leads to in HTML."""
+
+    text: str
+    verdict: str = ""
+    target: str = ""
+
+    def __str__(self) -> str:
+        return self.text
+
+
+Rows = Iterable[Sequence[object]]
 
 
 def print_line(console: Console, text: str, style: str = "") -> None:
@@ -32,13 +49,13 @@ def print_line(console: Console, text: str, style: str = "") -> None:
     console.print(Text(encodable(text, console), style), soft_wrap=True)
 
 
-def print_wrapped(console: Console, text: str, indent: str = "") -> None:
-    """Print prose, broken between words only."""
+def print_wrapped(console: Console, text: str, indent: str = "", hanging: str = "") -> None:
+    """Print prose, broken between words only; lines after the first are indented further."""
     for line in textwrap.wrap(
         encodable(text, console),
         console.width,
         initial_indent=indent,
-        subsequent_indent=indent,
+        subsequent_indent=indent + hanging,
         break_long_words=False,
         break_on_hyphens=False,
     ):
@@ -61,14 +78,17 @@ DIGITS = 10
 NUMBER = re.compile(r"[-+]?(\d[\d.]*(e[-+]?\d+)?|inf|nan|any|none)?%?")
 """What stands to the right: numbers, and the dash or nothing in their place."""
 
-UNLIMITED = 10**9
-"""Columns of what is no terminal."""
+UNLIMITED = 10**6
+"""Columns of a log."""
 
 LEAST_PROSE = 20
 """Columns that prose needs; with fewer, a table becomes records."""
 
-Rows = Iterable[Sequence[object]]
-"""Rows of values; a row of one value is a title of the rows below it."""
+GAPS = (2, 1)
+"""Blanks between columns, the second where the first leaves too little room."""
+
+HEAD_RULE = Box("    \n    \n -- \n    \n    \n    \n    \n    \n", ascii=True)
+"""A line below the heads, and no other."""
 
 
 def print_table(console: Console, heads: Sequence[str], rows: Rows, digits: int = DIGITS) -> None:
@@ -78,100 +98,66 @@ def print_table(console: Console, heads: Sequence[str], rows: Rows, digits: int 
 
 
 def print_rows(console: Console, heads: Sequence[str], rows: Rows, digits: int = DIGITS) -> None:
-    """Print rows under heads; numbers stand to the right."""
-    width = console.width if console.is_terminal else UNLIMITED
+    """Print rows under heads; numbers stand to the right, and the last column may be wrapped."""
     lines = [[cell(value, digits, console) for value in row] for row in rows]
-    for line in layout([Text(head, "bold") for head in heads], lines, width):
-        console.print(line, soft_wrap=True)
+    columns = [[line[i] for line in lines] for i in range(len(heads))]
+    widths = [
+        max(map(cell_len, (head, *map(str, column))))
+        for head, column in zip(heads, columns, strict=True)
+    ]
+    right = [all(NUMBER.fullmatch(text.plain) for text in column) for column in columns]
+    words = [word for text in (heads[-1], *map(str, columns[-1])) for word in text.split()]
+    least = widths[-1] if right[-1] else max([LEAST_PROSE, *map(cell_len, words)])
+    width = console.width if console.is_terminal else UNLIMITED
+    for gap in GAPS:
+        left = width - sum(widths[:-1]) - gap * (len(heads) - 1)
+        if left >= min(least, widths[-1]):
+            break
+    else:
+        print_records(console, heads, lines)
+        return
+    widths[-1] = min(widths[-1], left)
+    table = Table(box=HEAD_RULE, show_edge=False, pad_edge=False, padding=(0, gap - 1, 0, 0))
+    for head, size, to_the_right in zip(heads, widths, right, strict=True):
+        table.add_column(Text(head), width=size, justify="right" if to_the_right else "left")
+    for line in lines:
+        table.add_row(*line)
+    wide = console.options.update(max_width=UNLIMITED)
+    for segments in console.render_lines(table, wide, pad=False):
+        text = Text.assemble(*((part.text, part.style or "") for part in segments))
+        text.rstrip()
+        console.print(text, soft_wrap=True)
 
 
-def print_matrix(console: Console, cells: Mapping[tuple[str, ...], object]) -> None:
-    """Print values by (scene, engine, kind): kinds side by side, engines under their scene."""
-    kinds = dict.fromkeys(kind for _, _, kind in cells)
-    rows: list[list[object]] = []
-    for scene in dict.fromkeys(scene for scene, _, _ in cells):
-        rows.append([Text(scene, "bold")])
-        for engine in dict.fromkeys(engine for of, engine, _ in cells if of == scene):
-            rows.append([f"  {engine}", *(cells.get((scene, engine, kind)) for kind in kinds)])
-    if rows:
-        print_table(console, ("", *kinds), rows)
+def print_records(console: Console, heads: Sequence[str], lines: Sequence[Sequence[Text]]) -> None:
+    """Print a block of lines for each row: the heads, and what stands under them."""
+    for number_of_row, line in enumerate(lines):
+        if number_of_row:
+            console.print()
+        for head, text in zip(heads, line, strict=True):
+            if text.plain:
+                words = f"{head}: {text.plain}" if head else text.plain
+                print_wrapped(console, words, hanging="  ")
 
 
 def cell(value: object, digits: int, console: Console) -> Text:
-    """Return a value as the console can print it; what has a style keeps it."""
-    text, style = (value.plain, value.style) if isinstance(value, Text) else (value, "")
-    return Text(encodable(number(text, digits, missing="-"), console), style)
+    """Return a value as the console can print it."""
+    style = STYLES.get(value.verdict, "") if isinstance(value, Cell) else ""
+    return Text(encodable(number(value, digits, missing="-"), console), style)
 
 
-def layout(heads: list[Text], rows: list[list[Text]], width: int) -> list[Text]:
-    """Return the lines of a table that is at most so wide, unless a single word is wider."""
-    full = [row for row in rows if len(row) == len(heads)]
-    columns = [list(column) for column in zip(heads, *full, strict=True)]
-    widths = [max(text.cell_len for text in column) for column in columns]
-    right = [all(NUMBER.fullmatch(text.plain) for text in column[1:]) for column in columns]
-    words = [word for text in columns[-1] for word in text.plain.split()]
-    prose = widths[-1] if right[-1] else max([LEAST_PROSE, *map(cell_len, words)])
-    for gap, least in ((2, widths[-1]), (1, widths[-1]), (2, prose), (1, prose)):
-        room = width - sum(widths[:-1]) - gap * len(widths[:-1])
-        if room >= least:
-            return aligned(heads, rows, [*widths[:-1], min(widths[-1], room)], right, gap)
-    return records(heads, rows, width)
+def matrix_by_kind(cells: Mapping[tuple[str, ...], object]) -> tuple[list[str], list[list[object]]]:
+    """Return a table of values by (scene, engine, kind): heads, and rows.
 
-
-def aligned(
-    heads: list[Text], rows: list[list[Text]], widths: list[int], right: list[bool], gap: int
-) -> list[Text]:
-    """Return a table in columns; the last one may take more lines than one."""
-    lines: list[Text] = []
-    for row in [heads, *rows]:
-        if len(row) < len(heads):
-            lines += row
-            continue
-        *first, last = row
-        parts = wrapped(last, widths[-1])
-        lines.append(Text(" " * gap).join(map(padded, [*first, parts[0]], widths, right)))
-        indent = " " * (sum(widths[:-1]) + gap * len(first))
-        lines += [Text.assemble(indent, part) for part in parts[1:]]
-        if row is heads:
-            lines.append(Text("-" * (len(indent) + widths[-1]), "dim"))
-    for line in lines:
-        line.rstrip()
-    return lines
-
-
-def padded(text: Text, width: int, right: bool) -> Text:
-    """Return text with spaces before or behind it."""
-    space = " " * (width - text.cell_len)
-    return Text.assemble(space, text) if right else Text.assemble(text, space)
-
-
-def wrapped(text: Text, width: int, indent: str = "") -> list[Text]:
-    """Return text in lines, broken at spaces only; those after the first are indented."""
-    if text.cell_len <= width:
-        return [text]
-    lines = textwrap.wrap(
-        text.plain,
-        width,
-        subsequent_indent=indent,
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
-    return [Text(line, text.style) for line in lines]
-
-
-def records(heads: list[Text], rows: list[list[Text]], width: int) -> list[Text]:
-    """Return a block of lines for each row: the heads, and what stands under them."""
-    lines: list[Text] = []
-    for row in rows:
-        lines += [Text("")] if lines else []
-        if len(row) < len(heads):
-            lines += row
-            continue
-        for head, text in zip(heads, row, strict=True):
-            name = f"{head.plain}: " if head.plain else ""
-            if text.plain:
-                lines += wrapped(Text.assemble((name, "bold"), text), width, indent="  ")
-    return lines
+    Kinds stand side by side, engines below their scene.
+    """
+    kinds = list(dict.fromkeys(kind for _, _, kind in cells))
+    rows: list[list[object]] = []
+    for scene in dict.fromkeys(scene for scene, _, _ in cells):
+        rows.append([scene, *("" for _ in kinds)])
+        for engine in dict.fromkeys(engine for of, engine, _ in cells if of == scene):
+            rows.append([f"  {engine}", *(cells.get((scene, engine, kind)) for kind in kinds)])
+    return ["", *kinds], rows
 
 
 def markdown_table(heads: Sequence[str], rows: Rows, digits: int = DIGITS) -> str:

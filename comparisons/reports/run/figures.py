@@ -25,8 +25,7 @@ class Figure(NamedTuple):
     """A picture as a page holds it: ``uri`` is all of it; sizes in pixels."""
 
     uri: str
-    alt: str
-    caption: str
+    words: str
     width: int
     height: int
 
@@ -34,17 +33,6 @@ class Figure(NamedTuple):
 def plain(text: str) -> str:
     """Return text that matplotlib shows as it is, and does not take for mathematics."""
     return printable(text).replace("$", r"\$")
-
-
-def finished(figure: Any, alt: str, caption: str) -> Figure:
-    """Return a figure as a data URI, and forget it."""
-    plt = import_pyplot()
-    buffer = BytesIO()
-    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
-    width, height = (round(PIXELS * float(inches)) for inches in figure.get_size_inches())
-    plt.close(figure)
-    data = b64encode(buffer.getvalue()).decode("ascii")
-    return Figure(f"data:image/svg+xml;base64,{data}", alt, caption, width, height)
 
 
 def logarithmic(axes: Any, x: Array | None = None, y: Array | None = None) -> None:
@@ -57,41 +45,44 @@ def logarithmic(axes: Any, x: Array | None = None, y: Array | None = None) -> No
 def deviation(result: Result) -> Figure:
     """Draw a result that has a series: over time, or its error over the step."""
     assert result.series is not None
-    with import_pyplot().rc_context(SETTINGS):
-        if result.series.over == "time":
-            return over_time(result, result.series)
-        return over_step(result, result.series)
+    plt, buffer = import_pyplot(), BytesIO()
+    with plt.rc_context(SETTINGS):
+        draw = over_time if result.series.over == "time" else over_step
+        figure, words = draw(result, result.series)
+        figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
+    width, height = (round(PIXELS * float(inches)) for inches in figure.get_size_inches())
+    plt.close(figure)
+    data = b64encode(buffer.getvalue()).decode("ascii")
+    return Figure(f"data:image/svg+xml;base64,{data}", words, width, height)
 
 
-def over_time(result: Result, series: Series) -> Figure:
+def over_time(result: Result, series: Series) -> tuple[Any, str]:
     """Draw values and reference, and below them the difference with its tolerance."""
     figure, axes = new_figure(rows=2, height=1.9, sharex=True)
     upper, lower = axes[:, 0]
-    name = plain(result.quantity)
+    name, engine = plain(result.quantity), plain(result.engine)
     unit = "" if result.unit == "1" else f" [{plain(result.unit)}]"
     broad(upper, series.x, series.reference, label="reference")
-    engine_line(upper, plain(result.engine), series.x, series.value)
+    engine_line(upper, engine, series.x, series.value)
     label(upper, y=f"{name}{unit}")
-    upper.legend(fontsize=8, frameon=False)
     away = np.abs(series.value - series.reference)
-    seen = np.where(np.isfinite(away) & (away > 0), away, np.nan)
-    engine_line(lower, plain(result.engine), series.x, seen, label="|difference|")
+    difference = np.where(np.isfinite(away) & (away > 0), away, np.nan)
+    engine_line(lower, engine, series.x, difference, label="|difference|")
     if result.tolerance:
         lower.axhline(result.tolerance, color=INK, linewidth=0.8, label="tolerance")
         lower.axhspan(0, result.tolerance, color=FAINT, alpha=0.35, linewidth=0)
-    logarithmic(lower, y=seen)
+    logarithmic(lower, y=difference)
     label(lower, x="t [s]", y=f"|difference|{unit}")
-    lower.legend(fontsize=8, frameon=False)
-    return finished(
-        figure,
-        f"{result.quantity} of {result.engine} over time beside the reference, and their "
-        f"difference: up to {number(result.error)}, tolerance {number(result.tolerance)}",
-        f"{result.quantity}: above, {result.engine} and the reference; below, their difference "
-        "(logarithmic) and its tolerance.",
+    for panel in (upper, lower):
+        panel.legend(fontsize=8, frameon=False)
+    return figure, (
+        f"{result.quantity} of {result.engine} over time and the reference; below, their "
+        f"difference (logarithmic): up to {number(result.error)}, tolerance "
+        f"{number(result.tolerance)}"
     )
 
 
-def over_step(result: Result, series: Series) -> Figure:
+def over_step(result: Result, series: Series) -> tuple[Any, str]:
     """Draw errors over steps, and how they should shrink."""
     figure, axes = new_figure(height=2.8)
     panel = axes[0, 0]
@@ -100,9 +91,7 @@ def over_step(result: Result, series: Series) -> Figure:
     logarithmic(panel, series.x, series.value)
     label(panel, x="step [s]", y="relative error")
     panel.legend(fontsize=8, frameon=False)
-    slope = f"finest slope {number(result.value)}, expected {number(result.reference)}"
-    return finished(
-        figure,
-        f"Error of {method_of(result)} of {result.engine} over the step: {slope}",
-        f"Error of {result.engine} {method_of(result)} over the step: {slope}.",
+    return figure, (
+        f"Error of {result.engine} {method_of(result)} over the step: finest slope "
+        f"{number(result.value)}, expected {number(result.reference)}"
     )

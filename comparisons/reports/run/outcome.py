@@ -301,7 +301,7 @@ class Report:
         """Return what the command line prints: 1 adds every result, -1 is the last line alone."""
         from rich.console import Console
 
-        from .console import print_report
+        from .sections import print_report
 
         console = Console(file=io.StringIO(), width=80, highlight=False)
         with console.capture() as printed:

@@ -7,36 +7,20 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from datetime import datetime
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 from ....reference.errors import UsageError
 from ...checks.request import CheckRequest
-from ...checks.verdict import Result
 from ..files import STDOUT, Destination
 from ..html import render
-from ..words import number, plural, with_unit
-from .located import located
+from ..sections import Section
+from .blocks import blocks
 from .outcome import Report
-from .results import (
-    FAILURES,
-    grouped,
-    known_reasons,
-    method_of,
-    pass_counts,
-    ran,
-    ratio,
-    skip_reasons,
-    summary,
-    tally,
-    worst,
-)
-
-if TYPE_CHECKING:
-    from .figures import Figure
+from .results import FAILURES, ratio
+from .sections import closing_sections, failure_sections, origin, result_sections
 
 SIGNS: Mapping[str, str] = {
     "pass": "\N{CHECK MARK}",
@@ -54,9 +38,6 @@ GENERATOR = b'<meta name="generator" content="mbcheck">'
 """What tells a page of ours, which may be overwritten, from another."""
 
 INDEX = "index.html"
-
-
-# Where it goes
 
 
 def page_file(name: str) -> Destination:
@@ -83,79 +64,50 @@ def page_file(name: str) -> Destination:
     return place
 
 
-# What is on it
-
-
-Content = dict[str, Any]
-"""What the template shows of one thing, by the names that it uses."""
-
-
 def check_page(
-    outcome: Report, when: datetime | None = None, most_figures: int = MOST_FIGURES
+    report: Report, when: datetime | None = None, most_figures: int = MOST_FIGURES
 ) -> str:
     """Return the page of a run of checks.
 
     Parameters
     ----------
-    outcome : Report
+    report : Report
     when : datetime, optional
         When it ended; now by default.
     most_figures : int
-        Deviations that are drawn: those farthest beyond their tolerance.
+        Failing checks that are drawn.
     """
-    results, run = outcome.results, outcome.run
-    artist = Artist(most_figures)
-    scenes = list(scene_sections(results))
-    failures = list(failed_checks(outcome, artist))
-    known, skipped = known_reasons(results), skip_reasons(results)
-    failed = sum(result.verdict in FAILURES for result in results)
-    headings = [
-        ("what", "What was checked", True),
-        ("verdicts", "Verdicts", True),
-        ("failed", f"Deviations and errors ({failed})", True),
-        ("known", "Known deviations", bool(known or run.stale)),
-        ("skipped", "Skipped", bool(skipped)),
-        *((scene["anchor"], scene["name"], True) for scene in scenes),
+    failed = sum(result.verdict in FAILURES for result in report.results)
+    every = Section("Every result", lines=["Open a part to see its results."], anchor="results")
+    sections = [
+        Section("What was checked", ("", ""), facts(report, when), anchor="what"),
+        Section(f"Deviations and errors ({failed})", anchor="failed"),
+        *drawn(report, most_figures),
+        *closing_sections(report),
+        every,
+        *result_sections(report, repeat=True),
     ]
     return render(
         "check.html",
-        title=outcome.word,
-        worst=outcome.verdict,
-        summary=outcome.summary_line,
-        interrupted=run.interrupted,
-        sections=[{"anchor": a, "title": t} for a, t, wanted in headings if wanted],
-        facts=facts(outcome, when or datetime.now().astimezone()),
+        title=report.word,
+        worst=report.verdict,
+        summary=report.summary_line,
+        interrupted=report.run.interrupted,
+        sections=sections,
         signs=SIGNS,
-        kinds=list(dict.fromkeys(result.kind for result in ran(results))),
-        failures=failures,
-        located=located(results),
-        no_pictures=artist.excuse if failures else "",
-        undrawn=artist.undrawn(),
-        known=[(engine, why, len(same)) for (engine, why), same in known.items()],
-        known_file=run.known_file,
-        stale=[(use.entry.place, use.entry.id, use.why) for use in run.stale],
-        skipped=[(engine, why, len(same)) for (engine, why), same in skipped.items()],
-        scenes=scenes,
-        amount=partial(with_unit, missing=""),
-        share=share,
-        method_of=method_of,
-        repeat=run.repeat,
     )
 
 
-def facts(outcome: Report, when: datetime) -> list[tuple[str, str]]:
-    """Return what was checked, when, with what, and on what machine."""
-    run, versions = outcome.run, outcome.versions
-    seconds = {r.check_id: r.work["seconds"] for r in outcome.results if "seconds" in r.work}
-    machine = ", ".join(f"{name} {text}" for name, text in run.environment.items())
+def facts(report: Report, when: datetime | None) -> list[tuple[str, str]]:
+    """Return selection, time, versions and machine, by name."""
+    seconds = {r.check_id: r.work["seconds"] for r in report.results if "seconds" in r.work}
+    ended = when or datetime.now().astimezone()
     return [
-        ("Checks", outcome.counts_line),
-        ("Selection", selection(run.selection)),
-        *([("Reference", run.header)] if run.header else []),
-        ("When", when.strftime("%Y-%m-%d %H:%M %Z").strip()),
+        ("Checks", report.counts_line),
+        ("Selection", selection(report.run.selection)),
+        ("Ended", ended.strftime("%Y-%m-%d %H:%M %Z").strip()),
         ("Took", f"{sum(seconds.values()):.0f} s, all checks together"),
-        ("Versions", ", ".join(f"{name} {text}" for name, text in versions.items())),
-        ("Machine", machine or f"python {sys.version.split()[0]}"),
+        ("Versions", origin(report) or f"python {sys.version.split()[0]}"),
     ]
 
 
@@ -168,90 +120,21 @@ def selection(asked: CheckRequest) -> str:
     return "; ".join(parts) or "everything that is checked by default"
 
 
-def share(result: Result) -> str:
-    """Return error / tolerance of a result; empty if it has none."""
-    return "" if result.error is None or result.tolerance is None else number(ratio(result))
+def drawn(report: Report, most: int) -> Iterator[Section]:
+    """Yield all failures, with pictures of so many of those that have a series."""
+    from . import figures
 
-
-def failed_checks(outcome: Report, artist: Artist) -> Iterator[Content]:
-    """Yield what failed by its check: errors first, then from the farthest off down."""
-    failed = (result for result in outcome.results if result.verdict in FAILURES)
-    groups = grouped(failed, lambda r: (r.check_id,)).values()
-
-    def severity(members: Sequence[Result]) -> tuple[bool, float, str]:
-        return worst(members) != "error", -max(map(ratio, members)), members[0].check_id
-
-    for i, members in enumerate(sorted(groups, key=severity)):
-        by_reason = grouped(members, lambda r: (r.reason,))
-        yield {
-            "anchor": f"failure-{i}",
-            "name": members[0].check_id,
-            "verdict": worst(members),
-            "measured": [result for result in members if result.error is not None],
-            "reasons": [([r.quantity for r in same], why) for (why,), same in by_reason.items()],
-            "command": outcome.run.repeat(max(members, key=ratio).id),
-            "figures": list(artist.failure(members)),
-        }
-
-
-def scene_sections(results: Sequence[Result]) -> Iterator[Content]:
-    """Yield the results by scene, and of each by engine and kind."""
-    for i, ((scene,), members) in enumerate(grouped(ran(results), lambda r: (r.scene,)).items()):
-        groups = grouped(members, lambda r: (r.engine, r.kind))
-        yield {
-            "anchor": f"scene-{i}",
-            "name": scene,
-            "parts": {key: part(f"scene-{i}-{j}", groups[key]) for j, key in enumerate(groups)},
-        }
-
-
-def part(anchor: str, results: Sequence[Result]) -> Content:
-    """Return the results of one scene, engine and kind, with what they come to."""
-    counts, (passed, count) = summary(results), pass_counts(results)
-    words = [f"{passed} of {count} passed"] if count else []
-    words += [plural(counts[name], name) for name in ("deviation", "error") if counts[name]]
-    words += [f"{counts[name]} {name}" for name in ("known", "skipped") if counts[name]]
-    measured = [ratio(r) for r in results if r.error is not None and r.tolerance is not None]
-    return {
-        "anchor": anchor,
-        "engine": results[0].engine,
-        "kind": results[0].kind,
-        "verdict": worst(results),
-        "text": tally(results),
-        "words": ", ".join(words),
-        "margin": f"largest error / tolerance {number(max(measured))}" if measured else "",
-        "results": results,
-    }
-
-
-# Pictures
-
-
-class Artist:
-    """Draws results, as long as there is matplotlib and not too many failures."""
-
-    def __init__(self, most: int) -> None:
-        from ..drawing import import_pyplot
-        from . import figures
-
-        self.most, self.drawn, self.left, self.excuse = most, 0, 0, ""
-        self.figures: Any = figures
-        try:
-            import_pyplot()
-        except UsageError as error:
-            self.figures, self.excuse = None, f"There are no pictures: {error}."
-
-    def failure(self, members: Sequence[Result]) -> Iterator[Figure]:
-        """Yield a picture of the worst of a check's results that has a series."""
-        drawable = [result for result in members if result.series is not None]
-        if not (drawable and self.figures):
-            return
-        if self.drawn == self.most:
-            self.left += 1
-            return
-        self.drawn += 1
-        yield self.figures.deviation(max(drawable, key=ratio))
-
-    def undrawn(self) -> str:
-        """Return how many failures have no picture because there are too many."""
-        return f"The worst {self.drawn} are drawn, {self.left} more are not." if self.left else ""
+    failures = {block.title: block.failed for block in blocks(report.results)}
+    count = 0
+    for section in failure_sections(report, most=None):
+        drawable = [result for result in failures.get(section.title, ()) if result.series]
+        if drawable and count < most:
+            count += 1
+            try:
+                figure = figures.deviation(max(drawable, key=ratio))
+            except UsageError as error:
+                yield replace(section, lines=[*section.lines, f"There is no picture: {error}."])
+                continue
+            yield replace(section, figures=[figure])
+        else:
+            yield section

@@ -6,10 +6,11 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from ...checks.verdict import NOT_APPLICABLE, Result, Verdict
+from ..text import Cell
 from ..words import number, with_unit
 
 VERDICTS: tuple[Verdict, ...] = ("pass", "deviation", "known", "skipped", "error")
-"""In the order of the summary."""
+"""The verdicts, in the order of the summary."""
 
 SEVERITY: tuple[Verdict, ...] = ("error", "deviation", "known", "pass", "skipped")
 """A group of results is as good as the first of these that it holds."""
@@ -36,21 +37,21 @@ def worst(results: Sequence[Result]) -> Verdict:
     return next((verdict for verdict in SEVERITY if verdict in present), "skipped")
 
 
-def pass_counts(results: Sequence[Result]) -> tuple[int, int]:
-    """Return how many results passed, and how many were judged."""
-    counts = summary(results)
-    return counts["pass"], counts["total"] - counts["skipped"]
-
-
 def tally(results: Sequence[Result]) -> str:
-    """Return what became of results that were judged, so that nobody has to count."""
-    counts, (passed, count) = summary(results), pass_counts(results)
+    """Return the fate of the results that were judged: "ok 13", "8 of 21 deviate"."""
+    counts = summary(results)
+    count = counts["total"] - counts["skipped"]
     if not count:
         return worst(results)
-    if passed == count:
-        return f"ok {passed}"
+    if counts["pass"] == count:
+        return f"ok {count}"
     first, *more = [f"{counts[name]} {word}" for name, word in FATES.items() if counts[name]]
     return ", ".join([first.replace(" ", f" of {count} ", 1), *more])
+
+
+def verdict_cell(results: Sequence[Result], target: str = "") -> Cell:
+    """Return the tally of results, in the style of the worst verdict."""
+    return Cell(tally(results), worst(results), target)
 
 
 def ran(results: Iterable[Result]) -> list[Result]:
@@ -90,12 +91,6 @@ def method_of(result: Result) -> str:
     return NOT_APPLICABLE if result.source == "validation" else result.id.split("/")[-2]
 
 
-def seconds(result: Result) -> float:
-    """Return the wall time [s] of the check of a result; 0 if unknown."""
-    amount = result.work.get("seconds", 0.0)
-    return amount if math.isfinite(amount) else 0.0
-
-
 # How far off
 
 
@@ -114,21 +109,11 @@ def ratio(result: Result) -> float:
     return math.inf if error > 0 else 0.0
 
 
-def headline_errors(results: Sequence[Result]) -> tuple[str | None, list[Result]]:
-    """Return the quantity by which methods are compared, and the results that measure it.
-
-    It is the first of the trajectories' observables; there is none without trajectories.
-    """
-    trajectories = [r for r in results if r.kind == "trajectory" and r.error is not None]
-    quantity = next((result.quantity for result in trajectories), None)
-    return quantity, [result for result in trajectories if result.quantity == quantity]
-
-
 # In words
 
 
 def measured(result: Result) -> str:
-    """Return what was measured, in one line; empty if nothing was."""
+    """Return value, reference, error and tolerance in one line; empty if nothing was measured."""
     if all(getattr(result, name) is None for name in MEASURES):
         return ""
     digits = digits_to_differ(result)
@@ -136,8 +121,10 @@ def measured(result: Result) -> str:
         with_unit(item, result.unit, digits) for item in (result.value, result.reference)
     )
     error, tolerance = (with_unit(item, result.unit) for item in (result.error, result.tolerance))
+    times = "" if result.error is None else f" ({number(ratio(result))} x its tolerance)"
     return (
         f"{result.quantity} = {value}, reference {reference}; error {error}, tolerance {tolerance}"
+        f"{times}"
     )
 
 
@@ -147,16 +134,3 @@ def digits_to_differ(result: Result) -> int:
     if not 0 < abs(value) / error < math.inf:
         return 3
     return min(17, max(3, 2 + math.ceil(math.log10(abs(value) / error))))
-
-
-def against_tolerance(result: Result) -> str:
-    """Return error and tolerance of a result in few words; empty if it has none.
-
-    Of a row of a paper it is the verdict on the paper.
-    """
-    if result.source == "validation":
-        return result.reason.partition(":")[0]
-    if result.error is None or result.tolerance is None:
-        return ""
-    sign = "<=" if result.error <= result.tolerance else ">"
-    return f"{number(result.error)} {sign} {with_unit(result.tolerance, result.unit)}"

@@ -209,7 +209,7 @@ def test_the_command_that_is_told_repeats_the_check() -> None:
     (command,) = {
         line.strip()
         for line in done.stdout.splitlines()
-        if line.startswith("    mbcheck ") and line.endswith("/theta'")
+        if line.startswith("  mbcheck ") and line.endswith("/theta'")
     }
     words = shlex.split(command)[1:]
     assert words[:2] == ["check", "hula_hoop"]

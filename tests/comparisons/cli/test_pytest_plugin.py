@@ -120,7 +120,7 @@ def test_a_stale_entry_is_told_and_may_fail(pytester: pytest.Pytester) -> None:
     (pytester.path / "k.toml").write_text(KNOWN.replace("*/frequency", "*/hula_hoop/*/frequency"))
     code, text = run(pytester, *SMALL, "--mbcheck-known=k.toml")
     assert code == 0
-    assert "stale: k.toml, entry 1 (line 2)" in text
+    assert "stale: k.toml, entry 1" in text
     code, text = run(pytester, *SMALL, "--mbcheck-known=k.toml", "--mbcheck-strict-known")
     assert code == 1
     code, text = run(

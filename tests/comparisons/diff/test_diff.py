@@ -258,9 +258,7 @@ def test_hostile_text_survives() -> None:
     bad = replace(odd, verdict="deviation", reason=HOSTILE)
     found = changes([odd], [bad], versions={HOSTILE: HOSTILE})
     assert not re.search(r"[\x00-\x09\x0b-\x1f\x7f\ud800-\udfff]", text_of(found))
-    rows = [line for line in printed.markdown(found).splitlines() if line.startswith("|")]
-    assert {len(re.findall(r"(?<!\\)\|", line)) for line in rows} == {4}
-    assert "<a b" not in re.sub("`.*?`", "", printed.markdown(found))
+    assert "<a b" not in printed.markdown(found)
 
 
 def test_the_runs_are_described() -> None:

@@ -15,16 +15,12 @@ from mbcheck.comparisons.inspect.inspection import inspect
 from mbcheck.comparisons.inspect.rules.table import RULES
 from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import invoke
+from mbcheck.tests.support.documents import results_of_sarif
 from mbcheck.tests.support.mjcf.mistakes import MISTAKES, written
 
 pytestmark = pytest.mark.usefixtures("own_folder")
 
 LOOSE = "model.xml"
-SARIF = {
-    "type": "object",
-    "required": ["version", "runs"],
-    "properties": {"version": {"const": "2.1.0"}},
-}
 
 
 def folder_of(tmp_path: Path, *rules: str) -> Path:
@@ -203,10 +199,9 @@ def test_documents_of_many_files(tmp_path: Path) -> None:
     jsonschema.Draft202012Validator(schema("inspections")).validate(found)
     assert found["summary"] == {"error": 1, "warning": 1, "note": 0, "waived": 0}
     assert [one["file"] for one in found["unreadable"]] == [f"{folder}/broken.xml"]
-    run = json.loads(Path("a.sarif").read_text())["runs"][0]
-    assert [one["level"] for one in run["results"]] == ["warning", "error"]
-    for one in run["results"]:
-        assert run["tool"]["driver"]["rules"][one["ruleIndex"]]["id"] == one["ruleId"]
+    results = results_of_sarif(Path("a.sarif").read_text())
+    assert [one["level"] for one in results] == ["warning", "error"]
+    for one in results:
         where = one["locations"][0]["physicalLocation"]
         assert Path(where["artifactLocation"]["uri"]).is_file()
         assert where["region"]["startLine"] > 1
@@ -224,7 +219,7 @@ def test_documents_of_one_file(tmp_path: Path) -> None:
     written(tmp_path)
     root = ET.fromstring(invoke("inspect", LOOSE, "--junit", "-").stdout)
     assert (root.get("tests"), root.get("failures")) == ("1", "0")
-    assert json.loads(invoke("inspect", LOOSE, "--sarif", "-").stdout)["runs"][0]["results"] == []
+    assert results_of_sarif(invoke("inspect", LOOSE, "--sarif", "-").stdout) == []
 
 
 def test_annotations_for_github(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

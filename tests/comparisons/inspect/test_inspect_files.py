@@ -302,7 +302,7 @@ def test_large_models_take_seconds(text: str, tmp_path: Path) -> None:
     VALIDATOR.validate(found.as_json())
     assert "--modes finds them" in str(found.views[0].reason)
     printed = io.StringIO()
-    console.print_inspection(Console(file=printed, width=100), found)
+    console.print_inspection(Console(file=printed, width=100), found, full=False)
     assert len(printed.getvalue().splitlines()) < 60
 
 

@@ -118,11 +118,6 @@ def test_what_does_not_fit_becomes_records() -> None:
     assert len(printed(heads, rows, width=120).splitlines()) == 5
 
 
-def test_a_row_of_one_value_is_a_title() -> None:
-    lines = printed(("", "order"), [("hula_hoop",), ("  mujoco", "ok 18")]).splitlines()
-    assert lines[2:4] == ["hula_hoop", "  mujoco  ok 18"]
-
-
 @pytest.mark.parametrize(
     ("value", "digits", "text"),
     [
@@ -160,28 +155,6 @@ def test_markdown_shows_text_as_it_is() -> None:
 
 
 # What the verbs print
-
-
-def pages() -> list[tuple[list[str], list[list[str]]]]:
-    """Return the tables of the pages that `tradeoff` and `extremes` have written."""
-    found = []
-    for name in ("tradeoff", "extremes"):
-        text = (DOCS / f"{name}.md").read_text(encoding="utf-8")
-        for table in re.findall(r"(?:^\|.*\n)+", text, re.MULTILINE):
-            heads, _, *rows = [
-                [cell.strip().replace("\\|", "|") for cell in re.split(r"(?<!\\)\|", line)[1:-1]]
-                for line in table.splitlines()
-            ]
-            found.append((heads, rows))
-    return found
-
-
-@pytest.mark.skipif(not DOCS.exists(), reason="an installed package has no docs")
-def test_the_tables_of_the_docs_are_printed_whole_at_80_columns() -> None:
-    for heads, rows in pages():
-        there = set(printed(heads, rows).split())
-        for value in [value for row in rows for value in row]:
-            assert set(value.split()) <= there
 
 
 @pytest.mark.parametrize("scene", SCENES)

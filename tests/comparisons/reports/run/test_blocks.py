@@ -7,11 +7,12 @@ from dataclasses import replace
 
 import pytest
 
-from mbcheck.comparisons.reports.run.blocks import MOST, blocks
-from mbcheck.comparisons.reports.run.junit import junit
+from mbcheck.comparisons.reports.run.blocks import blocks
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.comparisons.reports.run.outcome import Report
 from mbcheck.comparisons.reports.run.results import tally
+from mbcheck.comparisons.reports.run.sections import MOST
+from mbcheck.comparisons.reports.run.sections import run_junit as junit
 from mbcheck.tests.support.results import MIXED, changed, result
 
 
@@ -44,7 +45,7 @@ def test_the_same_cause_is_told_once() -> None:
     found = blocks([*causes, *raised, other])
     assert [len(one.alike) for one in found] == [2, 4, 0]
     assert found[1].worst.method == "m4"
-    assert found[1].others.startswith("the same in 4 more checks: ")
+    assert found[1].reasons[-1].startswith("the same in 4 more checks: ")
 
 
 def test_ten_are_shown_and_all_with_v() -> None:

@@ -26,11 +26,10 @@ from mbcheck.comparisons.checks import known, suite
 from mbcheck.comparisons.checks.known import Entry, Use
 from mbcheck.comparisons.checks.request import CheckRequest
 from mbcheck.comparisons.checks.verdict import Result
-from mbcheck.comparisons.reports.run import github
-from mbcheck.comparisons.reports.run.console import print_report
-from mbcheck.comparisons.reports.run.junit import junit
-from mbcheck.comparisons.reports.run.markdown import run_summary
+from mbcheck.comparisons.reports import github
 from mbcheck.comparisons.reports.run.outcome import Checks, Report, Run
+from mbcheck.comparisons.reports.run.sections import print_report, run_annotations, run_summary
+from mbcheck.comparisons.reports.run.sections import run_junit as junit
 from mbcheck.tests.support.command import invoke
 from mbcheck.tests.support.documents import validated
 from mbcheck.tests.support.results import HOSTILE, MIXED, VERSIONS, changed, result
@@ -59,6 +58,11 @@ def outcome(results: list[Result], strict: bool = False, **run: Any) -> Report:
     return Report(tuple(results), VERSIONS, made)
 
 
+def workflow_commands(report: Report) -> list[str]:
+    """Return the annotations of a run."""
+    return github.workflow_commands(run_annotations(report))
+
+
 # What every report tells
 
 
@@ -74,7 +78,7 @@ def test_every_report_tells_what_ran_and_why_not() -> None:
     texts = {
         "console": raw.getvalue(),
         "markdown": run_summary(found),
-        "annotations": "\n".join(github.workflow_commands(found)),
+        "annotations": "\n".join(workflow_commands(found)),
     }
     for name, text in texts.items():
         assert line in text, name
@@ -122,19 +126,21 @@ def columns(text: str) -> set[int]:
 
 def test_the_summary_has_what_failed_first() -> None:
     text = run_summary(outcome(MIXED))
-    heads = re.findall(r"^#+ (.*)$", text, re.MULTILINE)
+    heads = re.findall(r"^#+ (.*)$", text.replace("\\_", "_"), re.MULTILINE)
     assert heads == [
         "mbcheck: FAIL: 2 passed, 1 deviation, 1 error, 1 known, 2 skipped, "
         "1 of the known deviations stale",
-        "Located",
-        "Deviations and errors",
-        "Known deviations",
-        "Stale entries of k.toml",
-        "Skipped",
+        "Located:",
+        f"DEVIATION {MIXED[2].check_id}  1 of 2 quantities",
+        f"ERROR {MIXED[6].check_id}",
+        "Verdicts",
+        "Accuracy",
+        "Known deviations (1)",
+        "Stale known deviations",
+        "Skipped (2)",
     ]
-    bad = [line for line in text.splitlines() if line.startswith(("| error", "| deviation"))]
-    assert [line.split("`")[1] for line in bad] == [MIXED[2].id, MIXED[6].id]
-    assert "| hula\\_hoop | exudyn | 1 of 1 known | **1 of 1 fail** |" in text
+    assert "| theta | rad | 5e-05 | 0 | 5e-05 | 2e-06 | 25 |" in text
+    assert re.search(r"^\| +exudyn \| 1 of 1 known \| \*\*1 of 1 fail\*\* \|$", text, re.MULTILINE)
     assert columns(text) == {1}
 
 
@@ -142,7 +148,7 @@ def test_the_summary_of_thousands_is_short() -> None:
     many = [result(f"m{i}", "deviation", reason="x" * 500) for i in range(3000)]
     text = run_summary(outcome(many))
     assert len(text) < 2**17
-    assert "and 2950 more rows" in text
+    assert "and 2950 more checks" in text
 
 
 def test_hostile_text_does_not_leave_its_cell() -> None:
@@ -198,7 +204,7 @@ def obeyed(line: str) -> tuple[str, dict[str, str], str]:
 
 
 def test_annotations() -> None:
-    lines = [obeyed(line) for line in github.workflow_commands(outcome(MIXED))]
+    lines = [obeyed(line) for line in workflow_commands(outcome(MIXED))]
     assert [line[0] for line in lines] == ["error", "error", "error", "warning", "notice"]
     assert lines[0][1]["title"] == "mbcheck: located"
     assert lines[0][2].splitlines()[0] == "mujoco: a free run is wrong"
@@ -209,14 +215,14 @@ def test_annotations() -> None:
         "(25 x its tolerance)",
         f"mbcheck check --id '{MIXED[2].id}'",
     ]
-    assert lines[3][1] == {"file": "k.toml", "title": "stale known deviation"}
-    strict = [obeyed(line) for line in github.workflow_commands(outcome(MIXED, strict=True))]
+    assert lines[3][1] == {"file": "k.toml", "line": "1", "title": "stale known deviation"}
+    strict = [obeyed(line) for line in workflow_commands(outcome(MIXED, strict=True))]
     assert [line[0] for line in strict] == ["error", "error", "error", "error", "notice"]
 
 
 def test_no_more_annotations_than_github_shows() -> None:
     many = [result(f"m{i}", "deviation", error=1e-5 * (i + 1)) for i in range(40)]
-    lines = [obeyed(line) for line in github.workflow_commands(outcome(many, strict=True))]
+    lines = [obeyed(line) for line in workflow_commands(outcome(many, strict=True))]
     errors = [line for line in lines if line[0] == "error"]
     assert len(errors) == 10
     assert "stale" in errors[0][1]["title"]
@@ -226,18 +232,16 @@ def test_no_more_annotations_than_github_shows() -> None:
 
 
 def test_nothing_that_ran_is_an_error() -> None:
-    lines = [
-        obeyed(line) for line in github.workflow_commands(outcome([result(verdict="skipped")]))
-    ]
-    assert lines[-1][0] == "error"
-    assert "NOTHING RAN" in lines[-1][2]
+    lines = workflow_commands(outcome([result(verdict="skipped")]))
+    (error,) = [line for line in map(obeyed, lines) if line[0] == "error"]
+    assert "NOTHING RAN" in error[2]
 
 
 def test_annotations_are_escaped() -> None:
     text = f"{HOSTILE}100% a:b,c\n::error::me\r::warning::too %0A%25"
     odd = changed(result(verdict="deviation", reason=text), id=text.replace("\ud800", ""))
     found = Report((odd,), {}, Run(known_file=text, uses=(STALE,)))
-    lines = "\n".join(github.workflow_commands(found)).split("\n")
+    lines = "\n".join(workflow_commands(found)).split("\n")
     assert len(lines) == 4
     level, properties, message = obeyed(lines[1])
     assert level == "error"

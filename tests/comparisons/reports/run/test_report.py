@@ -13,14 +13,14 @@ from typing import Any
 import pytest
 from rich.console import Console
 
+from mbcheck.comparisons.checks.known import Entry, Use
 from mbcheck.comparisons.checks.request import CheckRequest
 from mbcheck.comparisons.checks.verdict import Result, Verdict
 from mbcheck.comparisons.reports import drawing
-from mbcheck.comparisons.reports.run.console import print_report
-from mbcheck.comparisons.reports.run.junit import junit
-from mbcheck.comparisons.reports.run.markdown import matrix
 from mbcheck.comparisons.reports.run.outcome import Report, Run
-from mbcheck.tests.support.documents import validated
+from mbcheck.comparisons.reports.run.sections import print_report, run_sarif
+from mbcheck.comparisons.reports.run.sections import run_junit as junit
+from mbcheck.tests.support.documents import results_of_sarif, validated
 from mbcheck.tests.support.results import HOSTILE, MIXED, VERSIONS, changed, result
 
 
@@ -163,9 +163,37 @@ def test_hostile_text_survives(verdict: Verdict) -> None:
         assert not re.search(r"[\x00-\x09\x0b-\x1f\x7f\ud800-\udfff]", text)
         if verbosity >= 0:
             assert "[bold red]\\[/] ]]>" in " ".join(text.split())
-    table = matrix([nasty])
-    assert len(set(re.sub(r"\\\|", "", line).count("|") for line in table.splitlines())) == 1
     json.dumps(outcome([nasty], {}).as_json(), allow_nan=False)
+    results_of_sarif(run_sarif(outcome([nasty])))
+
+
+# SARIF
+
+
+def test_sarif_has_what_failed_and_what_is_stale() -> None:
+    stale = Use(Entry(2, "*/RK9/*", "gone"), 0, "stale", "no check has such an id")
+    run: dict[str, Any] = {"known_file": "ci/known list.toml", "uses": (stale,)}
+    deviation, error, last = results_of_sarif(run_sarif(outcome(MIXED, **run)))
+    assert [one["ruleId"] for one in (deviation, error, last)] == [
+        "trajectory", "order", "stale_known"
+    ]  # fmt: skip
+    assert [one["level"] for one in (deviation, error, last)] == ["error", "error", "warning"]
+    (place,) = deviation["locations"]
+    assert place["logicalLocations"] == [{"fullyQualifiedName": MIXED[2].id}]
+    assert place["physicalLocation"]["artifactLocation"]["uri"] == "hula_hoop/mujoco/trajectory"
+    assert f"mbcheck check --id '{MIXED[2].id}'" in deviation["message"]["text"]
+    assert deviation["properties"]["error"] == 5e-5
+    assert deviation["properties"]["tolerance"] == 2e-6
+    where = last["locations"][0]["physicalLocation"]
+    assert where["artifactLocation"]["uri"] == "ci/known%20list.toml"
+    strict = results_of_sarif(run_sarif(outcome([MIXED[0]], strict_known=True, **run)))
+    assert [one["level"] for one in strict] == ["error"]
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf])
+def test_sarif_has_no_nan(bad: float) -> None:
+    (one,) = results_of_sarif(run_sarif(outcome([replace(MIXED[2], error=bad)])))
+    assert "error" not in one["properties"]
 
 
 # Console
@@ -198,8 +226,8 @@ def test_report_begins_with_what_is_wrong() -> None:
     lines = text.splitlines()
     assert lines[:2] == ["Located:", "  mujoco: a free run is wrong"]
     assert f"DEVIATION {MIXED[2].check_id}  1 of 2 quantities" in lines
-    assert re.search(r"^    theta +rad +5e-05 +0 +5e-05 +2e-06 +25$", text, re.MULTILINE)
-    assert f"    mbcheck check --id '{MIXED[2].id}'" in lines
+    assert re.search(r"^theta +rad +5e-05 +0 +5e-05 +2e-06 +25$", text, re.MULTILINE)
+    assert f"  mbcheck check --id '{MIXED[2].id}'" in lines
     assert f"ERROR {MIXED[6].check_id}" in lines
     assert lines[-1].startswith("FAIL: ")
     assert "mbcheck 0.1.0, mujoco 4.0.0" in lines
@@ -215,18 +243,21 @@ def test_matrix_reads_without_colour() -> None:
 
 def test_report_groups_reasons_and_names_the_best_method() -> None:
     text = printed(MIXED, 0)
-    assert "skipped (2):\n  2 x exudyn RK44, RK33: no such model\n" in text
-    assert "known (1):\n  1 x exudyn RK67: listed\n" in text
+    lines = [line.split() for line in text.splitlines()]
+    assert ["exudyn", "RK44,", "RK33", "2", "no", "such", "model"] in lines
+    assert ["exudyn", "RK67", "1", "listed"] in lines
     assert "hula_hoop mujoco: error of theta 1.23e-06 rad (RK4) to 5e-05 rad (Euler)" in text
 
 
 def test_verbose_report_has_every_result() -> None:
     text = printed(MIXED, 1)
-    assert "verification/hula_hoop/point_mass_3hz_60n/trajectory/mujoco\n" in text
-    assert re.search(r"^ok +RK4 +theta +1\.23e-06 <= 2e-06 rad *$", text, re.MULTILINE)
-    assert re.search(r"^deviation +Euler +theta +5e-05 > 2e-06 rad *$", text, re.MULTILINE)
-    assert re.search(r"^error +RK33 +theta *$", text, re.MULTILINE)
-    assert len(re.findall(r"^(?:ok|deviation|known|skipped|error) +[A-Z]", text, re.MULTILINE)) == 7
+    rows = [" ".join(line.split()) for line in text.splitlines()]
+    assert "hula_hoop/mujoco/trajectory: 1 of 3 deviate" in rows
+    case = MIXED[0].case
+    assert f"ok {case} RK4 theta 1.23e-06 rad 2e-06 rad 0.617" in rows
+    assert f"deviation {case} Euler theta 5e-05 rad 2e-06 rad 25" in rows
+    assert f"error {case} RK33 theta" in rows
+    assert sum(f" {case} " in row for row in rows) == 7
 
 
 @pytest.mark.parametrize("verbosity", [-1, 0, 1])

@@ -1,0 +1,301 @@
+"""The report on a run of checks: its sections for console, Markdown and HTML, and its items."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+from rich.console import Console
+
+from ...checks.known import Use
+from ...checks.verdict import Result, Verdict
+from ..item import Outcome, ReportItem
+from ..junit import junit
+from ..sarif import sarif
+from ..sections import Section, markdown_sections, print_sections
+from ..text import STYLES, Cell, matrix_by_kind, print_line, print_wrapped
+from ..words import number, plural, with_unit
+from .blocks import HEADS, blocks
+from .located import LEVELS, located
+from .outcome import Report, Run
+from .results import (
+    FAILURES,
+    MEASURES,
+    error_size,
+    grouped,
+    known_reasons,
+    measured,
+    method_of,
+    ran,
+    ratio,
+    skip_reasons,
+    tally,
+    verdict_cell,
+    why_known,
+)
+
+MOST = 10
+"""Failing checks that are shown, unless all are asked for."""
+
+MOST_IN_MARKDOWN = 50
+"""The same of a page of Markdown, which GitHub refuses above 1 MiB."""
+
+FEW_METHODS = 4
+"""So many methods are named beside a reason."""
+
+RESULT_HEADS = ("verdict", "case", "method", "quantity", "error", "tolerance", "times")
+
+STALE_RULE = "stale_known"
+
+RULES = {
+    **{kind: (f"{kind}: {words}", f"{words} is wrong; see docs/checks.md")
+       for kind, words in LEVELS.items()},
+    STALE_RULE: ("stale known deviation", "an entry of --known that nothing needs: docs/ci.md"),
+}  # fmt: skip
+"""What items of a run point at: kinds of checks, from the model to its motion."""
+
+
+# Sections
+
+
+def origin(report: Report) -> str:
+    """Return versions and machine, in one line."""
+    both = [*report.versions.items(), *report.run.environment.items()]
+    return ", ".join(f"{name} {text}" for name, text in both)
+
+
+def print_report(console: Console, report: Report, verbosity: int = 0) -> None:
+    """Print where an engine is wrong, then what failed, then the rest.
+
+    Parameters
+    ----------
+    console : rich.console.Console
+    report : Report
+    verbosity : int
+        -1 prints the summary line only, 1 adds all that failed and every single result.
+    """
+    if verbosity >= 0:
+        most = None if verbosity > 0 else MOST
+        sections = [*failure_sections(report, most), *tracebacks(report.results, verbosity > 0)]
+        sections += result_sections(report) if verbosity > 0 else ()
+        print_sections(console, [*sections, *closing_sections(report)])
+        print_wrapped(console, origin(report))
+        print_line(console, report.counts_line)
+    print_line(console, report.summary_line, STYLES[report.verdict])
+
+
+def run_summary(report: Report) -> str:
+    """Return the Markdown of a run, which CI services show."""
+    about = Section(lines=[report.counts_line, origin(report)])
+    failures = failure_sections(report, MOST_IN_MARKDOWN)
+    title = f"mbcheck: {report.summary_line}"
+    return markdown_sections(title, [about, *failures, *closing_sections(report)])
+
+
+def failure_sections(report: Report, most: int | None) -> Iterator[Section]:
+    """Yield what a run is of, the first level that is wrong, and at most so many failures."""
+    if report.run.header:
+        yield Section(lines=[report.run.header])
+    if where := located(report.results):
+        yield Section("Located:", lines=where)
+    failures = blocks(report.results)
+    limit = len(failures) if most is None else most
+    for block in failures[:limit]:
+        yield Section(
+            block.title,
+            HEADS,
+            block.rows,
+            block.reasons,
+            [report.run.repeat(block.worst.id)],
+            verdict=block.worst.verdict,
+        )
+    if more := len(failures[limit:]):
+        yield Section(
+            lines=[f"and {plural(more, 'more check')} that fail otherwise: -v shows them"]
+        )
+
+
+def tracebacks(results: Sequence[Result], whole: bool) -> Iterator[Section]:
+    """Yield where engines raised, each place once, or how to see it."""
+    raised = grouped((r for r in results if r.traceback), lambda r: (r.traceback or "",))
+    if raised and not whole:
+        yield Section(lines=[f"{plural(len(raised), 'traceback')} of engines: shown with -v"])
+    for (traceback,), members in raised.items() if whole else ():
+        others = f" and {len(members) - 1} more" if members[1:] else ""
+        title = f"TRACEBACK {members[0].id}{others}"
+        yield Section(title, verbatim=traceback.splitlines(), verdict="error")
+
+
+def result_sections(report: Report, repeat: bool = False) -> Iterator[Section]:
+    """Yield every result, by scene, engine and kind; with the command that repeats it."""
+    heads = (*RESULT_HEADS, *(["repeat"] if repeat else []))
+    groups = grouped(ran(report.results), lambda r: (r.scene, r.engine, r.kind))
+    for name, members in groups.items():
+        rows = [
+            (
+                Cell(r.verdict.replace("pass", "ok"), r.verdict),
+                r.case,
+                method_of(r),
+                r.quantity,
+                *(with_unit(x, r.unit, missing="") for x in (r.error, r.tolerance)),
+                "" if r.error is None or r.tolerance is None else number(ratio(r)),
+                *([report.run.repeat(r.id)] if repeat else []),
+            )
+            for r in members
+        ]
+        title = f"{'/'.join(name)}: {tally(members)}"
+        yield Section(title, heads, rows, anchor="-".join(name), folded=True)
+
+
+def closing_sections(report: Report) -> Iterator[Section]:
+    """Yield the matrix of verdicts, accuracy, and what is known, stale and skipped."""
+    results, run = report.results, report.run
+    cells = grouped(ran(results), lambda r: (r.scene, r.engine, r.kind))
+    if cells:
+        table = matrix_by_kind(
+            {key: verdict_cell(own, "-".join(key)) for key, own in cells.items()}
+        )
+        yield Section("Verdicts", *table, anchor="verdicts")
+    if lines := list(accuracy(results)):
+        yield Section("Accuracy", lines=lines)
+    yield from reasons_section("known", "Known deviations", known_reasons(results))
+    if run.stale:
+        lines = list(map(run.stale_line, run.stale))
+        verdict = "deviation" if run.strict_known else "known"
+        yield Section("Stale known deviations", lines=lines, anchor="stale", verdict=verdict)
+    yield from reasons_section("skipped", "Skipped", skip_reasons(results))
+
+
+def accuracy(results: Sequence[Result]) -> Iterator[str]:
+    """Yield the most and the least accurate method of each scene and engine.
+
+    Methods are compared by the first observable of the trajectories.
+    """
+    trajectories = (r for r in results if r.kind == "trajectory" and r.error is not None)
+    for (scene,), of_scene in grouped(trajectories, lambda r: (r.scene,)).items():
+        quantity = of_scene[0].quantity
+        errors = [r for r in of_scene if r.quantity == quantity]
+        for (engine,), members in grouped(errors, lambda r: (r.engine,)).items():
+            methods = grouped(members, lambda r: (method_of(r),)).values()
+            ranked = sorted((max(group, key=error_size) for group in methods), key=error_size)
+            ends = dict.fromkeys(
+                f"{with_unit(r.error, r.unit)} ({method_of(r)})" for r in (ranked[0], ranked[-1])
+            )
+            yield f"{scene} {engine}: error of {quantity} {' to '.join(ends)}"
+
+
+def reasons_section(
+    verdict: Verdict, title: str, reasons: Mapping[tuple[str, ...], list[Result]]
+) -> Iterator[Section]:
+    """Yield the reasons of a verdict, each once, with the number of results it holds for."""
+    rows = []
+    for (engine, reason), members in reasons.items():
+        methods = list(dict.fromkeys(map(method_of, members)))
+        names = ", ".join([*methods[:FEW_METHODS], *(["..."] if methods[FEW_METHODS:] else [])])
+        rows.append((engine, names, len(members), reason or "no reason given"))
+    if rows:
+        heads = ("engine", "methods", "results", "why")
+        total = sum(int(count) for _, _, count, _ in rows)
+        yield Section(f"{title} ({total})", heads, rows, anchor=verdict, verdict=verdict)
+
+
+# Items
+
+OUTCOMES: Mapping[Verdict, Outcome] = {
+    "pass": "pass",
+    "deviation": "failure",
+    "known": "skipped",
+    "skipped": "skipped",
+    "error": "error",
+}
+"""What test pages of CI services call a verdict."""
+
+
+def run_items(report: Report) -> list[ReportItem]:
+    """Return an item for each result, and for each stale entry of the known deviations.
+
+    A deviation is a failure, an error an error; skipped and known results are skipped. The time
+    of a check is shared equally by its results.
+    """
+    siblings = Counter(result.check_id for result in report.results)
+    items = []
+    for r in report.results:
+        failed = r.verdict in FAILURES
+        known = f"known deviation: {why_known(r)}; {r.reason}"
+        seconds = r.work.get("seconds", 0.0)
+        details = (measured(r), report.run.repeat(r.id), r.traceback or "") if failed else ()
+        names = ("method", "model", "quantity", "unit", *MEASURES, "verdict")
+        items.append(
+            ReportItem(
+                id=r.id,
+                rule=r.kind,
+                suite=suite_of(r),
+                outcome=OUTCOMES[r.verdict],
+                severity="error" if failed else None,
+                message=known if r.verdict == "known" else r.reason,
+                details=tuple(filter(None, details)),
+                numbers={name: getattr(r, name) for name in names},
+                seconds=seconds / siblings[r.check_id] if math.isfinite(seconds) else 0.0,
+            )
+        )
+    return [*items, *(stale_item(use, report.run) for use in report.run.stale)]
+
+
+def suite_of(result: Result) -> str:
+    """Return the suite of a result: scene, engine and kind."""
+    return f"{result.scene}/{result.engine}/{result.kind}"
+
+
+def stale_item(use: Use, run: Run) -> ReportItem:
+    """Return a stale entry of the known deviations as an item: a failure if it is to fail."""
+    return ReportItem(
+        id=f"{use.entry.place}: {use.entry.id}",
+        rule=STALE_RULE,
+        suite="known deviations",
+        outcome="failure" if run.strict_known else "skipped",
+        severity="error" if run.strict_known else "warning",
+        message=f"{run.stale_line(use)}; remove it",
+        file=run.known_file,
+        title="stale known deviation",
+    )
+
+
+def run_annotations(report: Report) -> list[ReportItem]:
+    """Return what GitHub shows: stale entries, the first wrong level, failing checks, counts."""
+    run, results = report.run, report.results
+    items = [stale_item(use, run) for use in run.stale]
+    if where := located(results):
+        items.append(_error("mbcheck: located", where))
+    for block in blocks(results):
+        lines = [*block.quantities, *block.reasons, run.repeat(block.worst.id)]
+        items.append(_error(f"{block.worst.verdict}: {block.worst.check_id}", lines))
+    skipped = [
+        f"skipped {len(members)} x {engine}: {why}"
+        for (engine, why), members in skip_reasons(results).items()
+    ]
+    last = _error("mbcheck", [report.summary_line, report.counts_line, *skipped])
+    return [*items, last if report.exit_code == 2 else replace(last, severity="note")]
+
+
+def _error(title: str, lines: Sequence[str]) -> ReportItem:
+    """Return an annotation of these lines."""
+    return ReportItem(title, "", "", "failure", "error", lines[0], tuple(lines[1:]), title=title)
+
+
+def run_junit(report: Report) -> str:
+    """Return the JUnit XML of a run; suites that fail say where the engine is wrong."""
+    by_engine = grouped(report.results, lambda r: (r.engine,))
+    where = {engine: located(own) for (engine,), own in by_engine.items()}
+    output = {
+        suite_of(r): ["Located:", *where[r.engine]]
+        for r in report.results
+        if r.verdict in FAILURES and where[r.engine]
+    }
+    return junit(run_items(report), {**report.versions, **report.run.environment}, output)
+
+
+def run_sarif(report: Report) -> str:
+    """Return the SARIF of a run: what failed, and stale entries of the known deviations."""
+    return sarif(run_items(report), RULES, report.versions["mbcheck"])
