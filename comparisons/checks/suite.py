@@ -337,11 +337,12 @@ def matching(
     full: bool,
 ) -> list[Check]:
     """Return those of some checks of engines that match; see `plan`."""
-    every = [method.name for engine in engines for method in get_engine(engine).methods]
-    for name in methods:
-        if name not in every:
-            raise UnknownNameError("method", name, every)
     failed = broken_engines(engines)
+    sound = [get_engine(name) for name in engines if name not in failed]
+    every = [method.name for engine in sound for method in engine.methods]
+    for name in methods:
+        if sound and name not in every:
+            raise UnknownNameError("method", name, every)
     checks = [
         check
         for check in checks

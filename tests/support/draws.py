@@ -314,7 +314,8 @@ def result_of_draw(draw: Draw, patience: float = PATIENCE) -> Result:
             (result,) = run_check(check, engine=engine)
     except CannotJudgeError as error:
         return check.skipped(str(error))[0]
-    growth = float((GROWTH.search(result.reason) or [0, "1"])[1])
+    match = GROWTH.search(result.reason)
+    growth = float(match[1]) if match else 1.0
     if result.verdict == "deviation" and MOST_AMPLIFICATION < growth < math.inf:
         reason = f"chaotic: an error of the start grows by {growth:.3g}"
         return dataclasses.replace(result, verdict="skipped", reason=reason)

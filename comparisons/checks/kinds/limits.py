@@ -85,8 +85,9 @@ def measure(setup: Setup) -> list[Finding]:
     expected = bisected(lambda h: free.by_matrix(h, horizon) > GROWTH, *around)
     try:
         measured = bisected(lambda h: free.grows_in_run(h, horizon), *around)
-    except EngineError as error:
-        raise Unsupported(f"{error.message}; {free.words}, theory {limit.step:.4g} s") from error
+    except EngineError as failure:
+        refusal = f"{failure.message}; {free.words}, theory {limit.step:.4g} s"
+        raise Unsupported(refusal) from failure
     omega = free.mode.omega
     reason = (
         f"{free.words}: h omega = {measured * omega:.4g}, theory {limit.step * omega:.4g}, from "

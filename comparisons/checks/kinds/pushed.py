@@ -163,8 +163,8 @@ def compare_run(run: Sampled, values: Array, exact: Truth, model: Truth) -> Find
     for division in (2, 4):
         try:
             runs.append(run.values(division))
-        except EngineError as error:
-            failure = f"with h/{division} the engine fails ({error.kind})"
+        except EngineError as failed:
+            failure = f"with h/{division} the engine fails ({failed.kind})"
             break
     changes = [relative((a - b)[~opening], size[~opening]) for a, b in pairwise(runs)]
     errors_grow = growth(run, exact)

@@ -10,8 +10,9 @@ from typing import Any
 
 import pytest
 
-from mbcheck.comparisons.check.request import CheckRequest
+from mbcheck.comparisons.check.request import select
 from mbcheck.comparisons.checks import suite
+from mbcheck.comparisons.checks.request import CheckRequest
 from mbcheck.comparisons.checks.suite import EXTREMES, Check
 from mbcheck.comparisons.checks.verdict import REFERENCE, Result
 from mbcheck.comparisons.cli.group import program
@@ -110,15 +111,15 @@ def watch(check: Check) -> None:
 
 
 def test_extremes_are_chosen_by_option_kind_or_id() -> None:
-    every = CheckRequest(["hula_hoop"], ["mujoco"], extremes=True).select()
+    every = select(CheckRequest(("hula_hoop",), ("mujoco",), extremes=True))
     assert {one.kind for one in every if isinstance(one, Check)} == set(EXTREMES)
-    limits = CheckRequest(["hula_hoop"], ["mujoco"], kinds=["limits"]).select()
+    limits = select(CheckRequest(("hula_hoop",), ("mujoco",), kinds=("limits",)))
     assert {one.kind for one in limits if isinstance(one, Check)} == {"limits"}
     (prefix,) = {one.prefix for one in limits if one.prefix.endswith("RK4")}
-    (one,) = CheckRequest(ids=[f"{prefix}/*"]).select()
+    (one,) = select(CheckRequest(ids=(f"{prefix}/*",)))
     assert one.prefix == prefix
-    usual = CheckRequest(["hula_hoop"], ["mujoco"]).select()
-    assert not any(one.extreme for one in usual)
+    usual = select(CheckRequest(("hula_hoop",), ("mujoco",)))
+    assert not any(isinstance(one, Check) and one.extreme for one in usual)
 
 
 def result(**changes: Any) -> Result:

@@ -109,7 +109,7 @@ def test_parameters_and_state_make_another_reference(truth: Simulation) -> None:
     ("name", "factor"), [("free_mass", 1.001), ("hinge_damping_ratio", 0.5), ("damping_ratio", 0.5)]
 )
 def test_a_wrong_model_deviates(name: str, factor: float) -> None:
-    default = run().parameters[name]
+    default = float(run().parameters[name])
     found = judge_trajectory(columns(run(parameters={name: factor * default})), CASE, **METHOD)
     assert verdicts(found) == {"deviation"}
     assert found.exit_code == 1
@@ -190,7 +190,7 @@ def test_digits_of_a_file_are_granted_and_no_more(form: str, simulated: Simulati
     assert "for the file's digits" in found.results[0].reason
     exact = judge_trajectory(columns(simulated), CASE, **METHOD)
     assert "digits" not in exact.results[0].reason
-    heavier = run(parameters={"free_mass": 1.001 * simulated.parameters["free_mass"]})
+    heavier = run(parameters={"free_mass": 1.001 * float(simulated.parameters["free_mass"])})
     assert verdicts(judge_trajectory(through_text(heavier), CASE, **METHOD)) == {"deviation"}
 
 

@@ -86,7 +86,9 @@ def test_floquet_is_that_of_the_single_orbit(
     found = floquet(points([frequency], [amplitude], inertia_ratio=inertia))
     orbit = mbcheck.orbit(
         "hula_hoop",
-        dict(force_frequency=frequency, force_amplitude=amplitude, inertia_ratio=inertia),
+        parameters=dict(
+            force_frequency=frequency, force_amplitude=amplitude, inertia_ratio=inertia
+        ),
     )
     leading = orbit.floquet_multipliers[0].modulus
     assert found.values["multiplier"][0] == pytest.approx(leading, abs=1e-8)

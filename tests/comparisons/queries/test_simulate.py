@@ -64,12 +64,12 @@ def test_simulation_repeats_from_its_document() -> None:
     )
     again = mbcheck.simulate(
         first.scene,
-        first.engine,
-        first.method,
-        first.step,
-        first.model,
-        first.parameters,
-        {"theta": 0.3},
+        engine=first.engine,
+        method=first.method,
+        step=first.step,
+        model=first.model,
+        parameters=first.parameters,
+        state={"theta": 0.3},
         times=first.times,
     )
     assert first.observables["theta"][0] == 0.3

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from mbcheck.comparisons.checks import truth
 from mbcheck.comparisons.checks.kinds import pushed
 from mbcheck.comparisons.checks.kinds.pushed import halving_shows
 from mbcheck.comparisons.checks.suite import Check, run_check
@@ -135,11 +136,11 @@ def test_an_exception_in_a_run_is_a_failure_of_the_engine() -> None:
 
 
 def test_a_reference_that_may_be_wrong_judges_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    right = pushed.truth_to_the_end
+    right = truth.truth_to_the_end
 
     def unsure(*call: Any) -> Any:
-        truth = right(*call)
-        return replace(truth, bound=2 * pushed.SHARPEST * truth.size)
+        exact = right(*call)
+        return replace(exact, bound=2 * pushed.SHARPEST * exact.size)
 
     monkeypatch.setattr(pushed, "truth_to_the_end", unsure)
     row = verdict(MujocoAdapter())

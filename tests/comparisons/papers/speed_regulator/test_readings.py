@@ -203,7 +203,7 @@ def end_of(phi: float, speed: float) -> str:
 
 def test_vibrations_about_rest() -> None:
     words = ", ".join(
-        f"{name} {frequencies(SCENE, name, engine=REFERENCE).modes[0].omega:.3f} rad/s"
+        f"{name} {frequencies(SCENE, about=name, engine=REFERENCE).modes[0].omega:.3f} rad/s"
         for name in ("right", "left")
     )
     (row,) = (row for row in ROWS if row.name == "resonance")
