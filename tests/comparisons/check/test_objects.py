@@ -74,7 +74,7 @@ def test_objects_are_known_only_meanwhile() -> None:
     ("engines", "words"),
     [
         ([Solved(RIGHT), Solved(RIGHT)], "two engines call themselves solved"),
-        ([object()], "engine object has no name"),
+        ([object()], "engine object is no mbcheck.Engine"),
         ("mujoco", "did you mean"),
     ],
 )

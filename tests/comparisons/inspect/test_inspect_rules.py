@@ -270,6 +270,11 @@ def test_a_waiver_that_does_not_hold_is_found_itself(
     assert rules == {"repeated_default": 1, "unused_setting": 1, complaint: 1}
 
 
+def test_other_comments_are_no_waivers(tmp_path: Path) -> None:
+    path = written(tmp_path, (KEY, f"<!-- see mbcheck: allow -->{KEY}"))
+    assert inspect(path, strict=True).findings == ()
+
+
 def test_a_waived_error_does_not_fail(tmp_path: Path) -> None:
     mistake, _ = MISTAKES["step_limit"]
     waiver = "<!-- mbcheck: allow step_limit, option: a test of instability -->"
