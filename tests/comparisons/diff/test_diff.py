@@ -295,7 +295,7 @@ def test_a_wrong_engine_is_a_regression(monkeypatch: pytest.MonkeyPatch) -> None
     found = json.loads(Path("diff.json").read_text())
     validated("diff", found)
     assert found["regressions"] == found["summary"]["new_deviation"] > 0
-    assert {"frequency"} <= {item["kind"] for item in found["changes"]}
+    assert {"frequency"} <= {item["new"]["kind"] for item in found["changes"]}
     assert "### new deviations" in Path("diff.md").read_text()
     back = invoke("diff new.json old.json")
     assert back.exit_code == 0

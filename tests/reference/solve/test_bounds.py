@@ -96,7 +96,10 @@ def test_no_error_is_above_its_bound_where_that_is_hard(name: str) -> None:
     assert outcome.excess_in_time <= 1
 
 
-@pytest.mark.parametrize(("scene", "number"), [("rigid_body", 72), ("ball_hoop", 32)])
+@pytest.mark.parametrize(
+    ("scene", "number"),
+    [("rigid_body", 72), pytest.param("ball_hoop", 32, marks=pytest.mark.slow)],
+)
 def test_bounds_of_many_count_the_rounding_of_a_tensor(
     monkeypatch: pytest.MonkeyPatch, scene: str, number: int
 ) -> None:
