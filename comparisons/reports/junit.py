@@ -29,7 +29,7 @@ def junit(
     """
     root = ET.Element("testsuites", name="mbcheck")
     for name in dict.fromkeys(item.suite for item in items):
-        suite = ET.SubElement(root, "testsuite", name=xml_text(name))
+        suite = ET.SubElement(root, "testsuite", name=printable(name))
         add_properties(suite, properties or {})
         for item in items:
             if item.suite == name:
@@ -47,7 +47,7 @@ def junit(
 
 def add_case(suite: ET.Element, item: ReportItem) -> None:
     """Add the test case of an item."""
-    named = {"name": xml_text(item.id), "classname": xml_text(item.suite)}
+    named = {"name": printable(item.id), "classname": printable(item.suite)}
     case = ET.SubElement(suite, "testcase", named, time=f"{item.seconds:.6f}")
     add_properties(case, item.numbers)
     message = printable(item.message)
@@ -64,9 +64,9 @@ def add_properties(parent: ET.Element, values: Mapping[str, object]) -> None:
     texts = {name: str(value) for name, value in values.items() if value is not None}
     properties = ET.SubElement(parent, "properties") if texts else parent
     for name, text in texts.items():
-        ET.SubElement(properties, "property", name=xml_text(name), value=xml_text(text))
+        ET.SubElement(properties, "property", name=printable(name), value=printable(text))
 
 
 def xml_text(text: str) -> str:
-    """Return text whose lines can be printed, and so stand in XML."""
+    """Return text whose lines can be printed, for the content of an element."""
     return "\n".join(map(printable, text.split("\n")))

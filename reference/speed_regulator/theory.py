@@ -77,6 +77,9 @@ class Accuracy(NamedTuple):
 
 
 FINE, ROUGH = Accuracy(1e-13, 1e-6), Accuracy(1e-10, 1e-5)
+AT_REST = 1e-9
+"""Share of the largest kinetic energy that stands for a start at rest."""
+
 SAMPLES = 1024
 """Samples of a turn, uniform in phi, from which the extremes of the speed are found."""
 
@@ -129,7 +132,7 @@ def speed_sensitivity(speed: Array, multiplier: Any) -> Any:
     return mean * share / (1 - multiplier)
 
 
-def _turn(start: float, c: Coefficients, tolerance: float, samples: Any) -> Any:
+def _turn(start: float, c: Coefficients, tolerance: float, samples: Any = None) -> Any:
     """Integrate T, the time and the multiplier's exponent over the crank angle from 0 to 2 pi."""
 
     def rates(phi: float, x: Sequence[float]) -> tuple[float, float, float]:
@@ -158,14 +161,10 @@ def rotation(p: SpeedRegulator, tolerance: float = 1e-12) -> Rotation:
     c = coefficients(p)
 
     def gain(start: float) -> float:
-        atol = 0.1 * tolerance * (start or high)
-        turn = _integrated(
-            lambda phi, x: [_along(phi, x[0], c)[0]],
-            (0, 2 * math.pi), [start], rtol=tolerance, atol=atol,
-        )  # fmt: skip
-        return float(turn.y[0, -1] - start)
+        return float(_turn(start, c, tolerance).y[0, -1] - start)
 
     high = 2 * max(low, inertia(position(0.0, c, math), c) / 2 * float(mean_speed(p)) ** 2)
+    low = low or AT_REST * high
     while gain(high) > 0:
         high *= 2
     start = brentq(gain, low, high, xtol=1e-15 * high, rtol=1e-14) if gain(low) > 0 else low

@@ -246,14 +246,24 @@ def zone(stability: Places, u_1: Array) -> Places:
     return np.where(large, ZONES.index("black_o"), names[stability])
 
 
-def least(values: Array) -> Array:
-    """Return the least value (k,) of what is sampled (k, n), of the parabola through it."""
-    place = np.clip(np.argmin(values, axis=1), 1, values.shape[1] - 2)
-    before, at, after = np.take_along_axis(values, place[:, None] + np.arange(-1, 2), 1).T
+def least(values: Array, order: int = 2) -> Array:
+    """Return the least value (k,) of what is sampled (k, n), of the polynomial through it.
+
+    A parabola through three samples, or one of order 4 through five.
+    """
+    reach = order // 2
+    place = np.clip(np.argmin(values, axis=1), reach, values.shape[1] - 1 - reach)
+    near = np.take_along_axis(values, place[:, None] + np.arange(-reach, reach + 1), 1).T
+    before, at, after = near[reach - 1 : reach + 2]
     slope, bend = (after - before) / 2, after - 2 * at + before
     inside = (bend > 0) & (np.abs(slope) < bend)
     off = -np.divide(slope, bend, out=np.zeros_like(at), where=inside)
-    return np.minimum(np.min(values, axis=1), at + slope * off / 2)
+    lowest = at + slope * off / 2
+    if order == 4:
+        third = (near[4] - near[0]) / 12 - slope / 3
+        fourth = (near[4] + near[0] - 4 * (after + before) + 6 * at) / 24
+        lowest = lowest + third * (off**3 - off) + fourth * (off**4 - off**2)
+    return np.minimum(np.min(values, axis=1), lowest)
 
 
 EXACT = "exact"

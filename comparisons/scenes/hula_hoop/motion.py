@@ -21,7 +21,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from ....reference.hula_hoop.equations import HulaHoop, coefficients
-from ....reference.periodic import lowest as least_of_period
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ..bounds import SAFETY, difference, last_harmonics, with_bounds
@@ -77,6 +76,9 @@ WINDOW = 120
 
 OFF = 1e-6
 """Angle [rad] by which the start of the check is off."""
+
+FINER = 8
+"""Samples of a sum of harmonics for each that it is made from."""
 
 SETTLES, STILL = 0.9, 1e-10
 """Largest share of the change from cycle to cycle that a quarter of the window may leave, and the
@@ -246,6 +248,7 @@ def unsettled(speed: Array, cycle: Array, per_force: int, lowest: Array) -> Arra
         count = (speed.shape[1] - 1) // size
         cycles = speed[rows, -1 - count * size : -1].reshape(len(rows), count, size)
         spectra = np.fft.rfft(cycles[:, -1], axis=1)
+        fine = np.tile(FINER * np.fft.irfft(spectra, FINER * size, axis=1), 2)
         last, ratio = last_harmonics(2 / size * np.abs(spectra))
         changes = np.max(np.abs(np.diff(cycles, axis=1)), axis=2)
         part = max(1, (count - 1) // 4)
@@ -257,8 +260,10 @@ def unsettled(speed: Array, cycle: Array, per_force: int, lowest: Array) -> Arra
         left = np.where(
             share < SETTLES, late * (1 + part / (1 - np.minimum(share, SETTLES))), np.nan
         )
-        between = np.abs(lowest[rows] - least_of_period(cycles[:, -1]))
-        off[rows] = between + SAFETY * last / (1 - ratio) + left
+        at, near = least(fine), least(fine, 4)
+        off[rows] = (
+            np.abs(lowest[rows] - at) + np.abs(at - near) + SAFETY * last / (1 - ratio) + left
+        )
     return off
 
 

@@ -176,14 +176,14 @@ def test_an_author_sees_the_lines_of_the_engine(folder: Path, message: str, seen
     assert printed.count("TRACEBACK ") == 1
     assert all(line.isprintable() for line in printed.splitlines())
     for line in failed[0]["traceback"].splitlines():
-        assert f"    {line}" in printed.splitlines()
+        assert f"  {line}" in printed.splitlines()
 
 
 def test_a_traceback_is_shown_apart_on_request(folder: Path) -> None:
     (folder / "bad.py").write_text("x = 1\nprint(x / 0)\n")
     few = FEW.replace("--json -", "--junit junit.xml")
     done = invoke(f"{few} --engine bad:Bad --engine toy:Toy")
-    assert "1 traceback of engines: -v shows it" in done.stdout
+    assert "1 traceback of engines: shown with -v" in done.stdout
     assert 'bad.py", line 2' not in done.stdout
     assert f'File "{folder / "bad.py"}", line 2, in &lt;module' in Path("junit.xml").read_text()
     assert "ZeroDivisionError" in invoke(f"{few} -v --engine bad:Bad --engine toy:Toy").stdout
