@@ -117,9 +117,9 @@ def test_a_baseline_notices_what_is_worse() -> None:
 
 
 def test_what_there_is_no_time_for_is_told() -> None:
-    """Modes of a long chain take longer than that."""
-    Path("chain.xml").write_text(large.chain(200))
-    done = invoke("inspect chain.xml --budget 5 --modes --json out.json")
+    """Modes of a long chain take minutes."""
+    Path("chain.xml").write_text(large.chain(450))
+    done = invoke("inspect chain.xml --budget 4 --modes --json out.json")
     assert done.exit_code == 1
     assert "it was stopped, and left out are modes; " in " ".join(done.stdout.split())
     answer = validated("inspect", json.loads(Path("out.json").read_text()))

@@ -133,8 +133,8 @@ def test_a_summary_of_the_job(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setenv("GITHUB_STEP_SUMMARY", "summary.md")
     invoke("inspect model.xml --no-modes")
     text = Path("summary.md").read_text()
-    assert text.startswith("## mbcheck inspect\n\nOK: 0 errors, 1 warning, 0 notes\n")
-    assert "| warning | `angle_unit` | `model.xml:9` |" in text
+    assert text.startswith("## mbcheck inspect: OK: 0 errors, 1 warning, 0 notes\n")
+    assert "| warning | angle\\_unit | model.xml:9 |" in text
 
 
 def test_the_hook_leaves_out_what_is_no_mjcf(tmp_path: Path) -> None:
