@@ -127,7 +127,8 @@ def test_what_there_is_no_time_for_is_told() -> None:
     Path("spring.xml").write_text(STIFF.format(0.07))
     done = invoke("inspect spring.xml --budget 1e6")
     assert done.exit_code == 1
-    assert "state as opened: 1 mode, " in done.stdout
+    assert "state as opened" in done.stdout
+    assert "  1 mode, does not rest here" in done.stdout
     assert "--budget must be a positive number" in refusal("inspect spring.xml --budget 0")
 
 
