@@ -218,6 +218,8 @@ def process_context() -> Any:
     use_one_thread()  # that of a caller who has loaded NumPy is the caller's own choice
     try:
         forkserver.ensure_running()
+    except OSError:  # the path of the temporary folder is too long for a socket
+        return get_context("spawn")
     finally:
         set_variables(before)
     return context

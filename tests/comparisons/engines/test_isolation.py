@@ -74,6 +74,20 @@ def test_processes_of_a_caller_with_more_threads_have_one() -> None:
     assert done.stdout.split() == ["1", "None"]
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no server of processes")
+def test_a_temporary_folder_may_have_a_long_name(tmp_path: Path) -> None:
+    scratch = tmp_path / ("long" * 25)
+    scratch.mkdir()
+    done = subprocess.run(
+        [sys.executable, "-c", ONE_THREAD],
+        env=os.environ | {"TMPDIR": str(scratch)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 @LINUX
 def test_each_is_told_and_the_others_go_on() -> None:
     calls: list[Callable[[], Any]] = [
