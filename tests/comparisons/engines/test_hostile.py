@@ -34,7 +34,7 @@ def verdicts(
     for name in names:
         Path(f"{name}.py").write_text(HOSTILE[name][0] if name in HOSTILE else HARMLESS[name])
     engines = " ".join(f"--engine {name}:Bad" for name in names)
-    scratch = folder.parent / "t"  # a socket's path has 100 characters
+    scratch = folder.parent / "emptied"  # a socket's path has 100 characters
     scratch.mkdir(exist_ok=True)
     done = process(
         "check hula_hoop --kind algebra --kind trajectory --id */point_mass_3hz_60n/* --json - "
