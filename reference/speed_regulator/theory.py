@@ -45,7 +45,15 @@ from ..cost import watched
 from ..errors import NoOrbitError
 from ..periodic import extremes
 from ..scene import Array
-from .equations import Coefficients, SpeedRegulator, coefficients, inertia, position
+from .equations import (
+    Coefficients,
+    SpeedRegulator,
+    accelerations,
+    coefficients,
+    energy,
+    inertia,
+    position,
+)
 from .orbit import mean_speed
 from .rest import found_equilibria, static_arcs, static_stiffness, static_torque
 
@@ -77,8 +85,8 @@ class Accuracy(NamedTuple):
 
 
 FINE, ROUGH = Accuracy(1e-13, 1e-6), Accuracy(1e-10, 1e-5)
-AT_REST = 1e-9
-"""Share of the largest kinetic energy that stands for a start at rest."""
+SLOW = Accuracy(1e-12, 1e-6)
+"""That of the slowest rotation, which is followed in time."""
 
 SAMPLES = 1024
 """Samples of a turn, uniform in phi, from which the extremes of the speed are found."""
@@ -152,8 +160,8 @@ def rotation(p: SpeedRegulator, tolerance: float = 1e-12) -> Rotation:
     NoOrbitError
         If there is none.
     """
-    low = _slowest(p) if p.damping > 0 and p.torque > 0 else None
-    if low is None:
+    slow = _slow_speed(p) if p.damping > 0 and p.torque > 0 else None
+    if slow is None:
         raise NoOrbitError(
             "speed_regulator has no steady rotation forward with these parameters: it needs "
             "damping, and a torque above least_torque"
@@ -163,8 +171,9 @@ def rotation(p: SpeedRegulator, tolerance: float = 1e-12) -> Rotation:
     def gain(start: float) -> float:
         return float(_turn(start, c, tolerance).y[0, -1] - start)
 
-    high = 2 * max(low, inertia(position(0.0, c, math), c) / 2 * float(mean_speed(p)) ** 2)
-    low = low or AT_REST * high
+    half = inertia(position(0.0, c, math), c) / 2
+    low = half * slow**2
+    high = 2 * max(low, half * float(mean_speed(p)) ** 2)
     while gain(high) > 0:
         high *= 2
     start = brentq(gain, low, high, xtol=1e-15 * high, rtol=1e-14) if gain(low) > 0 else low
@@ -218,23 +227,69 @@ def _leaving(saddle: float, way: int, c: Coefficients, accuracy: Accuracy, angle
     )  # fmt: skip
 
 
-def _slowest(p: SpeedRegulator) -> float | None:
-    """Return T [J] at phi = 0 of the slowest motion that comes round; None where none does.
+class Passage(NamedTuple):
+    """One turn of a motion: whether it was completed, and its speed on the section phi = 0."""
 
-    It leaves a saddle; without any it may begin at rest.
+    complete: bool
+    section_speed: float
+
+
+def _passage(phi: float, speed: float, goal: float, c: Coefficients, tolerance: float) -> Passage:
+    """Follow the motion until it reaches the goal, turns back, or lacks the energy to get there.
+
+    The goal is a turn away, between 2 pi and 4 pi.
     """
+
+    def rates(t: float, x: Sequence[float]) -> tuple[float, float]:
+        return x[1], accelerations(0.0, x[:1], x[1:], c, math)[0]
+
+    def free_energy(phi: float, speed: float) -> float:
+        return float(energy([phi], [speed], c) - c.torque * phi)
+
+    needed = free_energy(goal, 0.0)
+    events: list[Any] = [
+        lambda t, x: x[0] - goal,
+        lambda t, x: x[1],
+        lambda t, x: free_energy(x[0], x[1]) - needed,
+        lambda t, x: x[0] - 2 * math.pi,
+    ]
+    for event, terminal, direction in zip(
+        events, (True, True, True, False), (1, -1, -1, 1), strict=True
+    ):
+        event.terminal, event.direction = terminal, direction
+    run = solve_ivp(
+        watched(rates), (0, math.inf), [phi, speed], "DOP853", events=events, rtol=tolerance,
+        atol=1e-3 * tolerance,
+    )  # fmt: skip
+    crossed = run.y_events[3]
+    return Passage(bool(len(run.t_events[0])), float(crossed[0, 1]) if len(crossed) else 0.0)
+
+
+def _slow_speed(p: SpeedRegulator, accuracy: Accuracy = SLOW) -> float | None:
+    """Speed at phi = 0 of the slowest motion that comes round; None where none does."""
     c = coefficients(p)
-    saddles = [phi for phi in found_equilibria(p).values() if static_stiffness(phi, c, math) < 0]
+    saddles = [
+        phi % (2 * math.pi)
+        for phi in found_equilibria(p).values()
+        if static_stiffness(phi, c, math) < 0
+    ]
     for saddle in saddles:
-        run = _leaving(saddle % (2 * math.pi), 1, c, FINE, 2 * math.pi)
-        if run.y[0].min() > 0:
-            return float(run.sol(2 * math.pi)[0])
-    return None if saddles else 0.0
+        at = position(saddle, c, math)
+        moment, damping = inertia(at, c), c.damping * at.y_phi**2
+        softness = -static_stiffness(saddle, c, math)
+        rate = 2 * softness / (damping + math.sqrt(damping**2 + 4 * moment * softness))
+        start = saddle + accuracy.offset, rate * accuracy.offset
+        passage = _passage(*start, saddle + 2 * math.pi, c, accuracy.tolerance)
+        if passage.complete:
+            return passage.section_speed
+    if saddles:
+        return None
+    return _passage(math.pi, 0.0, 3 * math.pi, c, accuracy.tolerance).section_speed
 
 
 def rotates(p: SpeedRegulator) -> bool:
     """Whether there is a steady rotation forward."""
-    return p.damping > 0 and p.torque > 0 and _slowest(p) is not None
+    return p.damping > 0 and p.torque > 0 and _slow_speed(p) is not None
 
 
 def connection(p: SpeedRegulator, state: Any, fine: bool) -> tuple[float, float, float]:
