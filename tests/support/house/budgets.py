@@ -61,7 +61,7 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
     "examples": (490, 769),
     "models": (2115, 4014),
     "reference": (8949, 17000),
-    "tests": (27421, 46458),
+    "tests": (27421, 46459),
 }
 """Folder -> statements and lines of Python."""
 
