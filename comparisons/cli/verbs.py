@@ -140,7 +140,3 @@ def frequencies(json_file: Destination | None, budget: float, **asked: Any) -> N
 def export(output: Destination, **asked: Any) -> None:
     """Write a scene's MJCF with these parameters."""
     output.write(mjcf_text(**asked))
-
-
-QUERIES = (simulate, orbit, frequencies, export)
-"""The verbs of this module."""

@@ -212,19 +212,28 @@ def cycle_start(p: SpeedRegulator) -> tuple[Array, float] | None:
 # --- Where it begins -----------------------------------------------------------------------
 
 
-def _leaving(saddle: float, way: int, c: Coefficients, accuracy: Accuracy, angle: float) -> Any:
-    """Integrate T over an angle from a saddle, on its unstable (1) or stable (-1) direction."""
+def _direction(saddle: float, way: int, c: Coefficients) -> tuple[float, float]:
+    """Return the inertia J [kg m^2] at a saddle, and the rate [1/s] of one of its directions.
+
+    That is the unstable (1) or the stable (-1) one.
+    """
     at = position(saddle, c, math)
     moment, damping = inertia(at, c), c.damping * at.y_phi**2
     softness = -static_stiffness(saddle, c, math)
     root = math.sqrt(damping**2 + 4 * moment * softness)
-    rate = 2 * softness / (root + damping) if way > 0 else (root + damping) / (2 * moment)
-    return _integrated(
+    return moment, 2 * softness / (root + damping) if way > 0 else (root + damping) / (2 * moment)
+
+
+def _half_turn(saddle: float, way: int, c: Coefficients, accuracy: Accuracy) -> Array:
+    """Return T [J] at the steps of half a turn from a saddle, on one of its directions."""
+    moment, rate = _direction(saddle, way, c)
+    run = _integrated(
         lambda phi, x: [_along(phi, x[0], c)[0]],
-        (saddle + way * accuracy.offset, saddle + way * angle),
+        (saddle + way * accuracy.offset, saddle + way * math.pi),
         [moment * (rate * accuracy.offset) ** 2 / 2],
-        rtol=accuracy.tolerance, atol=1e-3 * accuracy.tolerance, dense_output=True,
+        rtol=accuracy.tolerance, atol=1e-3 * accuracy.tolerance,
     )  # fmt: skip
+    return np.asarray(run.y[0])
 
 
 class Passage(NamedTuple):
@@ -257,15 +266,13 @@ def _passage(phi: float, speed: float, goal: float, c: Coefficients, tolerance: 
         events, (True, True, True, False), (1, -1, -1, 1), strict=True
     ):
         event.terminal, event.direction = terminal, direction
-    run = solve_ivp(
-        watched(rates), (0, math.inf), [phi, speed], "DOP853", events=events, rtol=tolerance,
-        atol=1e-3 * tolerance,
-    )  # fmt: skip
+    ends, atol = (0, math.inf), 1e-3 * tolerance
+    run = _integrated(rates, ends, [phi, speed], events=events, rtol=tolerance, atol=atol)
     crossed = run.y_events[3]
     return Passage(bool(len(run.t_events[0])), float(crossed[0, 1]) if len(crossed) else 0.0)
 
 
-def _slow_speed(p: SpeedRegulator, accuracy: Accuracy = SLOW) -> float | None:
+def _slow_speed(p: SpeedRegulator) -> float | None:
     """Speed at phi = 0 of the slowest motion that comes round; None where none does."""
     c = coefficients(p)
     saddles = [
@@ -274,17 +281,14 @@ def _slow_speed(p: SpeedRegulator, accuracy: Accuracy = SLOW) -> float | None:
         if static_stiffness(phi, c, math) < 0
     ]
     for saddle in saddles:
-        at = position(saddle, c, math)
-        moment, damping = inertia(at, c), c.damping * at.y_phi**2
-        softness = -static_stiffness(saddle, c, math)
-        rate = 2 * softness / (damping + math.sqrt(damping**2 + 4 * moment * softness))
-        start = saddle + accuracy.offset, rate * accuracy.offset
-        passage = _passage(*start, saddle + 2 * math.pi, c, accuracy.tolerance)
+        _, rate = _direction(saddle, 1, c)
+        start = saddle + SLOW.offset, rate * SLOW.offset
+        passage = _passage(*start, saddle + 2 * math.pi, c, SLOW.tolerance)
         if passage.complete:
             return passage.section_speed
     if saddles:
         return None
-    return _passage(math.pi, 0.0, 3 * math.pi, c, accuracy.tolerance).section_speed
+    return _passage(math.pi, 0.0, 3 * math.pi, c, SLOW.tolerance).section_speed
 
 
 def rotates(p: SpeedRegulator) -> bool:
@@ -301,7 +305,7 @@ def connection(p: SpeedRegulator, state: Any, fine: bool) -> tuple[float, float,
     if static_stiffness(phi, c, math) >= 0:
         return math.nan, math.nan, math.nan
     accuracy = FINE if fine else ROUGH
-    there, back = (_leaving(phi, way, c, accuracy, math.pi).y[0] for way in (1, -1))
+    there, back = (_half_turn(phi, way, c, accuracy) for way in (1, -1))
     return float(there[-1]), float(back[-1]), float(min(there.min(), back.min()))
 
 

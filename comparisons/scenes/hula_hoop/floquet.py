@@ -258,12 +258,12 @@ def least(values: Array, order: int = 2) -> Array:
     slope, bend = (after - before) / 2, after - 2 * at + before
     inside = (bend > 0) & (np.abs(slope) < bend)
     off = -np.divide(slope, bend, out=np.zeros_like(at), where=inside)
-    lowest = at + slope * off / 2
+    bottom = at + slope * off / 2
     if order == 4:
         third = (near[4] - near[0]) / 12 - slope / 3
         fourth = (near[4] + near[0] - 4 * (after + before) + 6 * at) / 24
-        lowest = lowest + third * (off**3 - off) + fourth * (off**4 - off**2)
-    return np.minimum(np.min(values, axis=1), lowest)
+        bottom = bottom + third * (off**3 - off) + fourth * (off**4 - off**2)
+    return np.minimum(np.min(values, axis=1), bottom)
 
 
 EXACT = "exact"
