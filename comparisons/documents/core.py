@@ -15,7 +15,6 @@ from typing import (
     get_args,
     get_origin,
     get_type_hints,
-    is_typeddict,
 )
 
 import msgspec
@@ -23,6 +22,7 @@ import numpy as np
 from msgspec import Meta
 
 from ...reference.errors import MbcheckError
+from . import SCHEMA
 from .fields import NULLABLE, descriptions
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
@@ -38,16 +38,6 @@ COMMON: dict[str, str] = {
     "versions": "versions of mbcheck, numpy, scipy and of the engines that took part, by name",
 }
 """Meaning of fields that documents share, where a docstring says nothing else."""
-
-
-def means(text: str) -> Meta:
-    """Return what a field means, its unit in brackets."""
-    return Meta(description=text)
-
-
-Positive = float
-Version = Annotated[Literal[2], means("version of this format")]
-Versions = Annotated[dict[str, str], means(COMMON["versions"])]
 
 
 def to_document(kind: Any, result: object, parts: Mapping[str, object]) -> dict[str, Any]:
@@ -135,7 +125,7 @@ def record(kind: Any, is_root: bool = False) -> type[msgspec.Struct]:
     What an earlier release of the same schema did not write takes its default as it is read.
     """
     meanings = COMMON | descriptions(kind)
-    hints: dict[str, Any] = {"schema": Literal[2]} if is_root else {}
+    hints: dict[str, Any] = {"schema": Literal[SCHEMA]} if is_root else {}
     known: dict[str, Any] = {item.name: item for item in fields(kind)} if is_dataclass(kind) else {}
     parts: list[Any] = []
     for name, hint in (hints | hints_of(kind)).items():
@@ -157,7 +147,7 @@ def described(hint: Any, meaning: str) -> Any:
 def resolved(hint: Any) -> Any:
     """Return a type with the records of the classes that it names."""
     origin, args = get_origin(hint), get_args(hint)
-    if is_dataclass(hint) or is_typeddict(hint) or hasattr(hint, "_fields"):
+    if is_dataclass(hint) or hasattr(hint, "_fields"):
         return record(hint)
     if origin is Annotated:
         known = [item for item in hint.__metadata__ if isinstance(item, Meta)]
