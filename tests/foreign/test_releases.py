@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import json
-import os
 import re
-import shutil
-import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -17,6 +14,7 @@ from mbcheck.comparisons.checks.diagnosis.steps import ANOTHER_MODEL
 from mbcheck.comparisons.checks.verdict import result_from
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.reference.speed_regulator.soft import NO_DRIFT
+from mbcheck.tests.support.packaging import copy_sources, output
 
 pytestmark = pytest.mark.foreign
 
@@ -26,34 +24,11 @@ LOOP = {"connect", "connect_hard"}
 ALGEBRA = "verification/speed_regulator/rotation/algebra/mujoco/connect/accelerations"
 
 
-def output(*command: object, cwd: Path, codes: tuple[int, ...] = (0,)) -> str:
-    """Return what a command prints; fail with that text if it fails."""
-    environment = {
-        k: v for k, v in os.environ.items() if not k.startswith(("PYTEST_", "PYTHONPATH"))
-    }
-    done = subprocess.run(
-        [str(word) for word in command],
-        cwd=cwd,
-        env=environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        check=False,
-    )
-    assert done.returncode in codes, done.stdout
-    return done.stdout
-
-
 @pytest.fixture(scope="module")
 def wheel(clone: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Build the package of this clone."""
     folder = tmp_path_factory.mktemp("wheel")
-    sources = folder / "sources"
-    shutil.copytree(
-        clone,
-        sources,
-        ignore=lambda at, names: [n for n in names if n.startswith(".") or n == "build"],
-    )
+    sources = copy_sources(clone, folder / "sources")
     pip = (sys.executable, "-m", "pip", "--disable-pip-version-check")
     build = ("wheel", "--no-deps", "--wheel-dir", folder)
     output(*pip, *build, ".", cwd=sources)

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import shutil
-import subprocess
 import sys
 import tomllib
 import zipfile
@@ -13,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import mbcheck
+from mbcheck.tests.support.packaging import copy_sources, output
 
 
 @pytest.fixture
@@ -21,43 +19,10 @@ def odd_clone(clone: Path, tmp_path: Path) -> Path:
     return copy_sources(clone, tmp_path / "my-clone-1")
 
 
-def copy_sources(source: Path, target: Path) -> Path:
-    def left_out(folder: str, names: list[str]) -> list[str]:
-        return [
-            name
-            for name in names
-            if name.startswith(".")
-            or name in {"build", "dist", "__pycache__"}
-            or name.endswith(".egg-info")
-            or Path(folder, name, "pyvenv.cfg").exists()
-        ]
-
-    shutil.copytree(source, target, ignore=left_out)
-    return target
-
-
-def run(*command: object, cwd: Path, pythonpath: Path | None = None) -> str:
-    """Run a command and return what it prints; fail with that text if it fails."""
-    environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTEST_")}
-    if pythonpath is not None:
-        environment["PYTHONPATH"] = str(pythonpath)
-    ended = subprocess.run(
-        [str(word) for word in command],
-        cwd=cwd,
-        env=environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        check=False,
-    )
-    assert ended.returncode == 0, ended.stdout
-    return ended.stdout
-
-
 def installed_package(cwd: Path, pythonpath: Path | None = None) -> Path:
     """Return the folder of the package that a fresh interpreter imports from `cwd`."""
     where = "import mbcheck; print(mbcheck.__file__)"
-    return Path(run(sys.executable, "-c", where, cwd=cwd, pythonpath=pythonpath).strip()).parent
+    return Path(output(sys.executable, "-c", where, cwd=cwd, pythonpath=pythonpath).strip()).parent
 
 
 def source_files(root: Path) -> set[str]:
@@ -84,7 +49,7 @@ def test_every_package_is_listed(clone: Path) -> None:
 
 def test_tests_collect_in_a_clone_of_any_name(odd_clone: Path) -> None:
     collect = ("--collect-only", "-q", "-p", "no:cacheprovider", "tests/house")  # all: test_wheel
-    report = run(sys.executable, "-m", "pytest", *collect, cwd=odd_clone)
+    report = output(sys.executable, "-m", "pytest", *collect, cwd=odd_clone)
     assert "tests/house/test_packaging.py::test_every_package_is_listed" in report
 
 
@@ -92,22 +57,22 @@ def test_tests_collect_in_a_clone_of_any_name(odd_clone: Path) -> None:
 def test_wheel(odd_clone: Path, tmp_path: Path) -> None:
     pip = (sys.executable, "-m", "pip", "--disable-pip-version-check")
     build = ("wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", tmp_path)
-    run(*pip, *build, ".", cwd=odd_clone)
+    output(*pip, *build, ".", cwd=odd_clone)
     (wheel,) = tmp_path.glob("*.whl")
     names = [name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name]
     assert {name.partition("/")[0] for name in names} == {"mbcheck"}
     assert {name.removeprefix("mbcheck/") for name in names} == source_files(odd_clone)
 
     site = tmp_path / "site"
-    run(*pip, "install", "--no-deps", "--target", site, wheel, cwd=tmp_path)
+    output(*pip, "install", "--no-deps", "--target", site, wheel, cwd=tmp_path)
     assert installed_package(odd_clone, pythonpath=site) == site / "mbcheck"
     python = (sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider")
-    run(*python, "--collect-only", cwd=odd_clone, pythonpath=site)
+    output(*python, "--collect-only", cwd=odd_clone, pythonpath=site)
     small = "tests/house/test_rules.py::test_a_class_has_a_name_of_its_own"
-    assert "1 passed" in run(*python, small, cwd=odd_clone, pythonpath=site)
+    assert "1 passed" in output(*python, small, cwd=odd_clone, pythonpath=site)
 
     selection = {"engine": "mujoco", "scene": "hula_hoop", "kind": "frequency"}
     checks = (f"--mbcheck-{option}={value}" for option, value in selection.items())
     conformance = (*python, "--pyargs", "mbcheck.tests.conformance", *checks)
     for folder in (odd_clone, tmp_path):  # with our settings of pytest, and with none
-        assert "3 checks: 3 ran" in run(*conformance, cwd=folder, pythonpath=site)
+        assert "3 checks: 3 ran" in output(*conformance, cwd=folder, pythonpath=site)
