@@ -14,7 +14,10 @@ from mbcheck.comparisons.queries.simulate import simulate
     "line",
     [
         "import mbcheck",
-        "from mbcheck.comparisons.cli.group import program; program.exit_code(['--help'])",
+        *(
+            f"from mbcheck.comparisons.cli.group import program; program.exit_code({words})"
+            for words in (["--help"], ["check", "--help"], ["extremes", "--help"])
+        ),
     ],
 )
 def test_import_and_help_are_cheap(tmp_path: Path, line: str) -> None:

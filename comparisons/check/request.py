@@ -13,9 +13,9 @@ from ...reference import get_scene
 from ...reference.errors import UnknownNameError, UsageError
 from ..checks import known as known_deviations
 from ..checks import suite
-from ..checks.execution import Execution, run_checks, unavailable
+from ..checks.execution import run_checks, unavailable
 from ..checks.refusals import narrowed
-from ..checks.request import SOURCES, CheckRequest
+from ..checks.request import SOURCES, CheckRequest, Execution
 from ..checks.verdict import PROFILES, Result
 from ..documents.fields import OptionMark, takes_fields_of
 from ..engines.protocol import Engine
@@ -72,7 +72,7 @@ def select(request: CheckRequest, custom: CustomCase | None = None) -> Sequence[
 
 
 def of_extremes(request: CheckRequest) -> bool:
-    """Return whether checks at extremes are asked for: so, by their kind, or by an id with one."""
+    """Return True if checks at extremes are wanted: so, by their kind, or by an id with one."""
     named = any(f"/{kind}/" in name for kind in suite.EXTREMES for name in request.ids)
     return request.extremes or named or any(kind in suite.EXTREMES for kind in request.kinds)
 

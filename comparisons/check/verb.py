@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ...reference.errors import UsageError
-from ..checks.verdict import Result
+from ..checks.request import CheckRequest, Execution
 from ..reports.files import Destination, refuse_conflicts
 from ..terminal.budget import QUERY, budget_option, budgeted
 from ..terminal.options import with_options_of
@@ -32,10 +32,9 @@ from ..terminal.program import (
     progress_bar,
     to_stdout,
 )
-from .request import CheckRun, plan_checks
 
 if TYPE_CHECKING:
-    from ..checks.execution import Execution
+    from ..checks.verdict import Result
     from ..reports.run.outcome import Report
     from .request import CheckPlan
 
@@ -69,7 +68,7 @@ def new_file(
         "mbcheck check hula_hoop --placement turned:7 --kind parts --kind algebra",
     ),
 )
-@with_options_of(CheckRun)
+@with_options_of(CheckRequest, Execution)
 @JSON
 @JUNIT
 @SARIF
@@ -127,6 +126,7 @@ def check_verb(
     from ..engines.registry import in_this_process
     from ..reports import github
     from ..reports.run import sections
+    from .request import CheckRun, plan_checks
 
     asked = CheckRun(**options)
     names = options["engines"]
@@ -163,7 +163,7 @@ def check_verb(
 
 def checked(plan: CheckPlan, execution: Execution, bar: bool) -> Report:
     """Run checks, until they are interrupted; return their report."""
-    results = list[Result]()
+    results: list[Result] = []
     try:
         efforts = {one.prefix: one.effort for one in plan.checks}
         left = whole = sum(efforts.values())

@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager
-from dataclasses import dataclass
 from functools import partial
-from typing import Annotated
 
 from ...reference.cost import keep_budget
 from ...reference.errors import (
@@ -15,8 +12,7 @@ from ...reference.errors import (
     UnknownNameError,
     UsageError,
 )
-from ..documents.fields import JOBS, OptionMark
-from ..engines.isolation import HANGING, isolated, refuse_limits, within_limits
+from ..engines.isolation import HANGING, isolated, refuse_limits
 from ..engines.registry import (
     ENGINES,
     LENT,
@@ -26,37 +22,11 @@ from ..engines.registry import (
     installed,
 )
 from ..engines.run import excerpt
+from .request import Execution
 from .suite import Task
 from .verdict import NOT_APPLICABLE, PROFILES, Result, Subject, Verdict
 
 Progress = Callable[[list[Result]], None]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Execution:
-    """How checks are run.
-
-    Attributes
-    ----------
-    jobs : int
-        Processes, on which results do not depend; by default one for each core on the command line,
-        and one in Python.
-    fail_fast : bool
-        Stop at the first deviation or error that is not known.
-    time_limit : float or None
-        Stop a check that takes longer [s]: an error, and the others go on.
-    memory_limit : float or None
-        The same for a check that takes more memory [MiB] (on Linux).
-    """
-
-    jobs: Annotated[int, JOBS] = 1
-    fail_fast: Annotated[bool, OptionMark()] = False
-    time_limit: Annotated[float | None, OptionMark("SECONDS")] = None
-    memory_limit: Annotated[float | None, OptionMark("MB")] = None
-
-    def limited(self) -> AbstractContextManager[None]:
-        """Return a context in which engines of others are loaded within the limits of a check."""
-        return within_limits(self.time_limit, self.memory_limit)
 
 
 def run_checks(
@@ -135,7 +105,7 @@ def unavailable(asked: Sequence[str] = (), source: str = "verification") -> list
 
 
 def foreign(checks: Sequence[Task]) -> bool:
-    """Return whether an engine is not ours, or at an extreme: its end must not be this one's."""
+    """Return True if an engine is not ours, or at an extreme: its end must not be this one's."""
     return any(check.engine not in ENGINES or check.extreme for check in checks)
 
 

@@ -1,12 +1,16 @@
-"""What ``check`` is asked for: its options, and the ``selection`` of its document."""
+"""What ``check`` is asked for: its options, and the ``selection`` of its document.
+
+Nothing heavy is imported here, since help texts are made from it.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from typing import Annotated
 
-from ..documents.fields import OptionMark
+from ..documents.fields import JOBS, OptionMark
 
 SOURCES = ("verification", "validation")
 """What results are about: engines, or papers. The first is checked by default."""
@@ -85,3 +89,32 @@ class CheckRequest:
     def axes(self) -> str:
         """The placement of all models; empty where they stand as in their files."""
         return "" if self.placement == AS_THEY_STAND else self.placement
+
+
+@dataclass(frozen=True, kw_only=True)
+class Execution:
+    """How checks are run.
+
+    Attributes
+    ----------
+    jobs : int
+        Processes, on which results do not depend; by default one for each core on the command line,
+        and one in Python.
+    fail_fast : bool
+        Stop at the first deviation or error that is not known.
+    time_limit : float or None
+        Stop a check that takes longer [s]: an error, and the others go on.
+    memory_limit : float or None
+        The same for a check that takes more memory [MiB] (on Linux).
+    """
+
+    jobs: Annotated[int, JOBS] = 1
+    fail_fast: Annotated[bool, OptionMark()] = False
+    time_limit: Annotated[float | None, OptionMark("SECONDS")] = None
+    memory_limit: Annotated[float | None, OptionMark("MB")] = None
+
+    def limited(self) -> AbstractContextManager[None]:
+        """Return a context in which engines of others are loaded within the limits of a check."""
+        from ..engines.isolation import within_limits
+
+        return within_limits(self.time_limit, self.memory_limit)

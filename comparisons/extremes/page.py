@@ -53,13 +53,13 @@ def outcome(result: Result) -> str:
 
 
 def died(result: Result) -> bool:
-    """Return whether the process of a check ended, or was stopped."""
+    """Return True if the process of a check ended, or was stopped."""
     ends = tuple(f"{kind}: " for kind in ("crashed", "timeout", "memory"))
     return result.verdict == "error" and result.reason.startswith(ends)
 
 
 def is_hidden(result: Result) -> bool:
-    """Return whether a result is wrong, and only the reference notices."""
+    """Return True if a result is wrong, and only the reference notices."""
     return outcome(result) == WRONG and result.noticed_by == (REFERENCE,)
 
 
@@ -88,7 +88,7 @@ def markdown(results: Sequence[Result], full: bool) -> str:
 
 
 def is_broken(result: Result) -> bool:
-    """Return whether a result is wrong or failed."""
+    """Return True if a result is wrong or failed."""
     return outcome(result) in (WRONG, FAILED)
 
 

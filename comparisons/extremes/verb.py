@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from ..check.request import CheckRun, plan_checks
+from ..checks.request import CheckRequest, Execution
 from ..reports.files import Destination, refuse_conflicts
 from ..terminal.options import with_options_of
 from ..terminal.program import (
@@ -31,7 +31,7 @@ LIMIT = 240.0
         "mbcheck extremes --json extremes.json --markdown extremes.md",
     ),
 )
-@with_options_of(CheckRun, only=("scenes", "engines", "kinds", "full", "jobs"))
+@with_options_of(CheckRequest, Execution, only=("scenes", "engines", "kinds", "full", "jobs"))
 @click.option("-v", "--verbose", is_flag=True, help="Print every result that is not right.")
 @JSON
 @into("markdown", "Write what breaks in each engine as Markdown to a file, or '-'.")
@@ -47,6 +47,7 @@ def extremes(
     or failed, and names who notices: the engine, the guard, a rule known before the run, a run with
     half the step, or only the reference. Exit code 0 whatever the results are, 1 if a check died.
     """
+    from ..check.request import CheckRun, plan_checks
     from ..check.verb import checked
     from ..engines.isolation import MEMORY
     from . import page

@@ -8,7 +8,6 @@ from typing import Any
 
 import click
 
-from ...reference.cost import within
 from .options import NUMBER
 from .program import progress_bar
 
@@ -31,6 +30,8 @@ def budget_option(seconds: float) -> Callable[[Any], Any]:
 @contextmanager
 def budgeted(seconds: float, what: str) -> Iterator[None]:
     """Do something within a budget [s], and tell how far it is, on a terminal or line by line."""
+    from ...reference.cost import within
+
     with (
         progress_bar(True, f"parts of {what}", lines=True) as advance,
         within(seconds, lambda share, _: advance(round(100 * share), 100)),

@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.checks import execution, suite
-from mbcheck.comparisons.checks.execution import Execution, run_checks
+from mbcheck.comparisons.checks.execution import run_checks
+from mbcheck.comparisons.checks.request import Execution
 from mbcheck.comparisons.checks.suite import KINDS, Check, plan, run_check
 from mbcheck.comparisons.checks.verdict import Finding, Result, judge
 from mbcheck.comparisons.engines import registry as engines

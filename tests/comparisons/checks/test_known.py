@@ -17,8 +17,9 @@ import pytest
 from mbcheck.comparisons.check import request
 from mbcheck.comparisons.check.request import check
 from mbcheck.comparisons.checks import known, suite
-from mbcheck.comparisons.checks.execution import Execution, run_checks
+from mbcheck.comparisons.checks.execution import run_checks
 from mbcheck.comparisons.checks.known import Entry, Listing
+from mbcheck.comparisons.checks.request import Execution
 from mbcheck.comparisons.checks.verdict import Result, Verdict
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.reference.errors import UsageError

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.check import request
-from mbcheck.comparisons.checks.execution import Execution
+from mbcheck.comparisons.checks.request import Execution
 from mbcheck.comparisons.checks.verdict import Result as Judged
 from mbcheck.comparisons.checks.verdict import Subject
 from mbcheck.comparisons.engines import THREADS

@@ -11,7 +11,8 @@ from typing import Any
 import pytest
 
 from mbcheck.comparisons.check.request import check
-from mbcheck.comparisons.checks.execution import Execution, run_checks
+from mbcheck.comparisons.checks.execution import run_checks
+from mbcheck.comparisons.checks.request import Execution
 from mbcheck.comparisons.papers import plan as papers
 from mbcheck.comparisons.papers.ledger import (
     NOT_REPRODUCED,
