@@ -59,7 +59,7 @@ class Entry:
         return f"entry {self.number}"
 
     def covers(self, result: Result) -> bool:
-        """Return whether it covers a result that fails, or would if it were not known."""
+        """Return True if it covers a result that fails, or would if it were not known."""
         if result.verdict not in (*FAILED, "known") or not fnmatchcase(result.id, self.id):
             return False
         return self.max_error is None or (

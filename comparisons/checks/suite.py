@@ -563,7 +563,7 @@ def origin(setup: Setup | None, error: BaseException) -> str:
 
 
 def cautioned(setup: Setup | None) -> list[Caution]:
-    """Return what rules say of a run with the setup's step."""
+    """Return the cautions against a run with the setup's step."""
     if setup is None or setup.method is None:
         return []
     try:

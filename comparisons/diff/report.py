@@ -91,5 +91,5 @@ def print_diff(console: Console, diff: Diff, verbose: bool = False) -> None:
 
 
 def markdown(diff: Diff) -> str:
-    """Return what changed as Markdown."""
+    """Return the changes as Markdown."""
     return markdown_sections(f"mbcheck diff: {summary_line(diff)}", diff_sections(diff, True))

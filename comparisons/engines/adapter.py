@@ -225,7 +225,7 @@ class Adapter:
         return self.description(case, model)[0]
 
     def description(self, case: Case, model: str) -> tuple[OwnModel, str | None]:
-        """Return what the engine tells of a model of a case, and why it has none.
+        """Return the engine's description of a model of a case, and the reason if it has none.
 
         Raises
         ------
@@ -313,7 +313,7 @@ class Adapter:
         return self.own_reason(case, model, method)
 
     def reason_against(self, case: Case, model: str, method: Method | None) -> str | None:
-        """Return why the engine says that it cannot run this case on this model, or None.
+        """Return the engine's reason for not running this case on this model, or None.
 
         Raises
         ------
@@ -330,7 +330,7 @@ class Adapter:
             return str(error)
 
     def ahead(self, function: str, work: Callable[[], T]) -> T:
-        """Return what a function of the engine answers before there is a check to judge it by.
+        """Return the answer of a function of the engine before there is a check to judge it by.
 
         Raises
         ------
@@ -385,7 +385,7 @@ class Adapter:
     # States
 
     def joint_system(self, case: Case, model: str) -> System:
-        """Return what the engine is told of a case, whose loops may start open."""
+        """Return the system of a case for the engine; its loops may start open."""
         system = self.systems(case.scene, model, case.parameters, case.placement)
         if not self.reads_mjcf:
             q, v = np.split(self.start(case, model), 2)

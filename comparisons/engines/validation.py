@@ -276,7 +276,7 @@ def declared(name: str, author: Any) -> Engine:
 
 
 def is_size(value: Any) -> bool:
-    """Return whether a value is a number that is not negative."""
+    """Return True if a value is a number that is not negative."""
     return isinstance(value, int | float) and value >= 0
 
 

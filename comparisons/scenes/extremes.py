@@ -317,7 +317,7 @@ def long_runs(kind: str, scene: str, engine: str) -> Iterator[Check]:
 
 
 def is_followed(setup: Setup) -> bool:
-    """Return whether a method follows a motion, and tells something new.
+    """Return True if a method follows a motion, and tells something new.
 
     Without constraints the method of index 2 is the trapezoidal rule. What an implicit Euler makes
     of soft closures is not known: it takes only springs at the end of a step.

@@ -269,7 +269,7 @@ OMEGA = "omega_1"
 
 
 def why_parts_miss(setup: Setup, unexplained: bool, limit: float, doubt: float) -> str:
-    """Return why no number of parts meets a target, as far as the model's continuum tells."""
+    """Return the reason if no number of parts meets a target, as far as its continuum tells."""
     if unexplained:
         return "the model has another limit than the scene's beam"
     error = 0.0

@@ -10,7 +10,7 @@ BACKENDS = ("auto", "numpy", HEYOKA)
 
 
 def takes_heyoka(backend: str) -> bool:
-    """Return whether heyoka is installed and chosen by a backend.
+    """Return True if heyoka is installed and chosen by a backend.
 
     Raises
     ------

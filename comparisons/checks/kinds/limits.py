@@ -124,7 +124,7 @@ def bisected(bad: Callable[[float], bool], low: float, high: float) -> float:
 
 
 def without_limit(free: Vibration) -> Finding:
-    """Return what a method without a limit makes of a vibration with very long steps.
+    """Return the finding on a vibration with very long steps, by a method without a limit.
 
     Generalized-alpha is stable and yet multiplies a start before it settles: as much as its
     matrix does is granted.

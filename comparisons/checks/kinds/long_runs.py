@@ -90,12 +90,12 @@ class LongRun:
 
 
 def conserves(setup: Setup) -> bool:
-    """Return whether the model takes nothing from a motion: a soft closure does."""
+    """Return True if the model takes nothing from a motion: a soft closure does."""
     return bool(setup.scene.discretisation_coordinates) or not setup.has_soft_closure
 
 
 def has_rigid_loops(setup: Setup) -> bool:
-    """Return whether the model closes loops by constraints that do not give way."""
+    """Return True if the model closes loops by constraints that do not give way."""
     return setup.has_constraints and conserves(setup)
 
 
@@ -230,7 +230,7 @@ def shortest_length(parameters: Any) -> float:
 
 
 def free_vibration(setup: Setup) -> LongRun:
-    """Return how energy and phase of the fastest mode change from the first period to the last."""
+    """Return the changes of energy and phase of the fastest mode over the run."""
     mode, step = free_mode(setup.case), setup.step_size
     period = 2 * np.pi / mode.omega
     count = int(period / step)
@@ -260,7 +260,7 @@ def free_vibration(setup: Setup) -> LongRun:
 
 
 def conservative(setup: Setup) -> LongRun:
-    """Return what a motion loses of its energy, or after a drive of all that it conserves.
+    """Return the loss of energy of a motion, or after a drive of all that it conserves.
 
     What is lost at the end is the mean of the last eighth; by how much the first one wavers is
     left open.

@@ -242,7 +242,7 @@ def longest_horizon(equations: ModelEquations, case: Case) -> float:
 
 
 def growth(run: Sampled, exact: Truth) -> float:
-    """Return what a change of the start grows to, in the sizes of the states."""
+    """Return the growth factor of a change of the start, in the sizes of the states."""
     equations = scene_equations(run.setup.case)
     if equations.scene.discretisation_coordinates:
         return VIBRATION_GROWTH
@@ -290,7 +290,7 @@ def sizes(names: tuple[str, ...], truth: Truth) -> Array:
 
 
 def halving_shows(changes: list[float], order: int, floor: float) -> str:
-    """Return what is wrong with the changes from h to h/2, and from there to h/4."""
+    """Return the fault in the changes from h to h/2, and from there to h/4, in words."""
     change, next_change = changes
     if not change <= CAP / 2:
         return f"halving the step changes it by {change:.2g}"

@@ -284,7 +284,7 @@ class Loaded:
         return self.dumped(self.model)
 
     def compiles_alike(self, text: str) -> bool:
-        """Return whether another text compiles to the same model, to the last bit."""
+        """Return True if another text compiles to the same model, to the last bit."""
         model = self.compiled(text)
         return model is not None and self.dumped(model) == self.bits
 

@@ -87,7 +87,7 @@ def gain_edits(s: InspectedModel, actuators: Flags) -> Iterator[Edit]:
 
 
 def step_remedies(s: InspectedModel, limit: StepLimit) -> str:
-    """Return what makes the file's integrator stable, the cheapest first; each was tried.
+    """Return the edits that make the file's integrator stable, cheapest first; each was tried.
 
     Settings are those of the joint that sets the limit, or of it and all that servos drive.
     """
@@ -122,7 +122,7 @@ def holds(
     change: Callable[[Any], None],
     margin: float = MARGIN,
 ) -> bool:
-    """Return whether the step is stable after an edit: by its limit, and in short runs.
+    """Return True if the step is stable after an edit: by its limit, and in short runs.
 
     Parameters
     ----------

@@ -55,7 +55,7 @@ CONCERNED = 0.3
 
 
 def is_fed_by_drive(linear: Linear, mode: Shape) -> bool:
-    """Return whether an actuator or a damper gives most of the mean power that feeds a mode.
+    """Return True if an actuator or a damper gives most of the mean power that feeds a mode.
 
     Of ``f = -C v - K q``, a symmetric K that is negative gives what it gives by itself; a
     negative C and the rotational part of K feed in each cycle.

@@ -73,7 +73,7 @@ class Block:
 
 
 def blocks(results: Sequence[Result]) -> list[Block]:
-    """Return what failed: the first level that is wrong first, then errors, then the worst.
+    """Return the failures: the first level that is wrong first, then errors, then the worst.
 
     Checks that an engine fails by the same cause are one block.
     """

@@ -263,7 +263,7 @@ def stale_item(use: Use, run: Run) -> ReportItem:
 
 
 def run_annotations(report: Report) -> list[ReportItem]:
-    """Return what GitHub shows: stale entries, the first wrong level, failing checks, counts."""
+    """Return the annotations: stale entries, the first wrong level, failing checks, counts."""
     run, results = report.run, report.results
     items = [stale_item(use, run) for use in run.stale]
     if where := located(results):

@@ -51,7 +51,7 @@ DOUBLINGS = 12
 
 
 def step_counts(points: Points, spans: Array, least: Mapping[bool, int], shortest: int) -> Ints:
-    """Return how many equal steps spans (k,) [s] take: a power of two times the least.
+    """Return the numbers of equal steps over spans (k,) [s]: a power of two times the least.
 
     Parameters
     ----------

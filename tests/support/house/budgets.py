@@ -42,12 +42,12 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
     "comparisons": (1, 1),
     "comparisons/boundary": (552, 1107),
     "comparisons/check": (403, 758),
-    "comparisons/checks": (4966, 8635),
-    "comparisons/cli": (482, 1033),
+    "comparisons/checks": (4965, 8638),
+    "comparisons/cli": (480, 1029),
     "comparisons/diff": (312, 541),
-    "comparisons/documents": (243, 491),
+    "comparisons/documents": (238, 481),
     "comparisons/engines": (3178, 5732),
-    "comparisons/extremes": (103, 189),
+    "comparisons/extremes": (104, 190),
     "comparisons/inspect": (3948, 7480),
     "comparisons/judge": (714, 1384),
     "comparisons/maps": (875, 1596),
@@ -55,26 +55,26 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
     "comparisons/queries": (575, 1230),
     "comparisons/reports": (1538, 2711),
     "comparisons/scenes": (2200, 4648),
-    "comparisons/terminal": (343, 590),
-    "comparisons/tradeoff": (1981, 3455),
+    "comparisons/terminal": (343, 591),
+    "comparisons/tradeoff": (1979, 3529),  # fields of documents are described as all others are
     "docs": (450, 995),
     "examples": (490, 769),
     "models": (2115, 4014),
-    "reference": (8949, 17000),
-    "tests": (27421, 46459),
+    "reference": (8951, 17004),
+    "tests": (27420, 46451),
 }
 """Folder -> statements and lines of Python."""
 
 WORDS: Mapping[str, int] = {
-    "Return what": 405,
+    "Return what": 374,
     "Of the": 453,
     "that is": 256,
-    "what is": 207,
+    "what is": 206,
     "asked": 109,
-    "told": 59,
+    "told": 58,
     "held": 43,
     "looked at": 34,
-    "makes of": 37,
+    "makes of": 36,
 }
 """How often each of `PHRASES` stands in the package."""
 
