@@ -1,21 +1,14 @@
-"""Misprints of the hula_hoop paper: what a formula gives as printed, and put right.
-
-Identities are judged at one motion of the form (16), (17) that solves nothing, `derivation.TRIAL`.
-"""
+"""Misprints of the hula_hoop paper: what a formula gives as printed, and put right."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
-from functools import partial
-
 import numpy as np
-from scipy.special import jv
 
 from ....reference.hula_hoop.equations import HulaHoop
-from ....reference.hula_hoop.floquet import floquet_multipliers, variational_coefficients
+from ....reference.hula_hoop.floquet import floquet_multipliers
 from ....reference.hula_hoop.theory import nondimensional, paper_solution
 from ....reference.scene import Array
+from ..equations import PROOF
 from ..ledger import (
     CORRECTED,
     Erratum,
@@ -29,119 +22,16 @@ from ..ledger import (
 )
 from ..session import Session
 from . import derivation, example
-from .derivation import PHASES, TRIAL
+from .identities import IDENTITIES
 from .results import EXAMPLE, grid, stable
 
 TESTS = "tests/comparisons/papers/hula_hoop/test_misprints.py::"
 THEORY_TESTS = "tests/reference/hula_hoop/test_theory.py::"
 
 
-def residuals(session: Session, of: Callable[[bool], float]) -> Numbers:
-    """Return what a formula leaves of an identity, as printed and corrected."""
-    printed, right = of(True), of(False)
-    return {"as_printed": printed, "corrected": right, "share": right / printed}
-
-
 def misses(within: float) -> Judgement:
     """Return that as printed a formula misses an identity, and is within a bound corrected."""
     return corrected(below("corrected", within), below("share", 0.1))
-
-
-# What identities leave over
-
-
-def trial_terms() -> tuple[Array, Array, Array]:
-    """Return theta, theta' and theta'' of the trial motion over one period."""
-    motion = TRIAL.motion(PHASES / TRIAL.alpha)
-    return motion.theta, motion.theta_dot, motion.theta_ddot
-
-
-def equation_25(as_printed: bool) -> float:
-    """Largest error of (25): its square has lost the factor alpha of the mixed term."""
-    theta, theta_1, _ = trial_terms()
-    psi, u, f_u = 2 * PHASES - TRIAL.gamma, TRIAL.u_1, 2 * TRIAL.alpha
-    factor = 1.0 if as_printed else TRIAL.alpha
-    square = TRIAL.alpha**2 - 2 * factor * u * f_u * np.sin(psi) + (u * f_u * np.sin(psi)) ** 2
-    return float(np.abs(square * np.sin(theta) - theta_1**2 * np.sin(theta)).max())
-
-
-def equation_30(as_printed: bool) -> float:
-    """Largest error of (30), whose second bracket has lost sin(alpha tau), J_1 and J_3."""
-    theta, _, theta_2 = trial_terms()
-    psi, u = 2 * PHASES - TRIAL.gamma, TRIAL.u_1
-    even = jv(0, u) - 2 * jv(2, u) * np.cos(2 * psi) + 2 * jv(4, u) * np.cos(4 * psi)
-    odd = 2 * jv(1, u) * np.cos(psi) - 2 * jv(3, u) * np.cos(3 * psi)
-    odd += 2 * jv(5, u) * np.cos(5 * psi)
-    expansion = theta_2 * (np.cos(PHASES) * even - np.sin(PHASES) * odd)
-    if as_printed:
-        expansion = theta_2 * np.cos(PHASES) * even - theta_2 + 4 * jv(5, u) * np.cos(5 * psi)
-    return float(np.abs(expansion - theta_2 * np.cos(theta)).max())
-
-
-def equation_35(as_printed: bool) -> float:
-    """Error of (35), by u_1, against the harmonic of (7) for a small u_1."""
-    small = replace(TRIAL, u_1=1e-5)
-    c = nondimensional(EXAMPLE)
-    motion = small.motion(PHASES / small.alpha)
-    coupling = motion.theta_ddot * np.cos(motion.theta)
-    coupling = coupling - motion.theta_dot**2 * np.sin(motion.theta)
-    slide = motion.q_ddot + 2 * c.rho * motion.q_dot + motion.q + c.epsilon * coupling
-    truth = np.mean(2 * slide * np.sin(PHASES))
-    inertial = c.epsilon * small.alpha**2
-    printed = (1 - small.alpha**2) * small.q_1 * np.sin(small.beta)
-    printed += -2 * c.rho * small.q_1 * small.alpha * np.cos(small.beta) - inertial
-    lost = -inertial * small.u_1 * np.sin(small.gamma) / 2
-    return float(abs(printed + (0 if as_printed else lost) - truth) / small.u_1)
-
-
-def equation_41(as_printed: bool) -> float:
-    """Error of the coefficient of cos(2 alpha tau) of q'' cos(theta) in (41)."""
-    motion = TRIAL.motion(PHASES / TRIAL.alpha)
-    truth = np.mean(2 * motion.q_ddot * np.cos(motion.theta) * np.cos(2 * PHASES))
-    u, beta, gamma = TRIAL.u_1, TRIAL.beta, TRIAL.gamma
-    first = jv(1, u) + 2 * (-beta - gamma) if as_printed else jv(1, u) * np.sin(-beta - gamma)
-    bracket = jv(0, u) * np.cos(beta) - jv(2, u) * np.cos(beta - 2 * gamma) + first
-    bracket -= jv(1, u) * np.sin(beta - gamma)
-    return float(abs(-TRIAL.q_1 * TRIAL.alpha**2 / 2 * bracket - truth))
-
-
-def equation_45(as_printed: bool) -> float:
-    """Residual of (39) for the correction that (45) makes of a torque cos(2 alpha tau)."""
-    c = nondimensional(EXAMPLE)
-    tau, f_u = np.linspace(0, 40, 400), 2 * c.alpha
-    if as_printed:
-        v_1 = (f_u * np.sin(f_u * tau) - np.sin(tau)) / (1 - f_u**2)
-        v_2 = (f_u**2 * np.cos(f_u * tau) - np.cos(tau)) / (1 - f_u**2)
-    else:
-        response = -1 / (-(f_u**2) * c.inertia + 1j * c.zeta_m * f_u)
-        wave = response * np.exp(1j * f_u * tau)
-        v_1, v_2 = (1j * f_u * wave).real, (-(f_u**2) * wave).real
-    return float(np.abs(c.inertia * v_2 + c.zeta_m * v_1 + np.cos(f_u * tau)).max())
-
-
-def equation_55(as_printed: bool) -> float:
-    """Error of (55) against a small change of the trial motion put into (7)."""
-    c, change = nondimensional(EXAMPLE), 1e-5
-    tau = PHASES / TRIAL.alpha
-    motion = TRIAL.motion(tau)
-    shift, shift_1, shift_2 = np.cos(3 * tau), -3 * np.sin(3 * tau), -9 * np.cos(3 * tau)
-
-    def coupling(size: float) -> Array:
-        theta = motion.theta + size * shift
-        term: Array = (motion.theta_ddot + size * shift_2) * np.cos(theta)
-        return term - (motion.theta_dot + size * shift_1) ** 2 * np.sin(theta)
-
-    truth = c.epsilon * (coupling(change) - coupling(-change)) / (2 * change)
-    p_1, p_2, p_3, _, _ = variational_coefficients(TRIAL, EXAMPLE, tau)
-    first = shift_1 if as_printed else shift_2
-    return float(np.abs(p_1 * first + p_2 * shift_1 + p_3 * shift - truth).max())
-
-
-def lost_dots(as_printed: bool) -> float:
-    """Error of the velocity of cos(theta) without and with the dot on theta."""
-    theta, speed, change = 0.7, 3.0, 1e-6
-    x_dot = (np.cos(theta + speed * change) - np.cos(theta - speed * change)) / (2 * change)
-    return float(abs(x_dot + (theta if as_printed else speed) * np.sin(theta)))
 
 
 def restored(p: HulaHoop) -> Array:
@@ -177,7 +67,7 @@ def lost_term(session: Session) -> Numbers:
     for p in (EXAMPLE, grid(session, False)):
         without, with_it = restored(p)
         changes.append(float(np.max(np.abs(with_it / without - 1))))
-    return {**residuals(session, equation_35), "changes": changes}
+    return {**IDENTITIES["lost_term_35"](session), "changes": changes}
 
 
 def misprint_of_55(session: Session) -> Numbers:
@@ -188,7 +78,7 @@ def misprint_of_55(session: Session) -> Numbers:
         for as_printed in (True, False)
     ]
     shares = [float(np.mean(stable(session, False, name))) for name in ("printed", "paper")]
-    return {**residuals(session, equation_55), "multipliers": multipliers, "shares": shares}
+    return {**IDENTITIES["variational_55"](session), "multipliers": multipliers, "shares": shares}
 
 
 OFF = "off by {as_printed:.3g} as printed, by {corrected:.0e} corrected"
@@ -198,9 +88,9 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         "lost_dots", "2, (4) and the text below the sketch",
         "The velocity of the free mass has theta for theta', the damper's force y for y'.",
         CORRECTED, "velocity of cos(theta): " + OFF,
-        partial(residuals, of=lost_dots), judgement=misses(1e-8),
+        IDENTITIES["lost_dots"], judgement=misses(1e-8),
         erratum=Erratum(
-            TESTS + "test_velocity_and_damper_force_have_dots",
+            PROOF,
             "x_f' = -R_m theta' sin(theta), y_f' = y' + R_m theta' cos(theta), Theta = F cos(omega "
             "t) - c y'",
             "they are derivatives, and a damper resists a speed; (1) and (5) have the dots",
@@ -211,9 +101,9 @@ MISPRINTS: tuple[LedgerRow, ...] = (
     misprint(
         "square_25", "equation (25)", "The mixed term of the square of theta' has no alpha.",
         CORRECTED, "square of theta': " + OFF,
-        partial(residuals, of=equation_25), judgement=misses(1e-10), printed="-2 u_1 f_u",
+        IDENTITIES["square_25"], judgement=misses(1e-10), printed="-2 u_1 f_u",
         erratum=Erratum(
-            TESTS + "test_25_lacks_alpha",
+            PROOF,
             "-2 alpha u_1 f_u sin(f_u tau - gamma)",
             "theta' is alpha - u_1 f_u sin(f_u tau - gamma); (24) and (28) have the alpha",
             "none: (28) is right",
@@ -225,9 +115,9 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         "The second bracket of theta'' cos(theta) lacks sin(alpha tau), J_1 and J_3.",
         CORRECTED,
         "theta'' cos(theta): off by {corrected:.0e} corrected; almost surely a fault of our copy",
-        partial(residuals, of=equation_30), judgement=misses(1e-5),
+        IDENTITIES["expansion_30"], judgement=misses(1e-5),
         erratum=Erratum(
-            TESTS + "test_30_lacks_its_sine_part",
+            PROOF,
             "... - [-u_1 f_u^2 cos psi] sin(alpha tau) [2 J_1 cos psi - 2 J_3 cos 3 psi + 2 J_5 "
             "cos 5 psi - ...], psi = f_u tau - gamma",
             "it is (29) with Neumann's expansion, as (25) has it",
@@ -239,7 +129,7 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         "second_order_20", "equation (20)",
         "The term with p^2 has the nonlinear terms at V_1 alone.",
         CORRECTED, "second order in p of (14) with (18), at random values: " + OFF,
-        partial(residuals, of=derivation.second_order), judgement=misses(1e-5),
+        derivation.second_order, judgement=misses(1e-5),
         printed="p^2 [L(V_2q) + N(V_1theta)]",
         erratum=Erratum(
             TESTS + "test_the_second_order_of_20_is_a_derivative",
@@ -282,9 +172,9 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         CORRECTED,
         "coefficient of cos(2 alpha tau): off by {corrected:.0e} corrected; almost surely a fault "
         "of our copy",
-        partial(residuals, of=equation_41), judgement=misses(1e-10),
+        IDENTITIES["product_41"], judgement=misses(1e-10),
         erratum=Erratum(
-            TESTS + "test_41_is_garbled_and_42_is_right",
+            PROOF,
             "cos(2 alpha tau) (-q_1 f_q^2)/2 [J_0 cos(-beta) - J_2 cos(beta - 2 gamma) + J_1 "
             "sin(-beta - gamma) - J_1 sin(beta - gamma)] + (-q_1 f_q^2)/2 [J_0 cos(-beta) + J_1 "
             "sin(beta - gamma)]",
@@ -319,9 +209,9 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         CORRECTED,
         "(39) with the L of (42): " + OFF + ". Its twin (34), of the main mass, which has a "
         "spring, is right but for damping",
-        partial(residuals, of=equation_45), judgement=misses(1e-10),
+        IDENTITIES["kernel_45"], judgement=misses(1e-10),
         erratum=Erratum(
-            TESTS + "test_45_solves_another_equation",
+            PROOF,
             "V = -(1 + I_eq)^-1 times the integral of [1 - exp(-d (tau - t))]/d times the torque, "
             "with d = zeta_m/(1 + I_eq)",
             "(8) has inertia and friction, and no term in theta alone",

@@ -29,6 +29,7 @@ from ..ledger import (
 from . import derivation, example, identities
 from .example import OMEGA
 from .figures import FIGURES as FIGURES
+from .identities import IDENTITIES
 from .misprints import MISPRINTS
 from .readings import READINGS
 from .region_rows import REGION_ROWS
@@ -74,7 +75,7 @@ EQUATIONS: tuple[LedgerRow, ...] = (
         REPRODUCED,
         "both lines of (1), with and without the plate's inertia, against the scene's energy at "
         "16 random states: off by {error:.0e}",
-        identities.printed_energies, judgement=holds(below("error", ROUNDING)),
+        IDENTITIES["energies"], judgement=holds(below("error", ROUNDING)),
     ),
     statement(
         "lagrange", "2, (3)-(8)",
@@ -82,8 +83,8 @@ EQUATIONS: tuple[LedgerRow, ...] = (
         "nondimensional form.",
         REPRODUCED,
         "what the scene's accelerations leave at 16 random states, over the largest terms, with "
-        "and without the plate's inertia: {left:.0e}",
-        identities.lagrange, judgement=holds(below("largest", 1e-9)),
+        "and without the plate's inertia: {errors:.0e}",
+        IDENTITIES["lagrange"], judgement=holds(below("largest", 1e-9)),
     ),
     statement(
         "equations_of_motion", "2, (7), (8)",
@@ -118,7 +119,7 @@ SOLUTIONS: tuple[LedgerRow, ...] = (
         REPRODUCED,
         "linear terms of (7), (8) along (23), (40) against those of (32), (42), which are said to "
         "be of (16), (17): off by {error:.0e}; so they solve (21), (38)",
-        identities.linear_terms, judgement=holds(below("error", ROUNDING)),
+        IDENTITIES["linear_terms"], judgement=holds(below("error", ROUNDING)),
     ),
     statement(
         "products", "equations (24), (29)",
@@ -126,7 +127,7 @@ SOLUTIONS: tuple[LedgerRow, ...] = (
         REPRODUCED,
         "three lines of each, against the motion and its derivatives: off by {error:.0e}; the last "
         "line of (24) with sin(alpha tau) cos(...) and alpha^2, which our copy has lost",
-        identities.products, judgement=holds(below("error", ROUNDING)),
+        IDENTITIES["products"], judgement=holds(below("error", ROUNDING)),
     ),
     statement(
         "bessel_26", "equation (26)", "Series of the Bessel functions.", REPRODUCED,
@@ -138,7 +139,7 @@ SOLUTIONS: tuple[LedgerRow, ...] = (
         "Harmonics of the nonlinear terms of (7) and (8), and the mean torque.", REPRODUCED,
         "(28) and (31), of which (32) is made, and (42), with its mean (44), against the harmonics "
         "of a motion of the form (16), (17): off by {errors:.0e}",
-        identities.expansions, judgement=holds(below("largest", ROUNDING)),
+        IDENTITIES["expansions"], judgement=holds(below("largest", ROUNDING)),
     ),
     statement(
         "ansatz_harmonics", "3.2, (16), (17)",
@@ -189,7 +190,7 @@ SOLUTIONS: tuple[LedgerRow, ...] = (
         "solution_34", "equation (34)", "Correction of the main mass's motion.", REPRODUCED,
         "but for damping, which (22) has not: put into (22), and at rest at the start, off by "
         "{error:.0e}",
-        identities.solution_34, judgement=holds(below("error", ROUNDING)),
+        IDENTITIES["solution_34"], judgement=holds(below("error", ROUNDING)),
     ),
     statement(
         "approximation_37", "equations (37), (48)",
@@ -207,7 +208,7 @@ SOLUTIONS: tuple[LedgerRow, ...] = (
         "against the harmonics of (7), (8) at amplitudes of 1e-6, over these: off by {errors:.0e}. "
         "(36) is the cosine of (33), whose sine is in lost_term_35; (46), (47) are the brackets of "
         "(43)",
-        identities.first_order, judgement=holds(below("largest", 1e-5)),
+        IDENTITIES["first_order"], judgement=holds(below("largest", 1e-5)),
     ),
     statement(
         "closed_form", "equations (49)-(52)", "The four unknowns in closed form.", REPRODUCED,
@@ -224,7 +225,7 @@ STABILITY: tuple[LedgerRow, ...] = (
         "The perturbed motion, and its linear equations with their coefficients.", REPRODUCED,
         "(53), (54) put into (7), (8), against (55), with theta~'' after p_1, and (56): off by "
         "{error:.0e}; see variational_55",
-        identities.variations, judgement=holds(below("error", ROUNDING)),
+        IDENTITIES["coefficients_57"], judgement=holds(below("error", ROUNDING)),
     ),
     statement(
         "newton", "4", "Newton's method makes the approximate solutions accurate.", DEPENDS,
