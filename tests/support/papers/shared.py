@@ -14,6 +14,8 @@ from typing import Any, TypeVar, cast
 
 import pytest
 
+from mbcheck.comparisons.papers.assess import Assessment
+from mbcheck.comparisons.papers.outcomes import FigureEntry, Findings, Made, RowEntry, tables
 from mbcheck.comparisons.papers.session import Session
 
 T = TypeVar("T")
@@ -65,3 +67,18 @@ def folder_of_all(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "values_of_papers"
     folder.mkdir(exist_ok=True)
     return folder
+
+
+def expected_findings(*scenes: str) -> Findings:
+    """Return all of some papers, with the verdicts that their rows expect."""
+    rows = tuple(
+        RowEntry.of(scene, row, Assessment(row.verdict, "why"), run=0, seconds=0.0)
+        for scene in scenes
+        for row in tables(scene)[1]
+    )
+    figures = tuple(
+        FigureEntry(scene, one.number, one.title, one.caption, None, 0, 0.0)
+        for scene in scenes
+        for one in tables(scene)[0]
+    )
+    return Findings({}, False, figures, rows, (), (Made({}),))
