@@ -27,9 +27,6 @@ import numpy as np
 from .ledger import Numbers
 from .session import Session
 
-PROOF = "tests/comparisons/papers/test_equations.py::test_printed_form_of_a_misprint_does_not_hold"
-"""The test of all equations."""
-
 DIGITS = 30
 POINTS = 4
 """Number of random points at which equations are compared that name none."""

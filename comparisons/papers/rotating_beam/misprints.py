@@ -6,7 +6,7 @@ another route.
 
 from __future__ import annotations
 
-from ..ledger import CORRECTED, Erratum, LedgerRow, misprint
+from ..ledger import CORRECTED, LedgerRow, misprint
 
 TESTS = "tests/comparisons/papers/rotating_beam/test_misprints.py::test_misprints_of_the_"
 OTHERS = "tests/comparisons/papers/rotating_beam/test_misprints.py::test_misprints_of_symbols"
@@ -26,7 +26,8 @@ MISPRINTS: tuple[LedgerRow, ...] = tuple(
     misprint(
         name, section, summary, CORRECTED,
         f"{what}: as printed {printed}, corrected {right} {unit}".strip(),
-        reference=f"{right} {unit}".strip(), erratum=Erratum(test, formula, why, effect, copy),
+        reference=f"{right} {unit}".strip(),
+        test=test, corrected=formula, why=why, effect=effect, copy=copy,
     )
     for name, section, summary, (what, printed, right, unit), test, formula, why, effect, copy in (
         (
@@ -251,7 +252,7 @@ MISPRINTS: tuple[LedgerRow, ...] = tuple(
 SYMBOLS: tuple[LedgerRow, ...] = tuple(
     misprint(
         name, section, summary, CORRECTED, reason,
-        printed=printed, erratum=Erratum(OTHERS, formula, why, effect, copy),
+        printed=printed, test=OTHERS, corrected=formula, why=why, effect=effect, copy=copy,
     )
     for name, section, summary, reason, printed, formula, why, effect, copy in (
         (

@@ -13,7 +13,6 @@ from ....reference.rotor_pendulum.phase import coupling_torque, wrapped
 from ..ledger import (
     CORRECTED,
     NOT_REPRODUCED,
-    Erratum,
     LedgerRow,
     Numbers,
     above,
@@ -155,18 +154,15 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         "fourth line with the accelerations of Lagrange's equations at phi_3 = 0: " + OFF,
         partial(residuals, of=equation_11), judgement=MISSES,
         printed="+ phi_2'^2 sin(phi_2 - beta)",
-        erratum=Erratum(
-            TESTS + "test_the_reduced_equations_are_the_printed_ones_but_for_a_sign",
-            "- m r l [phi_2'' cos(phi_2 - beta) - phi_2'^2 sin(phi_2 - beta)]",
-            "it is the derivative of the kinetic energy (7); (12) has the sign right",
-            "none on the theory, which starts from (12). Section 5.2 integrates (11): "
-            "as printed it makes case 2's orbit -0.194 rad at 154.65 rad/s with 2.28 N m, where "
-            "the right sign makes 0.064 rad, 153.20 rad/s and 3.65 N m and the paper has -0.515 "
-            "rad, 153.5 rad/s, 3.23 N m, and gives case 3 an orbit at -0.58 rad, where the paper "
-            "has none: the print alone is probably at fault. Case 1's rod would swing by 7.3e-4 "
-            "rad",
-            "a minus may have been lost",
-        ),
+        test=TESTS + "test_the_reduced_equations_are_the_printed_ones_but_for_a_sign",
+        corrected="- m r l [phi_2'' cos(phi_2 - beta) - phi_2'^2 sin(phi_2 - beta)]",
+        why="it is the derivative of the kinetic energy (7); (12) has the sign right",
+        effect="none on the theory, which starts from (12). Section 5.2 integrates (11): as "
+            "printed it makes case 2's orbit -0.194 rad at 154.65 rad/s with 2.28 N m, where the "
+            "right sign makes 0.064 rad, 153.20 rad/s and 3.65 N m and the paper has -0.515 rad, "
+            "153.5 rad/s, 3.23 N m, and gives case 3 an orbit at -0.58 rad, where the paper has "
+            "none: the print alone is probably at fault. Case 1's rod would swing by 7.3e-4 rad",
+        copy="a minus may have been lost",
     ),
     misprint(
         "equation_14", "equation (14)", "The slope of the motor's torque over its speed.",
@@ -176,16 +172,15 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         "not of print: omega_m stands once for the rotor's speed, and once for the field's",
         equation_14, reference="{torque:.3g} N m", judgement=corrected(below("off", 0.01)),
         printed="n_p L_m^2 U^2 / (L_s^2 omega_m R_r) (omega_s - n_p omega_m)",
-        erratum=Erratum(
-            OWN_TESTS + "test_14_is_no_torque",
-            "n_p L_m^2 U^2 (omega_s - n_p omega_m) / (L_s^2 omega_s^2 R_r), with the field's "
-            "electric speed omega_s (314.16 rad/s with 50 Hz, our choice), and omega_m the rotor's",
-            "a torque is a power over a speed, and the flux is the voltage over the field's speed, "
-            "to the square",
-            "neither form gives section 5.2's torques with the entries of table 1, so that the "
+        test=OWN_TESTS + "test_14_is_no_torque",
+        corrected="n_p L_m^2 U^2 (omega_s - n_p omega_m) / (L_s^2 omega_s^2 R_r), with the "
+            "field's electric speed omega_s (314.16 rad/s with 50 Hz, our choice), and omega_m "
+            "the rotor's",
+        why="a torque is a power over a speed, and the flux is the voltage over the field's "
+            "speed, to the square",
+        effect="neither form gives section 5.2's torques with the entries of table 1, so that the "
             "motor is known from these torques alone",
-            "an exponent, or an index, may have been lost",
-        ),
+        copy="an exponent, or an index, may have been lost",
     ),
     misprint(
         "mu_1", "equations (20), (22)",
@@ -193,13 +188,12 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         CORRECTED, "x of (21) in (16), at case 2, over its largest value: " + OFF,
         partial(residuals, of=equation_20), judgement=MISSES,
         printed="sigma (n_x^2 - 1) n_phi^2 / N",
-        erratum=Erratum(
-            TESTS + "test_coupling_coefficients_solve_17_and_the_printed_ones_do_not",
-            "mu_1 = sigma n_x^2 (n_phi^2 - 1) / N; in (20) sigma l (1 - n_phi^2) n_x^2 f_1(t)",
-            "it is the solution of (17), the second line of which has omega_phi",
-            "of print only where it can be told: by case 2's phase, which comes by the corrected "
-            "one. Section 3 calls mu_1 and mu_4 identical because of it",
-        ),
+        test=TESTS + "test_coupling_coefficients_solve_17_and_the_printed_ones_do_not",
+        corrected="mu_1 = sigma n_x^2 (n_phi^2 - 1) / N; in (20) sigma l (1 - n_phi^2) n_x^2 "
+            "f_1(t)",
+        why="it is the solution of (17), the second line of which has omega_phi",
+        effect="of print only where it can be told: by case 2's phase, which comes by the "
+            "corrected one. Section 3 calls mu_1 and mu_4 identical because of it",
     ),
     misprint(
         "figure_2_caption", "figure 2", "The caption of the first panel names mu_1 and mu_2.",
@@ -207,12 +201,10 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         "relative difference from mu_1 as printed, of mu_2 and of mu_4: " + OFF,
         partial(residuals, of=figure_2_caption), judgement=MISSES,
         printed="mu_1 and mu_2",
-        erratum=Erratum(
-            OWN_TESTS + "test_the_first_panel_of_figure_2_is_mu_4",
-            "mu_1 and mu_4",
-            "mu_2 has a panel of its own, mu_4 has none, and section 3 calls mu_1 and mu_4 one",
-            "none",
-        ),
+        test=OWN_TESTS + "test_the_first_panel_of_figure_2_is_mu_4",
+        corrected="mu_1 and mu_4",
+        why="mu_2 has a panel of its own, mu_4 has none, and section 3 calls mu_1 and mu_4 one",
+        effect="none",
     ),
     misprint(
         "critical_point", "equations (31), (32)",
@@ -224,13 +216,11 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         "with it",
         critical_point, judgement=holds(above("jump", 0.1)),
         printed="beta = k pi + pi/2", slow=True,
-        erratum=Erratum(
-            TESTS + "test_the_phase_does_not_depend_on_how_the_angle_is_reached",
-            "mu_3 cos(beta) cos(alpha) = (mu_3 sin(beta) - mu_1) sin(alpha)",
-            "an error of reasoning, not of print: where the right side of (31) is infinite, "
+        test=TESTS + "test_the_phase_does_not_depend_on_how_the_angle_is_reached",
+        corrected="mu_3 cos(beta) cos(alpha) = (mu_3 sin(beta) - mu_1) sin(alpha)",
+        why="an error of reasoning, not of print: where the right side of (31) is infinite, "
             "sin(alpha) = 0 solves (30)",
-            "case 3 does lose synchronism, by the damper of the rod, which (30) leaves out",
-        ),
+        effect="case 3 does lose synchronism, by the damper of the rod, which (30) leaves out",
     ),
     misprint(
         "equation_35", "equation (35)", "The difference under the derivative is P_1 - P_1.",
@@ -239,13 +229,11 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         "is {right:.4f} N m, minus the amplitude of (34)",
         equation_35, judgement=corrected(below("error", 1e-6)),
         printed="d(P_1 - P_1)/d alpha",
-        erratum=Erratum(
-            OWN_TESTS + "test_35_as_printed_is_zero",
-            "d(P_1 - P_2)/d alpha_1 = d(P_1 - P_2)/d alpha",
-            "it is (6) for two rotors, and what stands to the right of it",
-            "none",
-            "an index may have been read wrongly",
-        ),
+        test=OWN_TESTS + "test_35_as_printed_is_zero",
+        corrected="d(P_1 - P_2)/d alpha_1 = d(P_1 - P_2)/d alpha",
+        why="it is (6) for two rotors, and what stands to the right of it",
+        effect="none",
+        copy="an index may have been read wrongly",
     ),
     misprint(
         "phase_sign", "5.2, case 1", "The theoretical phase difference has no sign.", CORRECTED,
@@ -253,13 +241,11 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         "-3.013 rad",
         sign_of_case_1, judgement=corrected(above("as_printed", 0.1), below("corrected", 1e-3)),
         printed="3.013 rad",
-        erratum=Erratum(
-            TESTS + "test_the_papers_phases_need_the_corrected_coefficient",
-            "-3.013 rad (or 3.270 rad, in the range that section 5.1 gives for antiphase)",
-            "the root of (30) that satisfies (36)",
-            "none on the kind of synchronism; the simulation's 3.10 rad is compared by modulus",
-            "a minus may have been lost",
-        ),
+        test=TESTS + "test_the_papers_phases_need_the_corrected_coefficient",
+        corrected="-3.013 rad (or 3.270 rad, in the range that section 5.1 gives for antiphase)",
+        why="the root of (30) that satisfies (36)",
+        effect="none on the kind of synchronism; the simulation's 3.10 rad is compared by modulus",
+        copy="a minus may have been lost",
     ),
     misprint(
         "units", "2.2, table 1", "Units of the torsion spring and of the motors' torque.",
@@ -267,12 +253,10 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         "(8) is an energy with k_phi in {spring}, and (11) is of torques with M_e in {torque}",
         units, judgement=corrected(equal("spring", "N m/rad"), equal("torque", "N m")),
         printed="k_phi [N/rad], M_e [N/m]",
-        erratum=Erratum(
-            OWN_TESTS + "test_units_of_spring_and_torque",
-            "k_phi [N m/rad], M_e [N m]",
-            "k_phi phi_3^2 is an energy, M_e a moment",
-            "none",
-        ),
+        test=OWN_TESTS + "test_units_of_spring_and_torque",
+        corrected="k_phi [N m/rad], M_e [N m]",
+        why="k_phi phi_3^2 is an energy, M_e a moment",
+        effect="none",
     ),
     misprint(
         "dampers_of_9", "equation (9)",
@@ -281,24 +265,20 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         "the bearings of the rotors are R_e1 and R_e2 in (10) and (11), of which no number is "
         "given; in D they would be counted twice",
         printed="f_1, f_2, f_3",
-        erratum=Erratum(
-            OWN_TESTS + "test_dampers_take_what_9_says_without_those_of_the_rotors",
-            "D = (f_x x'^2 + f_phi phi_3'^2)/2",
-            "(11) has no term in f_1 or f_2, and f_phi phi_3' where (9) gives f_3 phi_3'",
-            "none on equations; the friction of the bearings is known from section 5.2 alone",
-        ),
+        test=OWN_TESTS + "test_dampers_take_what_9_says_without_those_of_the_rotors",
+        corrected="D = (f_x x'^2 + f_phi phi_3'^2)/2",
+        why="(11) has no term in f_1 or f_2, and f_phi phi_3' where (9) gives f_3 phi_3'",
+        effect="none on equations; the friction of the bearings is known from section 5.2 alone",
     ),
     misprint(
         "order_of_6", "2.1, (6)", "(6) is called an equation of the k-th order.", CORRECTED,
         "its determinant has k - 1 rows, as the phases count but for their differences: for two "
         "rotors it is (35), of the first order",
         printed="the kth order algebraic equation",
-        erratum=Erratum(
-            OWN_TESTS + "test_6_is_of_order_k_minus_1",
-            "of the (k - 1)-th order",
-            "a common turn of all rotors changes nothing",
-            "none: (35) is of the first order",
-        ),
+        test=OWN_TESTS + "test_6_is_of_order_k_minus_1",
+        corrected="of the (k - 1)-th order",
+        why="a common turn of all rotors changes nothing",
+        effect="none: (35) is of the first order",
     ),
     misprint(
         "names_of_torques", "5.2, figures 4(b) to 6(b)",
@@ -308,27 +288,22 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         "what the bearings take",
         largest_coupling, judgement=corrected(below("share", 1.0)),
         printed="coupling torques",
-        erratum=Erratum(
-            OWN_TESTS + "test_coupling_cannot_be_as_large_as_the_torques_of_section_5",
-            "torques of the motors",
-            "(30) leaves no torque of the vibration over; the captions of figures 4 (b) to 6 (b) "
+        test=OWN_TESTS + "test_coupling_cannot_be_as_large_as_the_torques_of_section_5",
+        corrected="torques of the motors",
+        why="(30) leaves no torque of the vibration over; the captions of figures 4 (b) to 6 (b) "
             "have torques of the two rotors",
-            "of words, but for case 3, where coupling torques are called absent, see "
+        effect="of words, but for case 3, where coupling torques are called absent, see "
             "case_3_no_coupling",
-        ),
     ),
     misprint(
         "rotor_2_twice", "5.2, case 2",
         "The speed of rotor 2 is said to fluctuate more than that of rotor 2.", CORRECTED,
         "rotor 1 is meant, on the platform: see case_2_fluctuation",
         printed="stronger than rotor 2",
-        erratum=Erratum(
-            "tests/comparisons/papers/rotor_pendulum/test_measures.py"
-            "::test_rotor_on_the_rod_fluctuates_more",
-            "stronger than that of rotor 1",
-            "there are two rotors",
-            "none",
-        ),
+        test="tests/comparisons/papers/rotor_pendulum/test_measures.py::test_rotor_on_the_rod_fluctuates_more",
+        corrected="stronger than that of rotor 1",
+        why="there are two rotors",
+        effect="none",
     ),
     misprint(
         "equation_numbers", "2.1, 4", "Three references to equations.", CORRECTED,
@@ -336,12 +311,10 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         "called fundamental in 2.1 is (3), while (4) are the conditions on it;  the "
         "second formula with mu = 0 is one of (1), not of (2)",
         printed="(19), (4), (2)",
-        erratum=Erratum(
-            TESTS + "test_coupling_coefficients_solve_17_and_the_printed_ones_do_not",
-            "(21), (3), (1)",
-            "as the sentences beside them tell",
-            "none",
-        ),
+        test=TESTS + "test_coupling_coefficients_solve_17_and_the_printed_ones_do_not",
+        corrected="(21), (3), (1)",
+        why="as the sentences beside them tell",
+        effect="none",
     ),
     misprint(
         "omega_m", "(14), (19), (26), table 1",
@@ -351,25 +324,21 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         "is table 1's largest: 314.16 rad/s with 50 Hz, our choice, as no frequency is printed. "
         "The rotors' speed is omega in (3), the first line of (26), (34) and (35)",
         printed="omega_m",
-        erratum=Erratum(
-            OWN_TESTS + "test_omega_m_of_14_is_another_than_table_1s",
-            "omega_s, electric, in (14); omega_m = omega, the rotors' speed, elsewhere",
-            "frequency ratios by (19) with 314.16 rad/s would be twice those of table 2",
-            "none, but on (14), see there",
-        ),
+        test=OWN_TESTS + "test_omega_m_of_14_is_another_than_table_1s",
+        corrected="omega_s, electric, in (14); omega_m = omega, the rotors' speed, elsewhere",
+        why="frequency ratios by (19) with 314.16 rad/s would be twice those of table 2",
+        effect="none, but on (14), see there",
     ),
     misprint(
         "synphase_interval", "5.1", "The interval of synphase motion is (pi/2, pi/2).", CORRECTED,
         "an empty interval; case 2's -0.515 rad, called synphase, is in (-pi/2, pi/2), and so is "
         "all that antiphase, (pi/2, 3 pi/2), leaves of a turn",
         printed="(pi/2, pi/2)",
-        erratum=Erratum(
-            OWN_TESTS + "test_synphase_is_what_antiphase_leaves",
-            "(-pi/2, pi/2)",
-            "the two kinds share a turn",
-            "none: section 5.2 goes by the right one",
-            "almost surely at fault: in both intervals of this sentence it has lost the sign "
+        test=OWN_TESTS + "test_synphase_is_what_antiphase_leaves",
+        corrected="(-pi/2, pi/2)",
+        why="the two kinds share a turn",
+        effect="none: section 5.2 goes by the right one",
+        copy="almost surely at fault: in both intervals of this sentence it has lost the sign "
             "'element of' as well",
-        ),
     ),
 )  # fmt: skip

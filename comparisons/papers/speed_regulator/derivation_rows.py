@@ -81,13 +81,12 @@ DERIVATION: tuple[LedgerRow, ...] = (
         CORRECTED,
         "the right-hand side is the second derivative of y_B: off by 1.2 as printed, by 0 "
         "corrected",
-        printed="y_B'", erratum=Erratum(
-            TESTS + "test_the_left_of_12_is_a_second_derivative",
-            "{eps_1, x_C'', y_C'', eps_2, y_B''} on the left",
-            "the right-hand sides of (12) are accelerations",
-            "none: the matrix of (13) multiplies the right ones",
-            "a lost dot would look the same",
-        ),
+        printed="y_B'",
+        test=TESTS + "test_the_left_of_12_is_a_second_derivative",
+        corrected="{eps_1, x_C'', y_C'', eps_2, y_B''} on the left",
+        why="the right-hand sides of (12) are accelerations",
+        effect="none: the matrix of (13) multiplies the right ones",
+        copy="a lost dot would look the same",
     ),
     statement(
         "slider_forces", "2, above (13)",
@@ -103,12 +102,11 @@ DERIVATION: tuple[LedgerRow, ...] = (
         CORRECTED,
         "the slider, B, stays at x = 0 and moves along y: m y_B'' = -F_a - F_e - Y_B, as in (13): "
         "off by 1 as printed, by 2e-16 corrected",
-        printed="m x_B'' = ... - Y_C", erratum=Erratum(
-            TESTS + "test_the_slider_moves_along_y",
-            "m y_B'' = -F_a - F_e - Y_B",
-            "the slider moves along y and its joint with the rod is B, as in (13)",
-            "none: (13) has it right",
-        ),
+        printed="m x_B'' = ... - Y_C",
+        test=TESTS + "test_the_slider_moves_along_y",
+        corrected="m y_B'' = -F_a - F_e - Y_B",
+        why="the slider moves along y and its joint with the rod is B, as in (13)",
+        effect="none: (13) has it right",
     ),
     misprint(
         "two_inertias", "2, (13), below (21)",
@@ -117,12 +115,10 @@ DERIVATION: tuple[LedgerRow, ...] = (
         "J_O of the flywheel above (13) is the J in it; Je and Jp of the system below (21) are J "
         "and J' of (17). With J_O = J the first row of (13) is the law above it (off by 0)",
         printed="J_O, J; Je, Jp",
-        erratum=Erratum(
-            TESTS + "test_the_inertia_of_the_first_row_of_13_is_the_flywheels",
-            "J eps_1 = M_m - X_A r sin phi + Y_A r cos phi; J(phi), J'(phi) in the system",
-            "both stand with eps_1 in the same equation",
-            "none",
-        ),
+        test=TESTS + "test_the_inertia_of_the_first_row_of_13_is_the_flywheels",
+        corrected="J eps_1 = M_m - X_A r sin phi + Y_A r cos phi; J(phi), J'(phi) in the system",
+        why="both stand with eps_1 in the same equation",
+        effect="none",
     ),
     misprint(
         "citations", "1, 2, 3",
@@ -132,12 +128,10 @@ DERIVATION: tuple[LedgerRow, ...] = (
         "so [5]-[7], [9], [10] for the theorems, and [10]-[14] for the work of the reactions, "
         "seem to be one too high as well. [8] and [12] are one paper",
         printed="[5]-[7], [9], [10]; [8]; [10]-[14]",
-        erratum=Erratum(
-            TESTS + "test_citations_do_not_fit_the_list",
-            "[4]-[6], [8], [9]; [7] for van der Pol; [9]-[13]",
-            "the list of references, from which one seems to have been taken",
-            "none",
-        ),
+        test=TESTS + "test_citations_do_not_fit_the_list",
+        corrected="[4]-[6], [8], [9]; [7] for van der Pol; [9]-[13]",
+        why="the list of references, from which one seems to have been taken",
+        effect="none",
     ),
     statement(
         "free_bodies_13", "equations (13), (15)",
@@ -156,13 +150,11 @@ DERIVATION: tuple[LedgerRow, ...] = (
         "by 0.0201 as printed, by 4e-17 corrected; as printed phi'' at 0.3 rad would be -0.0309 "
         "instead of -0.00626 rad/s^2",
         printed="+(l/2) sin beta",
-        erratum=Erratum(
-            EQUATION_TESTS + "test_14_needs_minus_signs_and_16_says_so",
-            "-(l/2) sin beta with Y_A and with Y_B",
-            "(16): reactions of ideal joints do no work; (13) has the signs",
-            "none on (17) to (21): reactions drop out of (17)",
-            "lost minus signs would look the same",
-        ),
+        test=EQUATION_TESTS + "test_14_needs_minus_signs_and_16_says_so",
+        corrected="-(l/2) sin beta with Y_A and with Y_B",
+        why="(16): reactions of ideal joints do no work; (13) has the signs",
+        effect="none on (17) to (21): reactions drop out of (17)",
+        copy="lost minus signs would look the same",
     ),
     misprint(
         "first_row_of_14", "equation (14)",
@@ -170,13 +162,12 @@ DERIVATION: tuple[LedgerRow, ...] = (
         CORRECTED,
         "as printed 4 rows meet a matrix of 5; with the 1 of (11) in front, the first row is the "
         "crank's J eps_1 again",
-        printed="4 rows", erratum=Erratum(
-            TESTS + "test_the_first_row_of_14_is_the_cranks",
-            "{A_1} = {1, -r sin phi + ..., r cos phi - ..., t, r cos phi - l t sin beta}",
-            "(11); a matrix of five rows needs five",
-            "none",
-            "a lost line of the vector would look the same",
-        ),
+        printed="4 rows",
+        test=TESTS + "test_the_first_row_of_14_is_the_cranks",
+        corrected="{A_1} = {1, -r sin phi + ..., r cos phi - ..., t, r cos phi - l t sin beta}",
+        why="(11); a matrix of five rows needs five",
+        effect="none",
+        copy="a lost line of the vector would look the same",
     ),
     statement(
         "reactions_do_no_work", "equations (14), (16)",
@@ -193,13 +184,12 @@ DERIVATION: tuple[LedgerRow, ...] = (
         CORRECTED,
         "A_1^T times (15) is the equation of motion (off by 2e-16); (5) relates two speeds, has "
         "no forces, and cannot give a motion that depends on the torque",
-        printed="(5)", erratum=Erratum(
-            TESTS + "test_15_and_not_5_gives_the_equation_of_motion",
-            "{A_1}^T times (15)",
-            "only (15) has the forces",
-            "none: (17) follows from (15)",
-            "a lost digit would look the same",
-        ),
+        printed="(5)",
+        test=TESTS + "test_15_and_not_5_gives_the_equation_of_motion",
+        corrected="{A_1}^T times (15)",
+        why="only (15) has the forces",
+        effect="none: (17) follows from (15)",
+        copy="a lost digit would look the same",
     ),
     statement(
         "equation_17", "equations (17)-(19)",
@@ -217,13 +207,12 @@ DERIVATION: tuple[LedgerRow, ...] = (
         CORRECTED,
         "J' = 2 A_1^T [m] A_2: off by 0.5 as printed, by 3e-16 corrected; with J' as printed the "
         "energy of a free crank would swing by 2.08% in a turn",
-        printed="A_1^T [m] A_2", erratum=Erratum(
-            EQUATION_TESTS + "test_18_lacks_a_factor_2",
-            "J'(phi) = 2 {A_1}^T [m] {A_2}",
-            "J' is the derivative of J(phi) = {A_1}^T [m] {A_1}, and A_2 that of A_1",
-            "the limit cycle of (17), integrated as printed, is at 5.085 instead of 5.071 rad/s; "
-            "none on (20), (21), as J' averages to 0",
-        ),
+        printed="A_1^T [m] A_2",
+        test=EQUATION_TESTS + "test_18_lacks_a_factor_2",
+        corrected="J'(phi) = 2 {A_1}^T [m] {A_2}",
+        why="J' is the derivative of J(phi) = {A_1}^T [m] {A_1}, and A_2 that of A_1",
+        effect="the limit cycle of (17), integrated as printed, is at 5.085 instead of 5.071 "
+            "rad/s; none on (20), (21), as J' averages to 0",
     ),
     misprint(
         "last_line_of_19", "equation (19)",
@@ -233,13 +222,12 @@ DERIVATION: tuple[LedgerRow, ...] = (
         "printed, by 2e-15 corrected; without it there would be no steady rotation to stabilise "
         "at",
         printed="no c in the last line",
-        erratum=Erratum(
-            TESTS + "test_the_last_line_of_19_has_lost_the_damper",
-            "M(phi) = M_m - c omega_1 (r cos phi - l t sin beta)^2 - k l (...) - k (...) (...)",
-            "the line before it has the damper",
-            "none: the averages of section 3 have it",
-            "a line of the formula may be lost in our copy",
-        ),
+        test=TESTS + "test_the_last_line_of_19_has_lost_the_damper",
+        corrected="M(phi) = M_m - c omega_1 (r cos phi - l t sin beta)^2 - k l (...) - k (...) "
+            "(...)",
+        why="the line before it has the damper",
+        effect="none: the averages of section 3 have it",
+        copy="a line of the formula may be lost in our copy",
     ),
     misprint(
         "linear_system", "3, below (21)",
@@ -250,12 +238,11 @@ DERIVATION: tuple[LedgerRow, ...] = (
         "for M(x_1, x_2): the damper needs the speed",
         derivation.nonlinearity,
         judgement=corrected(above("bend", 1e-6), above("uneven", 1e-6)),
-        printed="M(x_1)", erratum=Erratum(
-            TESTS + "test_the_system_below_21_is_not_linear",
-            "a system of first order in x_1 = phi, x_2 = omega_1, with M(x_1, x_2)",
-            "x_2' has x_2^2 and functions of x_1; the damper's torque in (19) has the speed",
-            "none: it is integrated numerically",
-        ),
+        printed="M(x_1)",
+        test=TESTS + "test_the_system_below_21_is_not_linear",
+        corrected="a system of first order in x_1 = phi, x_2 = omega_1, with M(x_1, x_2)",
+        why="x_2' has x_2^2 and functions of x_1; the damper's torque in (19) has the speed",
+        effect="none: it is integrated numerically",
     ),
     misprint(
         "autonomous", "4",
@@ -264,12 +251,10 @@ DERIVATION: tuple[LedgerRow, ...] = (
         "nothing in (17) depends on time: a motion taken up again a second later is the same "
         "(to {error:.0e} rad). Read as *driven*, by a motor, it is right",
         derivation.taken_up_again, judgement=corrected(below("error", 1e-6)),
-        erratum=Erratum(
-            TESTS + "test_the_equation_of_motion_has_no_time",
-            "driven vibratory mechanisms, or autonomous ones",
-            "(17) to (19) have no time, and the torque is constant",
-            "none",
-        ),
+        test=TESTS + "test_the_equation_of_motion_has_no_time",
+        corrected="driven vibratory mechanisms, or autonomous ones",
+        why="(17) to (19) have no time, and the torque is constant",
+        effect="none",
     ),
     statement(
         "mean_slope", "3", "J' averages to 0 over a turn.", REPRODUCED,
@@ -288,12 +273,11 @@ DERIVATION: tuple[LedgerRow, ...] = (
         "the averages have r + l, with the other sign, where (19) has -l: a spring at rest at "
         "-(r + l), and not at -l as in F_e. Each averages to 0, so that (20) stands: forces are "
         "off by 1 as printed, by 0 corrected, over k r",
-        printed="r + l", erratum=Erratum(
-            TESTS + "test_section_3_averages_another_spring",
-            "mean of k (r cos phi - l t sin beta) l",
-            "F_e and (19) have the spring at rest at y = -l",
-            "none: both average to 0",
-        ),
+        printed="r + l",
+        test=TESTS + "test_section_3_averages_another_spring",
+        corrected="mean of k (r cos phi - l t sin beta) l",
+        why="F_e and (19) have the spring at rest at y = -l",
+        effect="none: both average to 0",
     ),
     number(
         "mean_cos_squared", "3", "Mean of cos^2 phi.", REPRODUCED,

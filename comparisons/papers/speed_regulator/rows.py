@@ -11,7 +11,6 @@ from ..ledger import (
     NOT_TESTABLE,
     REPRODUCED,
     Cause,
-    Erratum,
     LedgerRow,
     above,
     below,
@@ -83,12 +82,11 @@ MOTIONS: tuple[LedgerRow, ...] = (
         CORRECTED,
         "M_m/(c l^2) is a rate: (21) gives 5.07 in any unit of length, and the text below says "
         "rad/s; a speed in m/s, that of the crank pin, would be 1.27 with r = 0.25 m",
-        printed="m/s", erratum=Erratum(
-            TESTS + "test_the_stabilised_speed_is_no_length_per_time",
-            "omega_st = 5.07 rad/s",
-            "(21) gives a rate; the text below the figure has rad/s",
-            "none",
-        ),
+        printed="m/s",
+        test=TESTS + "test_the_stabilised_speed_is_no_length_per_time",
+        corrected="omega_st = 5.07 rad/s",
+        why="(21) gives a rate; the text below the figure has rad/s",
+        effect="none",
     ),
     statement(
         "stabilises", "2, 3",
