@@ -116,7 +116,7 @@ class Folder:
         names = [(scene, one.name) for scene, (_, own) in papers.items() for one in own]
         figures = [self.drawn[key] for key in places if key in self.drawn]
         rows = [self.assessed[key] for key in names if key in self.assessed]
-        used = list(dict.fromkeys(item.run for item in (*figures, *rows)))
+        used = list(dict.fromkeys([item.run for item in figures] + [item.run for item in rows]))
         made = self.runs[0]
         return Findings(
             made.versions,

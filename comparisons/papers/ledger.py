@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from functools import partial
 from textwrap import dedent
@@ -29,6 +29,8 @@ ERROR = "error"
 """Of a row that could not be judged: a fault of ours or of an engine, not of the paper."""
 PROOF = "tests/comparisons/papers/test_equations.py::test_printed_form_of_a_misprint_does_not_hold"
 """The test of a misprint in an equation."""
+ITS_RUN = "tests/comparisons/papers/test_published.py::test_quick_row_is_what_a_run_gives"
+"""The test of a misprint whose row computes what shows it."""
 
 READ = ""
 """Of a reading, which is judged by nobody and not counted."""
@@ -344,7 +346,8 @@ def misprint(
     **more: Any,
 ) -> LedgerRow:
     """Return the row of a misprint; ``head`` and ``more`` are of `LedgerRow`."""
-    return LedgerRow("misprint", *head, **more, erratum=Erratum(test, corrected, why, effect, copy))
+    erratum = Erratum(test, corrected, why, effect, copy)
+    return replace(LedgerRow("misprint", *head, **more), erratum=erratum)
 
 
 def reading(

@@ -203,9 +203,14 @@ class Findings:
         return document("reproduce", self)
 
     @property
+    def entries(self) -> list[FigureEntry | RowEntry]:
+        """Return the figures, and then the rows."""
+        return [*self.figures, *self.rows]
+
+    @property
     def scenes(self) -> list[str]:
         """Return the scenes of all that is there, in the order of the list of scenes."""
-        there = {item.scene for item in (*self.figures, *self.rows)}
+        there = {item.scene for item in self.entries}
         return [scene for scene in SCENES if scene in there]
 
     def figures_of(self, scene: str) -> list[FigureEntry]:

@@ -157,7 +157,7 @@ def counts(result: Findings) -> str:
 def how_made(result: Findings, scene: str = "") -> Iterator[str]:
     """Yield versions, sizes and run times of what a page shows."""
     name = f" {scene}" if scene else ""
-    every = [item for item in (*result.figures, *result.rows) if item.scene == scene or not scene]
+    every = [item for item in result.entries if item.scene == scene or not scene]
     for run in dict.fromkeys(item.run for item in every):
         made, mine = result.runs[run], [item for item in every if item.run == run]
         seconds = sum(item.seconds for item in mine)

@@ -10,6 +10,7 @@ from ....reference.hula_hoop.theory import nondimensional, paper_solution
 from ....reference.scene import Array
 from ..ledger import (
     CORRECTED,
+    ITS_RUN,
     Judgement,
     LedgerRow,
     Numbers,
@@ -120,7 +121,7 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         CORRECTED, "second order in p of (14) with (18), at random values: " + OFF,
         derivation.second_order, judgement=misses(1e-5),
         printed="p^2 [L(V_2q) + N(V_1theta)]",
-        test=TESTS + "test_the_second_order_of_20_is_a_derivative",
+        test=ITS_RUN,
         corrected="p^2 [L(V_2q) + N'(V_0theta) V_1theta]",
         why="N is not linear: its first change is its derivative at V_0",
         effect="none: the paper stops at the first order",
@@ -257,7 +258,7 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         "of the true rotation {multiplier:.4f}",
         derivation.eigenvalues, example.rotation, "{multiplier:.6f}",
         judgement=corrected(above("above", 0), below("largest", 1), below("multiplier", 1)),
-        test=TESTS + "test_eigenvalues_of_62_do_not_decide",
+        test=ITS_RUN,
         corrected="Phi(T) of Phi' = A(tau) Phi, Phi(0) = 1, T = 2 pi/alpha",
         why="Floquet's theorem, which the paper cites",
         effect="of words, as it says that the matrix is computed over one period",

@@ -12,6 +12,7 @@ from ....reference.rotor_pendulum.equations import RotorPendulum
 from ....reference.rotor_pendulum.phase import coupling_torque, wrapped
 from ..ledger import (
     CORRECTED,
+    ITS_RUN,
     NOT_REPRODUCED,
     LedgerRow,
     Numbers,
@@ -172,7 +173,7 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         "not of print: omega_m stands once for the rotor's speed, and once for the field's",
         equation_14, reference="{torque:.3g} N m", judgement=corrected(below("off", 0.01)),
         printed="n_p L_m^2 U^2 / (L_s^2 omega_m R_r) (omega_s - n_p omega_m)",
-        test=OWN_TESTS + "test_14_is_no_torque",
+        test=ITS_RUN,
         corrected="n_p L_m^2 U^2 (omega_s - n_p omega_m) / (L_s^2 omega_s^2 R_r), with the "
             "field's electric speed omega_s (314.16 rad/s with 50 Hz, our choice), and omega_m "
             "the rotor's",
@@ -201,7 +202,7 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         "relative difference from mu_1 as printed, of mu_2 and of mu_4: " + OFF,
         partial(residuals, of=figure_2_caption), judgement=MISSES,
         printed="mu_1 and mu_2",
-        test=OWN_TESTS + "test_the_first_panel_of_figure_2_is_mu_4",
+        test=ITS_RUN,
         corrected="mu_1 and mu_4",
         why="mu_2 has a panel of its own, mu_4 has none, and section 3 calls mu_1 and mu_4 one",
         effect="none",
@@ -229,7 +230,7 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         "is {right:.4f} N m, minus the amplitude of (34)",
         equation_35, judgement=corrected(below("error", 1e-6)),
         printed="d(P_1 - P_1)/d alpha",
-        test=OWN_TESTS + "test_35_as_printed_is_zero",
+        test=ITS_RUN,
         corrected="d(P_1 - P_2)/d alpha_1 = d(P_1 - P_2)/d alpha",
         why="it is (6) for two rotors, and what stands to the right of it",
         effect="none",
@@ -253,7 +254,7 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         "(8) is an energy with k_phi in {spring}, and (11) is of torques with M_e in {torque}",
         units, judgement=corrected(equal("spring", "N m/rad"), equal("torque", "N m")),
         printed="k_phi [N/rad], M_e [N/m]",
-        test=OWN_TESTS + "test_units_of_spring_and_torque",
+        test=ITS_RUN,
         corrected="k_phi [N m/rad], M_e [N m]",
         why="k_phi phi_3^2 is an energy, M_e a moment",
         effect="none",

@@ -21,6 +21,7 @@ from .printed import averages
 from .results import EXAMPLE
 
 TESTS = "tests/comparisons/papers/speed_regulator/test_misprints.py::"
+IDENTITY_TEST = TESTS + "test_printed_formula_misses_an_identity_and_the_corrected_one_holds"
 EQUATION_TESTS = "tests/reference/speed_regulator/test_equations.py::"
 
 ROUNDING = 1e-12
@@ -82,7 +83,7 @@ DERIVATION: tuple[LedgerRow, ...] = (
         "the right-hand side is the second derivative of y_B: off by 1.2 as printed, by 0 "
         "corrected",
         printed="y_B'",
-        test=TESTS + "test_the_left_of_12_is_a_second_derivative",
+        test=IDENTITY_TEST,
         corrected="{eps_1, x_C'', y_C'', eps_2, y_B''} on the left",
         why="the right-hand sides of (12) are accelerations",
         effect="none: the matrix of (13) multiplies the right ones",
@@ -103,7 +104,7 @@ DERIVATION: tuple[LedgerRow, ...] = (
         "the slider, B, stays at x = 0 and moves along y: m y_B'' = -F_a - F_e - Y_B, as in (13): "
         "off by 1 as printed, by 2e-16 corrected",
         printed="m x_B'' = ... - Y_C",
-        test=TESTS + "test_the_slider_moves_along_y",
+        test=IDENTITY_TEST,
         corrected="m y_B'' = -F_a - F_e - Y_B",
         why="the slider moves along y and its joint with the rod is B, as in (13)",
         effect="none: (13) has it right",
@@ -222,7 +223,7 @@ DERIVATION: tuple[LedgerRow, ...] = (
         "printed, by 2e-15 corrected; without it there would be no steady rotation to stabilise "
         "at",
         printed="no c in the last line",
-        test=TESTS + "test_the_last_line_of_19_has_lost_the_damper",
+        test=IDENTITY_TEST,
         corrected="M(phi) = M_m - c omega_1 (r cos phi - l t sin beta)^2 - k l (...) - k (...) "
             "(...)",
         why="the line before it has the damper",
@@ -274,7 +275,7 @@ DERIVATION: tuple[LedgerRow, ...] = (
         "-(r + l), and not at -l as in F_e. Each averages to 0, so that (20) stands: forces are "
         "off by 1 as printed, by 0 corrected, over k r",
         printed="r + l",
-        test=TESTS + "test_section_3_averages_another_spring",
+        test=IDENTITY_TEST,
         corrected="mean of k (r cos phi - l t sin beta) l",
         why="F_e and (19) have the spring at rest at y = -l",
         effect="none: both average to 0",

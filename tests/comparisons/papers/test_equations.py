@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import pytest
@@ -15,10 +16,15 @@ EXACT = 1e-14
 TRUNCATED = {"expansion_30": 1e-3}
 """Equations that are series, which are printed with dots at their ends."""
 
-TABLE = {
+
+def identities_of(scene: str) -> Mapping[str, Identities]:
+    return of_paper(scene, "IDENTITIES", {})
+
+
+TABLE: dict[tuple[str, str], Identities] = {
     (scene, name): identities
     for scene in scenes_with_ledger()
-    for name, identities in of_paper(scene, "IDENTITIES", {}).items()
+    for name, identities in identities_of(scene).items()
 }
 
 

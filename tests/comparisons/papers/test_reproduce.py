@@ -53,7 +53,7 @@ TOY_ROWS = (
     statement("slip", "6", "no slip", ledger.REPRODUCED, numbers=crash_unforeseen),
     reading(
         "units", "table 1", "a | unit", "none given",
-        candidates={"m": "1", "km": "2"},
+        candidates="m | 1\nkm | 2",
     ),
 )  # fmt: skip
 
