@@ -5,7 +5,7 @@ from __future__ import annotations
 import fcntl
 import os
 import pickle
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from hashlib import sha256
@@ -15,8 +15,10 @@ from typing import Any, TypeVar, cast
 import pytest
 
 from mbcheck.comparisons.papers.assess import Assessment
+from mbcheck.comparisons.papers.ledger import LedgerRow
 from mbcheck.comparisons.papers.outcomes import FigureEntry, Findings, Made, RowEntry, tables
 from mbcheck.comparisons.papers.session import Session
+from mbcheck.tests.support.words import agree
 
 T = TypeVar("T")
 
@@ -82,3 +84,9 @@ def expected_findings(*scenes: str) -> Findings:
         for one in tables(scene)[0]
     )
     return Findings({}, False, figures, rows, (), (Made({}),))
+
+
+def holds(row: LedgerRow, words: Sequence[str]) -> None:
+    """Assert that the candidates of a reading give these words."""
+    for given, computed in zip(row.candidates.values(), words, strict=True):
+        assert agree(given, computed)

@@ -13,6 +13,7 @@ from mbcheck.comparisons.maps.request import Axis
 from mbcheck.comparisons.maps.store import Map
 from mbcheck.comparisons.papers.assess import assess
 from mbcheck.comparisons.papers.hula_hoop import derivation, regions, results
+from mbcheck.comparisons.papers.hula_hoop.figures import motion_figure
 from mbcheck.comparisons.papers.hula_hoop.region_rows import REGION_ROWS
 from mbcheck.comparisons.papers.hula_hoop.rows import ROWS
 from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED, REPRODUCED, VERDICTS
@@ -198,3 +199,18 @@ def test_a_region_of_another_class_fails() -> None:
     assert share("blue_o") == {"share": pytest.approx(17 / 35), "count": 35}
     assert share("cyan_o")["share"] == 0
     assert np.isnan(regions.robust_in(session, ~here, "blue_o")["share"])
+
+
+def test_figure_of_motions_from_rest() -> None:
+    session = made_up(*ENGINES)
+    own = session.cache[results.SCENE, "class", False, "exudyn", None]
+    own.variables["motion"][5, 5] = MOTIONS.index("cyan_plus")
+    figure = motion_figure(session, plate=False)
+    titles = [axes.get_title(loc="left") for axes in figure.axes]
+    assert "mujoco agrees at 100.0%" in titles[1]
+    assert "exudyn agrees at 97.1%" in titles[2]
+    markers = {line.get_marker(): len(line.get_xdata()) for line in figure.axes[0].lines
+               if len(line.get_xdata())}  # fmt: skip
+    assert markers == {"o": 18, "x": 18}
+    apart = {line.get_label(): len(line.get_xdata()) for line in figure.axes[3].lines}
+    assert apart == {"not robust": 1, "mujoco differs": 0, "exudyn differs": 1}

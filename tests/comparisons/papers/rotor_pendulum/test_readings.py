@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 import pytest
 
@@ -37,6 +35,7 @@ from mbcheck.reference.rotor_pendulum.cases import CASE_1, CASE_2
 from mbcheck.reference.rotor_pendulum.equations import RotorPendulum, coefficients, operating_speed
 from mbcheck.reference.rotor_pendulum.phase import wrapped
 from mbcheck.reference.scene import Case
+from mbcheck.tests.support.papers.shared import holds
 from mbcheck.tests.support.words import agree
 
 pytestmark = pytest.mark.slow
@@ -44,12 +43,9 @@ pytestmark = pytest.mark.slow
 ROWS = {row.name: row for row in READINGS}
 
 
-def holds(name: str, words: Sequence[str]) -> None:
-    """Assert that candidates give these words."""
-    row = ROWS[name]
-    for given, computed in zip(row.candidates.values(), words, strict=True):
-        assert agree(given, computed)
-    assert agree(row.reference, words[0])
+def test_the_first_reading_is_ours() -> None:
+    for row in READINGS:
+        assert row.reference in ("", next(iter(row.candidates.values())))
 
 
 def orbits(*several: RotorPendulum, model: str = "exact") -> list[Settled]:
@@ -71,7 +67,7 @@ def test_motor_constants() -> None:
             f"{speed:.2f} rad/s with {slope * (50 * np.pi - speed):.3g} N m"
         )
     (orbit,) = orbits(CASE_1)
-    holds("motor_constants", words)
+    holds(ROWS["motor_constants"], words)
     assert agree(ROWS["motor_constants"].reason.partition("orbit is then ")[2], orbit.words)
 
 
@@ -89,13 +85,13 @@ def test_hundred_kilograms() -> None:
         size = 1e4 * orbit_value(orbit, "platform_amplitude")
         speeds = " and ".join(f"{speed:.1f}" for speed in asked)
         words.append(f"{springs} at 157 rad/s; {speeds} rad/s; {size:.2f}e-4 m")
-    holds("hundred_kilograms", words)
+    holds(ROWS["hundred_kilograms"], words)
 
 
 def test_inductances() -> None:
     torque = equation_14(Session())["torque"]
     exchanged = torque * (STATOR / MUTUAL) ** 4
-    holds("inductances", [f"{value:.3g} N m" for value in (torque, exchanged)])
+    holds(ROWS["inductances"], [f"{value:.3g} N m" for value in (torque, exchanged)])
     assert MUTUAL > STATOR
 
 
@@ -116,7 +112,7 @@ def test_stiffness_or_ratio() -> None:
             with_ratios(c.platform, (c.platform + c.rod) * c.length**2),
         )
         words = [orbit.words for orbit in found]
-        holds(f"stiffness_or_ratio_{case}", words)
+        holds(ROWS[f"stiffness_or_ratio_{case}"], words)
 
 
 def test_placement_of_the_motor() -> None:
@@ -126,7 +122,7 @@ def test_placement_of_the_motor() -> None:
             orbits(CASES[case].replace(motor_placement=placement))[0].words for case in (1, 2)
         )
         words.append(f"case 1: {one}; case 2: {two}")
-    holds("motor_placement", words)
+    holds(ROWS["motor_placement"], words)
 
 
 def test_exact_or_reduced_equations() -> None:
@@ -134,13 +130,13 @@ def test_exact_or_reduced_equations() -> None:
     for model in ("exact", REDUCED):
         one, two = (orbits(CASES[case], model=model)[0].words for case in (1, 2))
         words.append(f"case 1: {one}; case 2: {two}")
-    holds("equations", words)
+    holds(ROWS["equations"], words)
 
 
 def test_damper_of_the_rod() -> None:
     found = orbits(*(CASE_2.replace(rod_damping=value) for value in (15.0, 3.0, 0.3, 0.0)))
     words = [orbit.words for orbit in found]
-    holds("rod_damper", words)
+    holds(ROWS["rod_damper"], words)
     torque = float(CASE_2.motor_slope) * (50 * np.pi - 153.5)
     assert f"makes {torque:.2f} N m of 153.5 rad/s" in ROWS["rod_damper"].reason
 
@@ -155,7 +151,7 @@ def test_motor_curve(session: Session) -> None:
         gaps = ", ".join(f"{gap(run):.1%}" for run in runs)
         times = ", ".join(f"{time_to_speed(run):.3f}" for run in runs)
         words.append(f"{gaps}; {times} s")
-    holds("motor_curve", words)
+    holds(ROWS["motor_curve"], words)
 
 
 @pytest.mark.parametrize(("panel", "angle"), [("b", "pi/6"), ("c", "pi/3")])
@@ -177,7 +173,7 @@ def test_dampers_of_figure_3(panel: str, angle: str) -> None:
         f"the fold is at n_phi = {', '.join(f'{place:.4f}' for place in places)} for n_x = "
         f"{', '.join(f'{value:g}' for value in n_x)}"
     )
-    holds(f"limit_3{panel}", [by_theory, words])
+    holds(ROWS[f"limit_3{panel}"], [by_theory, words])
     sides = [limits.at_ratios(x, y, beta) for x in n_x for y in (0.5, 0.8, 0.95, 1.05)]
     found = [orbit.kind for orbit in settled(session, sides)]
     assert found == [*(["synphase"] * 2), *(["none"] * 2)] * len(n_x)
@@ -209,5 +205,4 @@ def test_duration(session: Session) -> None:
     turns = np.abs(wrapped(turn_means(run, run.phase)))
     times = turn_means(run, run.times)
     words = [f"{np.interp(time, times, turns):.2f} rad" for time in (8, 10, 12, 14, 16)]
-    row = ROWS["duration"]
-    assert [agree(*pair) for pair in zip(row.candidates.values(), words, strict=True)] == [True] * 5
+    holds(ROWS["duration"], words)
