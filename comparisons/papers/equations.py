@@ -1,6 +1,6 @@
 """Equations as printed, put right and derived: read by SymPy, and compared at many digits.
 
-They are text, a line each, which goes on in lines without an equals sign::
+They are text, a line each, which goes on in lines that are indented further::
 
     (46): at(d(hinge, h), h, 0) = -4*inertia*u_1*sin(gamma)
         - q_1*alpha**2*sin(beta)/2
@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .ledger import Numbers
+from .ledger import Numbers, whole_lines
 from .session import Session
 
 DIGITS = 30
@@ -46,13 +46,7 @@ class Equation(NamedTuple):
 
 def sides(text: str) -> list[tuple[str, str]]:
     """Return the left- and right-hand sides of the equations in a text."""
-    lines: list[str] = []
-    for line in text.strip().splitlines():
-        if " = " in line:
-            lines.append(line.strip())
-        else:
-            lines[-1] += f" {line.strip()}"
-    pairs = (line.partition(" = ") for line in lines)
+    pairs = (line.partition(" = ") for line in whole_lines(text))
     return [(left, right) for left, _, right in pairs]
 
 
@@ -78,12 +72,12 @@ class Identities:
     scene: Callable[[Values], Values] | None = None
 
     def __call__(self, session: Session | None = None) -> Numbers:
-        """Return the largest errors, by name, of all, and of all as printed."""
+        """Return the errors under their names, the largest of all, and that as printed."""
         points = self.points(self.values)
         errors: dict[str, float] = {}
         for one in self.equations:
             off = self.error(one.corrected, one.derived, points)
-            errors[one.name] = max(errors.get(one.name, 0.0), off)
+            errors[one.name] = max(off, errors.get(one.name, 0.0))
         wrong = [one for one in self.equations if one.printed is not None]
         printed = max((self.error(one.printed, one.derived, points) for one in wrong), default=1.0)
         largest = max(errors.values())
@@ -94,6 +88,7 @@ class Identities:
             "corrected": largest,
             "as_printed": printed,
             "share": largest / printed,
+            **errors,
         }
 
     @cached_property

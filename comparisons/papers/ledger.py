@@ -350,6 +350,11 @@ def misprint(
     return replace(LedgerRow("misprint", *head, **more), erratum=erratum)
 
 
+def whole_lines(text: str) -> list[str]:
+    """Return the lines of a text, those that are indented further joined to the one before."""
+    return re.sub(r"\n+", "\n", re.sub(r"\n +", " ", dedent(text).strip())).splitlines()
+
+
 def reading(
     name: str, section: str, summary: str, reason: str, candidates: str, **more: Any
 ) -> LedgerRow:
@@ -358,6 +363,6 @@ def reading(
     Each way of reading it is a line of ``candidates``, and after a bar what it gives; lines that
     are indented further go on.
     """
-    lines = re.sub(r"\n +", " ", dedent(candidates).strip()).splitlines()
-    gives = {way: result for way, _, result in (line.partition(" | ") for line in lines)}
+    pairs = (line.partition(" | ") for line in whole_lines(candidates))
+    gives = {way: result for way, _, result in pairs}
     return LedgerRow("reading", name, section, summary, READ, reason, candidates=gives, **more)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -26,7 +27,7 @@ from ..ledger import (
 from ..session import Session
 from .derivation import UNDAMPED, lattice, lines_of_11
 from .results import PRINTED_RATIOS, settled
-from .vibration import IDENTITY, Residual, equation_20
+from .vibration import IDENTITIES, IDENTITY
 
 TESTS = "tests/reference/rotor_pendulum/test_equations.py::"
 OWN_TESTS = "tests/comparisons/papers/rotor_pendulum/test_misprints.py::"
@@ -35,7 +36,7 @@ FAILS = 1e-3
 """Relative residual from which it does not."""
 
 
-def residuals(session: Session, of: Residual) -> Numbers:
+def residuals(session: Session, of: Callable[[bool], float]) -> Numbers:
     """Return what a formula leaves of an identity, as printed and corrected."""
     return {"as_printed": of(True), "corrected": of(False)}
 
@@ -187,7 +188,7 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         "mu_1", "equations (20), (22)",
         "In mu_1, the response of the platform to the first rotor, n_x and n_phi are swapped.",
         CORRECTED, "x of (21) in (16), at case 2, over its largest value: " + OFF,
-        partial(residuals, of=equation_20), judgement=MISSES,
+        IDENTITIES["mu_1"], judgement=MISSES,
         printed="sigma (n_x^2 - 1) n_phi^2 / N",
         test=TESTS + "test_coupling_coefficients_solve_17_and_the_printed_ones_do_not",
         corrected="mu_1 = sigma n_x^2 (n_phi^2 - 1) / N; in (20) sigma l (1 - n_phi^2) n_x^2 "

@@ -38,6 +38,7 @@ from .misprints import FAILS, MISPRINTS
 from .readings import READINGS
 from .regions import AFTER, BEFORE
 from .results import BETAS
+from .vibration import IDENTITIES as IDENTITIES
 from .vibration import IDENTITY, VIBRATION
 
 SMALL = 0.1
