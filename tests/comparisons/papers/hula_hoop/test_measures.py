@@ -14,8 +14,7 @@ from mbcheck.comparisons.maps.store import Map
 from mbcheck.comparisons.papers.assess import assess
 from mbcheck.comparisons.papers.hula_hoop import derivation, regions, results
 from mbcheck.comparisons.papers.hula_hoop.figures import motion_figure
-from mbcheck.comparisons.papers.hula_hoop.region_rows import REGION_ROWS
-from mbcheck.comparisons.papers.hula_hoop.rows import ROWS
+from mbcheck.comparisons.papers.hula_hoop.rows import REGION_ROWS, ROWS
 from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED, REPRODUCED, VERDICTS
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.comparisons.queries.query import choose_engine

@@ -22,7 +22,7 @@ from mbcheck.comparisons.papers.rotating_beam.derivation import (
     stations,
 )
 from mbcheck.comparisons.papers.rotating_beam.derivation import LOADED as LOADED_16
-from mbcheck.comparisons.papers.rotating_beam.misprints import MISPRINTS, SYMBOLS
+from mbcheck.comparisons.papers.rotating_beam.rows import MISPRINTS, SYMBOLS
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference.rotating_beam.cases import FIGURE_5
 from mbcheck.reference.rotating_beam.scene import beam_scene

@@ -7,7 +7,7 @@ import pytest
 import sympy as sp
 from scipy.integrate import solve_ivp
 
-from mbcheck.comparisons.papers.rotor_pendulum import misprints
+from mbcheck.comparisons.papers.rotor_pendulum import rows as misprints
 from mbcheck.comparisons.papers.rotor_pendulum.derivation import stiffness
 from mbcheck.comparisons.papers.rotor_pendulum.rows import ROWS
 from mbcheck.comparisons.papers.session import Session

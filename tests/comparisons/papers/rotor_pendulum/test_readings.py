@@ -7,14 +7,8 @@ import pytest
 
 from mbcheck.comparisons.checks.kinds.boundary import engine_point
 from mbcheck.comparisons.engines.setup import Setup
-from mbcheck.comparisons.papers.rotor_pendulum import limits
+from mbcheck.comparisons.papers.rotor_pendulum import regions
 from mbcheck.comparisons.papers.rotor_pendulum.cases import turn_means
-from mbcheck.comparisons.papers.rotor_pendulum.misprints import (
-    MUTUAL,
-    STATOR,
-    equation_14,
-    motor_slope,
-)
 from mbcheck.comparisons.papers.rotor_pendulum.readings import READINGS
 from mbcheck.comparisons.papers.rotor_pendulum.results import (
     BETAS,
@@ -26,6 +20,12 @@ from mbcheck.comparisons.papers.rotor_pendulum.results import (
     orbit_value,
     settled,
     synchronous_orbit,
+)
+from mbcheck.comparisons.papers.rotor_pendulum.rows import (
+    MUTUAL,
+    STATOR,
+    equation_14,
+    motor_slope,
 )
 from mbcheck.comparisons.papers.rotor_pendulum.starts import gap, start_by_curve, time_to_speed
 from mbcheck.comparisons.papers.session import Session
@@ -158,7 +158,7 @@ def test_motor_curve(session: Session) -> None:
 def test_dampers_of_figure_3(panel: str, angle: str) -> None:
     """By the theory from the sign of cos(alpha); by orbits at folds, and on both sides of them."""
     beta, session = BETAS[angle], Session()
-    n_x, places = limits.fold_curve(session, angle)
+    n_x, places = regions.fold_curve(session, angle)
     n_phi, ends = np.linspace(0.1, 7, 690_001), []
     for x in (n_x[-1], n_x[0]):
         alpha = theory.stable_phase_difference(theory.Ratios(x, n_phi, beta=beta))
@@ -174,7 +174,7 @@ def test_dampers_of_figure_3(panel: str, angle: str) -> None:
         f"{', '.join(f'{value:g}' for value in n_x)}"
     )
     holds(ROWS[f"limit_3{panel}"], [by_theory, words])
-    sides = [limits.at_ratios(x, y, beta) for x in n_x for y in (0.5, 0.8, 0.95, 1.05)]
+    sides = [regions.at_ratios(x, y, beta) for x in n_x for y in (0.5, 0.8, 0.95, 1.05)]
     found = [orbit.kind for orbit in settled(session, sides)]
     assert found == [*(["synphase"] * 2), *(["none"] * 2)] * len(n_x)
 
@@ -186,14 +186,14 @@ ENGINE_SHIFTS = {"mujoco": (5e-5, 0.07), "exudyn": (6e-7, 0.07)}
 @pytest.mark.parametrize("engine", sorted(ENGINE_SHIFTS))
 def test_engines_have_the_folds_of_figure_3(engine: str) -> None:
     shifts = []
-    for angle in limits.STARTS:
-        for one in limits.folds(Session(), angle):
+    for angle in regions.STARTS:
+        for one in regions.folds(Session(), angle):
             case = Case("rotor_pendulum", "point", one.parameters)
             its, model = choose_engine(engine, case, None)
             setup = Setup(its, case, model, choose_method(its, case, model, None))
             true = one.solution[1].z
             own = engine_point(setup, one, 40, true).z
-            places = [limits.ratio_of(one, z[-1]) for z in (own, true)]
+            places = [regions.ratio_of(one, z[-1]) for z in (own, true)]
             shifts.append((abs(places[0] - places[1]), one.unit * abs(own[-1] - true[-1])))
     largest, most = np.max(shifts, axis=0), ENGINE_SHIFTS[engine]
     assert 0.5 * most[0] < largest[0] < 1.2 * most[0]
