@@ -38,7 +38,7 @@ from ..ledger import (
     statement,
 )
 from ..session import Session
-from . import boundaries, derivation, example, identities, regions, transients
+from . import derivation, example, identities, regions
 from .example import OMEGA
 from .figures import FIGURES as FIGURES
 from .identities import IDENTITIES
@@ -365,8 +365,8 @@ def upper_end(figure: int) -> LedgerRow:
         "the force at which the true rotation loses its symmetry at 4.5 to 6 Hz is missed by "
         "{printed:.3g} N ((55) as printed), {paper:.3g} N ((55) corrected), {corrected:.2g} N "
         "(with the phase theta_0), at most; of the plate as far as 260 N, beyond our axis",
-        partial(boundaries.distances, plate=figure == 6),
-        partial(boundaries.distances_by, plate=figure == 6),
+        partial(example.distances, plate=figure == 6),
+        partial(example.distances_by, plate=figure == 6),
         "{first:.6g} N at 4.5 Hz, {last:.6g} N at 6 Hz",
         "{off:.1g} N off with 80 steps in a period, at most",
         {
@@ -544,11 +544,11 @@ FIGURE_5: tuple[LedgerRow, ...] = (
         "transient_hoop", "5.2, figures 5, 7",
         "Cyan o: hula-hoop motion in the transient, and none in the steady state.", DEPENDS,
         "on how long it is to last, and on what it is. As the table has it, at 2 omega, for "
-        f"{transients.PASSING} and {transients.LASTING} periods of the force among the first "
-        f"{transients.TRANSIENT} from rest: {{both[0]:.0%}} of the {{count}} points of fig. 5, "
+        f"{example.PASSING} and {example.LASTING} periods of the force among the first "
+        f"{example.TRANSIENT} from rest: {{both[0]:.0%}} of the {{count}} points of fig. 5, "
         "{both[1]:.0%} of those of fig. 7. In the end none, by this class; but there they all turn "
         "on in one sense, a turn per period, as section 5 has it of the ideal",
-        transients.transients_of_both, reference="{passing:.0%}, {lasting:.0%}",
+        example.transients_of_both, reference="{passing:.0%}, {lasting:.0%}",
         judgement={
             **holds(Condition("lasting", ">=", MOST, ours=True)),
             **depends(Condition("passing", ">=", MOST, ours=True)),

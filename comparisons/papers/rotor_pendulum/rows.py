@@ -42,14 +42,13 @@ from ..ledger import (
     statement,
 )
 from ..session import Session
-from . import cases, derivation, regions, starts
-from .cases import WAVE
+from . import cases, derivation, regions
+from .cases import LARGEST, WAVE
 from .derivation import UNDAMPED, lattice, lines_of_11
 from .figures import FIGURES as FIGURES
 from .readings import READINGS
 from .regions import AFTER, BEFORE, SMALL_PARAMETER
 from .results import BETAS, HORIZONS, PRINTED_RATIOS, settled
-from .starts import LARGEST
 from .vibration import IDENTITIES, IDENTITY, VIBRATION
 
 TESTS = "tests/reference/rotor_pendulum/test_equations.py::"
@@ -553,7 +552,7 @@ def run_up(case: int, summary: str, verdict: str, relation: str) -> LedgerRow:
         "largest difference of the speeds before both are at the working speed, over it: by the "
         "tangent (14) from rest on {laws[0]:.1%}, by a motor's curve of the same slope and at "
         f"most {LARGEST:g} N m {{laws[1]:.1%}}; {ALIKE:.0%} would be alike",
-        partial(starts.gaps, case=case), partial(cases.run_up_gap, case=case), "{value:.2%}",
+        partial(cases.gaps, case=case), partial(cases.run_up_gap, case=case), "{value:.2%}",
         judgement={
             **holds(Condition("laws", relation, ALIKE, ours=True)),
             **depends(Condition(either, relation, ALIKE, ours=True)),
@@ -603,7 +602,7 @@ CASE_ROWS: tuple[LedgerRow, ...] = (
         "difference of the speeds in case 1, and in case 2, with the same rotors and soft springs: "
         "by (14) {first[0]:.1%} and {second[0]:.1%}, by a motor's curve {first[1]:.1%} and "
         "{second[1]:.0%}",
-        starts.stiffer_is_calmer, judgement=holds(above("ratios", 1)),
+        cases.stiffer_is_calmer, judgement=holds(above("ratios", 1)),
     ),
     statement(
         "start_differs", "5.2, cases 1, 2",
@@ -613,7 +612,7 @@ CASE_ROWS: tuple[LedgerRow, ...] = (
         "{early:.2f} rad in the first second, by {moves:.2f} rad on the whole, and by "
         "{rests:.0e} rad in the last half second: case 1 leaves its first phase long after the "
         "rotors are at speed",
-        starts.differences,
+        cases.differences,
         judgement={
             **holds(above("gaps", 0), above("early", 0.1, ours=True)),
             **depends(above("gaps", 0), above("slows", 10, ours=True)),
@@ -629,7 +628,7 @@ CASE_ROWS: tuple[LedgerRow, ...] = (
         "N m s/rad in case 1 and {second[0]:.3f} to {second[1]:.3f} in case 2: no line as (14) "
         "goes through both, as lines do from {onset:.2f} rad/s on; curves of an induction motor "
         "do, with a largest torque of {curves[0]:.1f} to {curves[1]:.1f} N m",
-        starts.one_motor,
+        cases.one_motor,
         judgement={**holds(above("overlap", 0)), **depends(above("curves", 3.23))},
     ),
     *ORBITS_2,
@@ -640,7 +639,7 @@ CASE_ROWS: tuple[LedgerRow, ...] = (
         "largest swing of the rod until both rotors are at speed, in cases 1 and 2: by (14) "
         "{first[0]:.2g} and {second[0]:.2g} rad, by a motor's curve {first[1]:.2g} and "
         "{second[1]:.2g} rad; the speeds differ more as well",
-        starts.larger_swing, judgement=holds(above("ratios", 1), above("differ", 1)),
+        cases.larger_swing, judgement=holds(above("ratios", 1), above("differ", 1)),
     ),
     case_row(
         2, "synphase", "The stable orbit is in synphase.", REPRODUCED, "within pi/2 of 0",
@@ -678,7 +677,7 @@ CASE_ROWS: tuple[LedgerRow, ...] = (
         "{linear[0]:.2f} and {linear[1]:.2f}, since the rotors are at speed after {times[0]:.3f} "
         "s, less than a turn; by a motor's curve of the same slope and at most "
         f"{LARGEST:g} N m, after {{times[1]:.2f}} s, {{curve[0]:.2f}} and {{curve[1]:.2f}}",
-        starts.passages, cases.overshoot, "{ratios[0]:.2f} and {ratios[1]:.2f}",
+        cases.passages, cases.overshoot, "{ratios[0]:.2f} and {ratios[1]:.2f}",
         judgement={
             **holds(above("ratios", 2, ours=True)), **depends(above("largest", 2, ours=True)),
         },
@@ -706,7 +705,7 @@ CASE_ROWS: tuple[LedgerRow, ...] = (
         "mean difference of the speeds over the first 12 turns; {first:.2f} rad/s in the first "
         "turn, in which rotor 2 is ahead. By a motor's curve of the same slope and at most "
         f"{LARGEST:g} N m, {{curve:.1f}} rad/s until both are at speed",
-        starts.lead_of_rotor_1, cases.slip, "{mean:.3f} rad/s",
+        cases.lead_of_rotor_1, cases.slip, "{mean:.3f} rad/s",
         judgement=holds(above("mean", 0), above("curve", 0), above("ahead", 0.8)),
     ),
     displacements(3, ">=", "do not become"),

@@ -23,9 +23,9 @@ from ..ledger import (
     statement,
 )
 from . import derivation, motions
+from .derivation import averages
 from .figures import FIGURES as FIGURES
 from .motions import AWAY, BRAKING, CLOSE, INERTIAS
-from .printed import averages
 from .readings import READINGS
 from .results import EXAMPLE, STARTS, TORQUE
 

@@ -11,7 +11,7 @@ import pytest
 from mbcheck.comparisons.engines.registry import REFERENCE
 from mbcheck.comparisons.papers.assess import assess
 from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED
-from mbcheck.comparisons.papers.rotor_pendulum import cases, regions, results, starts
+from mbcheck.comparisons.papers.rotor_pendulum import cases, regions, results
 from mbcheck.comparisons.papers.rotor_pendulum.rows import ROWS
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference import get_scene
@@ -44,7 +44,7 @@ def test_settled_orbits_are_known() -> None:
 
 
 def test_curve_of_the_motor_has_the_slope_of_14_and_its_largest_torque() -> None:
-    curve = starts.motor_curve(CASE_1, 8.0)
+    curve = cases.motor_curve(CASE_1, 8.0)
     speed = float(CASE_1.synchronous_speed)
     assert curve(speed) == 0
     assert curve(speed - 1e-4) / 1e-4 == pytest.approx(float(CASE_1.motor_slope), rel=1e-6)

@@ -8,7 +8,12 @@ import pytest
 from mbcheck.comparisons.checks.kinds.boundary import engine_point
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.papers.rotor_pendulum import regions
-from mbcheck.comparisons.papers.rotor_pendulum.cases import turn_means
+from mbcheck.comparisons.papers.rotor_pendulum.cases import (
+    gap,
+    start_by_curve,
+    time_to_speed,
+    turn_means,
+)
 from mbcheck.comparisons.papers.rotor_pendulum.readings import READINGS
 from mbcheck.comparisons.papers.rotor_pendulum.results import (
     BETAS,
@@ -27,7 +32,6 @@ from mbcheck.comparisons.papers.rotor_pendulum.rows import (
     equation_14,
     motor_slope,
 )
-from mbcheck.comparisons.papers.rotor_pendulum.starts import gap, start_by_curve, time_to_speed
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.comparisons.queries.query import choose_engine, choose_method
 from mbcheck.reference.rotor_pendulum import theory
