@@ -5,7 +5,7 @@ Equations are evaluated as printed, or with what their misprints put right.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from ....reference.rotating_beam.frequencies.assumed_modes import (
 from ....reference.rotating_beam.frequencies.numbers import numbers, time_unit
 from ....reference.rotating_beam.parameters import RotatingBeam, coefficients, drive
 from ....reference.scene import Array
+from ..equations import Identities
 from ..ledger import Numbers
 from ..session import Session
 from .results import BEAM, HUB_RADIUS, SPEED
@@ -213,21 +214,27 @@ PROBE = 1e-30
 """Complex step, far below rounding."""
 
 
-def terms_of_5(as_printed: bool) -> float:
-    """Return by how much the beam's terms of (5) miss the square of (3), relative.
-
-    At random values; (3) has the hub radius, and corrected terms the dots that (5) has lost.
-    """
-    a, x, u, u_f, v, u_1, u_f1, v_1, w = np.random.default_rng(5).normal(size=9)
-    square = (u_1 + u_f1 - v * w) ** 2 + (v_1 + (a + x + u + u_f) * w) ** 2
-    own, own_f, across = (u, u_f, v) if as_printed else (u_1, u_f1, v_1)
-    first = own**2 + own_f**2 + 2 * own * own_f + v**2 * w**2 - 2 * u_1 * v * w - 2 * u_f1 * v * w
-    first += x**2 * w**2 + u**2 * w**2
-    second = 2 * u_f * u * w**2 + v_1**2 + u_f**2 * w**2 + 2 * u * x * w**2 + 2 * u_f * x * w**2
-    second += 2 * x * across * w + 2 * u * v_1 * w
-    third = 2 * u_f * across * w + a**2 * w**2 + 2 * a * x * w**2 + 2 * a * u * w**2
-    third += 2 * a * u_f * w**2 + 2 * a * across * w
-    return float(abs(first + second + third - square) / square)
+IDENTITIES: Mapping[str, Identities] = {
+    "expanded_5": Identities(
+        """
+        1 = (u_1**2 + u_f1**2 + 2*u_1*u_f1 + 2*(x + u_f + a)*v_1*w + rest)/square
+        printed = (u**2 + u_f**2 + 2*u*u_f + 2*(x + u_f + a)*v*w + rest)/square
+        """,
+        """
+        square = (u_1 + u_f1 - v*w)**2 + (v_1 + (a + x + u + u_f)*w)**2
+        rest = v**2*w**2 - 2*u_1*v*w - 2*u_f1*v*w + x**2*w**2 + u**2*w**2 + 2*u_f*u*w**2 + v_1**2
+            + u_f**2*w**2 + 2*u*x*w**2 + 2*u_f*x*w**2 + 2*u*v_1*w + a**2*w**2 + 2*a*x*w**2
+            + 2*a*u*w**2 + 2*a*u_f*w**2
+        """,
+        dict(
+            zip(
+                ("a", "x", "u", "u_f", "v", "u_1", "u_f1", "v_1", "w"),
+                np.random.default_rng(5).normal(size=9), strict=True,
+            )
+        ),
+    ),
+}  # fmt: skip
+"""The beam's terms of (5) over the square of (3), which has the hub radius."""
 
 
 def rows_of_14(q: Array, v: Array, a: Array, p: RotatingBeam, as_printed: bool) -> Array:
@@ -291,11 +298,6 @@ def equation_14(session: Session) -> Numbers:
         }
         off = {name: max(off[name], float(np.max(part))) for name, part in parts.items()}
     return off
-
-
-def equation_5(session: Session) -> Numbers:
-    """Return what (5) leaves of the square of (3), as printed and corrected."""
-    return {"as_printed": terms_of_5(True), "corrected": terms_of_5(False)}
 
 
 def free_end(session: Session) -> Numbers:

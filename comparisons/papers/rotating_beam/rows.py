@@ -29,6 +29,7 @@ from ..ledger import (
     unconverged,
 )
 from . import derivation, frequencies, responses
+from .derivation import IDENTITIES
 from .figures import FIGURES as FIGURES
 from .readings import READINGS
 from .results import LOADS, PRINTED_MAXIMA, free_amplitude, peak, top_speed
@@ -427,7 +428,7 @@ MODES: tuple[LedgerRow, ...] = (
         "its terms against the square of (3) with the hub radius, at random values: off by "
         "{as_printed:.2g} as printed, by {corrected:.0e} with the dots that it has lost, see "
         "lost_rates",
-        derivation.equation_5,
+        IDENTITIES["expanded_5"],
         judgement=corrected(below("corrected", ROUNDING), above("as_printed", 1e-3)),
     ),
     statement(
