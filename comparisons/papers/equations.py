@@ -1,4 +1,4 @@
-"""Equations as printed, put right and derived: read by SymPy, and compared at many digits.
+"""Equations as printed, corrected and derived: read by SymPy, and compared at 30 digits.
 
 They are text, a line each, which goes on in lines that are indented further::
 
@@ -6,12 +6,12 @@ They are text, a line each, which goes on in lines that are indented further::
         - q_1*alpha**2*sin(beta)/2
     printed = -4*inertia*u_1*cos(gamma)
 
-On the left stands what is derived from what the paper starts from, or from the scene, and not from
-the equation's own text; on the right the equation, put right. Below it may stand its right-hand
-side as printed, before it the name that a row gives it. Names are symbols, or have a definition, a
-text of the same form. Beside the usual functions there are ``J(n, u)``, a Bessel function;
-``d(f, x, n)``, a derivative; ``at(f, x, value)``; ``linear(f, x)``, the expansion about x = 0 up to
-the first order; and ``mean(f, x)``, the mean over a turn of x.
+The left-hand side is derived from the paper's premises or from the scene, never from the equation's
+own text; the right-hand side is the equation, corrected. A line ``printed`` has its right-hand side
+as printed, and a name before a colon is the one that a row gives it. Names are symbols, or have a
+definition, a text of the same form. Beside the usual functions there are ``J(n, u)``, a Bessel
+function; ``d(f, x, n)``, a derivative; ``at(f, x, value)``; ``linear(f, x)``, the expansion about
+x = 0 up to the first order; and ``mean(f, x)``, the mean over a turn of x.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def sides(text: str) -> list[tuple[str, str]]:
 
 @dataclass(frozen=True)
 class Identities:
-    """Equations of one row; called with a session they return what is left of them.
+    """Equations of one row, called to measure their errors.
 
     Attributes
     ----------

@@ -1,6 +1,6 @@
 """The pages that ``mbcheck reproduce`` writes: Markdown, and the same as HTML.
 
-The template ``paper.md`` says what stands where; its sentences and tables are made here.
+The template ``paper.md`` orders the chapters; their sentences and tables are made here.
 """
 
 from __future__ import annotations

@@ -305,7 +305,7 @@ def bessel(session: Session) -> Numbers:
 def approximations(session: Session) -> Numbers:
     """Return bounds of the corrections (34) and (45) by (49)-(52), over q_1 and u_1.
 
-    What stands with sine and cosine in them is what is left of (35), (36), (46), (47).
+    The residuals of (35), (36), (46), (47) are their coefficients of sine and cosine.
     """
     solution = paper_solution(PLATE)
     left = np.abs(printed_residuals(solution, PLATE)).reshape(2, 2).max(axis=1)
