@@ -20,6 +20,11 @@ from ....reference.hula_hoop.equations import (
     energy,
 )
 from ....reference.hula_hoop.theory import nondimensional, paper_solution, printed_residuals
+from ...checks.kinds.algebra import random_states
+from ...engines.equations import scene_equations
+from ...engines.registry import REFERENCE
+from ...engines.run import contained
+from ...queries.query import Query, choose_engine
 from ..equations import Identities, Values
 from ..ledger import Numbers
 from ..session import Session
@@ -277,6 +282,21 @@ IDENTITIES: Mapping[str, Identities] = {
     ),
 }  # fmt: skip
 """Those of a row, by its name."""
+
+
+def equations_of_motion(session: Session, who: str) -> Numbers:
+    """Return errors at random states: of (7), (8), or of the accelerations of an engine."""
+    if who == REFERENCE:
+        error = IDENTITIES["lagrange"](session)["(7), (8)"]
+        return {"error": error, "count": len(BODIES["I_m"])}
+    case, scene = Query(SCENE).case, get_scene(SCENE)
+    times, points = random_states(scene_equations(case), case, scene.coordinates)
+    derivative = scene.right_hand_side(case.parameters)
+    truth = np.array([derivative(t, x)[2:] for t, x in zip(times, points, strict=True)])
+    engine, model = choose_engine(who, case, None)
+    with contained():
+        own = engine.accelerations(case, model, times, points)
+    return {"error": float(np.abs(own - truth).max() / np.abs(truth).max())}
 
 
 def bessel_series(session: Session) -> Numbers:

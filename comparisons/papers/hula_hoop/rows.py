@@ -722,7 +722,7 @@ EQUATIONS: tuple[LedgerRow, ...] = (
         "equations_of_motion", "2, (7), (8)",
         "The nondimensional equations of the two masses.",
         REPRODUCED, "(7), (8) hold to {error:.1g} at {count} random states",
-        each=derivation.equations_of_motion,
+        each=identities.equations_of_motion,
         reference="residual of (7), (8) {error:.1g}", engines="accelerations off by {error:.1g}",
         judgement=holds(below("error", 1e-8, everyone=True)),
     ),

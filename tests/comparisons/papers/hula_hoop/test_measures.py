@@ -12,7 +12,7 @@ from mbcheck.comparisons.engines.registry import REFERENCE
 from mbcheck.comparisons.maps.request import Axis
 from mbcheck.comparisons.maps.store import Map
 from mbcheck.comparisons.papers.assess import assess
-from mbcheck.comparisons.papers.hula_hoop import derivation, regions, results
+from mbcheck.comparisons.papers.hula_hoop import derivation, identities, regions, results
 from mbcheck.comparisons.papers.hula_hoop.figures import motion_figure
 from mbcheck.comparisons.papers.hula_hoop.rows import REGION_ROWS, ROWS
 from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED, REPRODUCED, VERDICTS
@@ -53,7 +53,7 @@ def test_a_wrong_engine_fails_the_equations(monkeypatch: pytest.MonkeyPatch) -> 
         engine, model = choose_engine(*args)
         return Wrong(engine), model
 
-    monkeypatch.setattr(derivation, "choose_engine", choose_wrong)
+    monkeypatch.setattr(identities, "choose_engine", choose_wrong)
     assessment = assess(BY_NAME["equations_of_motion"], Session(engines=("mujoco",)))
     assert assessment.verdict == NOT_REPRODUCED
 
