@@ -10,13 +10,16 @@ import mbcheck
 from mbcheck.comparisons.queries.simulate import simulate
 
 
+VERBS = "check diff export extremes frequencies inspect list orbit simulate"
+
+
 @pytest.mark.parametrize(
     "line",
     [
         "import mbcheck",
         *(
             f"from mbcheck.comparisons.cli.group import program; program.exit_code({words})"
-            for words in (["--help"], ["check", "--help"], ["extremes", "--help"])
+            for words in (["--help"], *([verb, "--help"] for verb in VERBS.split()))
         ),
     ],
 )

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ...models import mjcf
-from .query import ModelQuery, known_name
+from .query import known_name, user_case
 
 
 def mjcf_text(
@@ -19,6 +19,6 @@ def mjcf_text(
     UsageError
         For unknown names, impossible values, or a scene without MJCF.
     """
-    case, models = ModelQuery(scene, parameters=parameters).case, mjcf.models(scene)
+    case, models = user_case(scene, parameters), mjcf.models(scene)
     name = known_name(f"MJCF model of {scene}", model, tuple(models))
     return mjcf.export(models[name], case.parameters)

@@ -21,7 +21,8 @@ from ..documents import document
 from ..documents.fields import documented, takes_fields_of
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup, shortest_period
-from .query import MethodQuery, Origin, by_state, described, floats, seconds_of_a_step
+from .query import Origin, by_state, described, floats, seconds_of_a_step
+from .request import MethodQuery
 
 MOST_PERIODS = 10_000
 """Periods of the fastest motion in one of the orbit; more take hours, and more than its steps."""
