@@ -9,7 +9,6 @@ import pytest
 import mbcheck
 from mbcheck.comparisons.queries.simulate import simulate
 
-
 VERBS = "check diff export extremes frequencies inspect list orbit simulate"
 
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from ..documents.fields import option_fields
 from ..engines import use_one_thread
 
 if TYPE_CHECKING:
@@ -25,13 +26,18 @@ if TYPE_CHECKING:
 PACKAGE = "mbcheck.tests.conformance"
 FOLDER = Path(__file__).resolve().parents[2] / "tests" / "conformance"
 
-SEVERAL = {
-    "engine": "Check only this engine: a name, or package.module:Class",
-    "scene": "Check only this scene",
-    "kind": "Make only this kind of check",
-    "id": "Check only results whose id matches; * and ? are wildcards",
+OPTIONS: dict[str, Any] = {
+    "engines": "linelist",
+    "scenes": None,
+    "kinds": None,
+    "ids": None,
+    "profile": "string",
+    "full": None,
+    "known": "paths",
+    "strict_known": "bool",
 }
-"""Options that may be repeated."""
+"""Fields of `CheckRequest` that are options here, and their type in the ini file if they stand in
+it."""
 
 PLAN: pytest.StashKey[CheckPlan] = pytest.StashKey()
 RESULTS: pytest.StashKey[list[Result]] = pytest.StashKey()
@@ -41,25 +47,21 @@ REPORT: pytest.StashKey[Report] = pytest.StashKey()
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add the options of `mbcheck check` that choose checks, and those for known deviations."""
+    from ..checks.request import CheckRequest
+
     group = parser.getgroup("mbcheck", "checks of multibody engines (mbcheck)")
-    for name, text in SEVERAL.items():
-        group.addoption(
-            f"--mbcheck-{name}",
-            action="append",
-            default=[],
-            metavar=name.upper(),
-            help=f"{text} (repeatable).",
-        )
+    for field in option_fields(CheckRequest):
+        if field.name in OPTIONS:
+            how: dict[str, Any] = {"metavar": field.mark.metavar}
+            if field.is_repeatable:
+                how = {"action": "append", "default": [], "metavar": field.word.upper()}
+            elif field.kind is bool:
+                how = {"action": "store_true"}
+            group.addoption(f"--mbcheck-{field.word}", help=field.help, **how)
+            if kind := OPTIONS[field.name]:
+                parser.addini(f"mbcheck_{field.word.replace('-', '_')}", field.help, kind, None)
     add = group.addoption
-    add("--mbcheck-profile", metavar="PROFILE", help="Scales every tolerance.")
-    add("--mbcheck-full", action="store_true", help="Add what the default set leaves out.")
-    add("--mbcheck-known", metavar="FILE", help="TOML file of known deviations.")
-    add("--mbcheck-strict-known", action="store_true", help="Fail if one of its entries is stale.")
     add("--mbcheck-json", metavar="FILE", help="Write the JSON document of `mbcheck check`.")
-    parser.addini("mbcheck_engine", "Engines to check, one a line.", "linelist", [])
-    parser.addini("mbcheck_profile", "Scales every tolerance.", "string", "")
-    parser.addini("mbcheck_known", "TOML file of known deviations.", "paths", [])
-    parser.addini("mbcheck_strict_known", "Fail if an entry is stale.", "bool", False)
 
 
 def has_options(config: pytest.Config) -> bool:
@@ -94,27 +96,22 @@ def check_plan(config: pytest.Config) -> CheckPlan:
         from ..check.request import plan_checks
         from ..checks.request import CheckRequest
 
-        lists: dict[str, Any] = {
-            f"{name}s": option(config, f"mbcheck_{name}") or [] for name in SEVERAL
+        values = {
+            field.name: option(config, field.word)
+            for field in option_fields(CheckRequest)
+            if field.name in OPTIONS
         }
-        known = option(config, "mbcheck_known")
-        if isinstance(known, list):
-            known = str(known[0]) if known else None
-        request = CheckRequest(
-            **lists,
-            profile=option(config, "mbcheck_profile") or "default",
-            full=bool(option(config, "mbcheck_full")),
-            known=known,
-            strict_known=bool(option(config, "mbcheck_strict_known")),
-        )
+        if isinstance(values["known"], list):  # of the ini file
+            values["known"] = next(map(str, values["known"]), None)
+        request = CheckRequest(**{name: value for name, value in values.items() if value})
         config.stash[PLAN] = plan_checks(request)
     return config.stash[PLAN]
 
 
-def option(config: pytest.Config, name: str) -> Any:
+def option(config: pytest.Config, word: str) -> Any:
     """Return an option from the command line, else from the ini file; None without the plugin."""
-    value = config.getoption(name, None)
-    if value:
+    name = f"mbcheck_{word.replace('-', '_')}"
+    if value := config.getoption(name, None):
         return value
     try:
         return config.getini(name)

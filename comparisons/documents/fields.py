@@ -9,10 +9,21 @@ from __future__ import annotations
 import inspect
 import os
 import re
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
 from functools import wraps
-from typing import Annotated, Any, ParamSpec, TypeVar
+from types import NoneType, UnionType
+from typing import (
+    Annotated,
+    Any,
+    NamedTuple,
+    ParamSpec,
+    TypeVar,
+    Union,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
 
 from ...reference.errors import UsageError
 
@@ -56,6 +67,71 @@ class OptionMark:
     parse: Callable[[str, str], Any] | None = None
     least: int = -(10**18)
     default: Any = None
+
+
+class OptionField(NamedTuple):
+    """A field of a request that the command line takes.
+
+    Attributes
+    ----------
+    name : str
+    hint : type
+        Of the field: a flag for a bool; repeatable for a mapping, a tuple, and a sequence unless
+        its text is parsed as a whole.
+    mark : OptionMark
+    default
+        `dataclasses.MISSING` makes it required.
+    meaning : str
+        The text of the help.
+    """
+
+    name: str
+    hint: Any
+    mark: OptionMark
+    default: Any
+    meaning: str
+
+    @property
+    def kind(self) -> Any:
+        """The type without None and metadata: of sequences and mappings the origin."""
+        return bare(self.hint)
+
+    @property
+    def is_repeatable(self) -> bool:
+        """Whether it holds several values."""
+        return self.kind in (Mapping, tuple) or (self.kind is Sequence and self.mark.parse is None)
+
+    @property
+    def word(self) -> str:
+        """Its name on the command line, without the plural of what may be repeated."""
+        return (self.name.removesuffix("s") if self.is_repeatable else self.name).replace("_", "-")
+
+    @property
+    def help(self) -> str:
+        """What it means, in a sentence."""
+        return f"{self.meaning} (repeatable)." if self.is_repeatable else f"{self.meaning}."
+
+
+def option_fields(kind: type) -> Iterator[OptionField]:
+    """Yield the fields of a request that have an `OptionMark`."""
+    hints, meanings = get_type_hints(kind, include_extras=True), descriptions(kind)
+    for field in fields(kind):
+        marks = getattr(hints[field.name], "__metadata__", ())
+        mark = next((mark for mark in marks if isinstance(mark, OptionMark)), None)
+        if mark is not None:
+            made = field.default_factory() if callable(field.default_factory) else field.default
+            default = made if mark.default is None else mark.default
+            yield OptionField(field.name, hints[field.name], mark, default, meanings[field.name])
+
+
+def bare(hint: Any) -> Any:
+    """Return a type without None and metadata: of sequences and mappings the origin."""
+    origin, args = get_origin(hint), get_args(hint)
+    if origin is Annotated:
+        return bare(args[0])
+    if origin in (Union, UnionType):
+        return bare(next(item for item in args if item is not NoneType))
+    return origin if origin in (Sequence, Mapping, tuple) else hint
 
 
 JOBS = OptionMark("N", ("-j", "--jobs"), least=1, default=os.cpu_count() or 1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from itertools import chain
 from pathlib import Path
@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..documents import document
+from ..documents.fields import takes_fields_of
 from ..engines.mujoco.library import quiet
 from ..queries.environment import versions
 from .mujoco.closures import ClosedLoop, closures
@@ -21,8 +22,10 @@ from .mujoco.facts import facts
 from .mujoco.linear import Linear
 from .mujoco.model import ENGINE, Loaded, NotFiniteError, load
 from .mujoco.source import Element, Waiver
+from .request import InspectRequest
 from .rules.table import RULES
 from .rules.text import repeated_default
+from .selection import Baseline, Selection, selection_of
 from .spectrum import Shape
 from .subject import SEVERITIES, Hit, InspectedModel, Severity, View
 from .views import MOST_STATES, state_views, step_limits
@@ -78,29 +81,6 @@ class ModelFinding:
     waived: str | None = None
     attribute: str | None = None
     measure: float | None = None
-
-
-@dataclass(frozen=True)
-class Selection:
-    """Which rules are asked, and what is waived beside the comments of a file.
-
-    Attributes
-    ----------
-    rules : frozenset of str
-    waivers : tuple of Waiver
-        Those of a file beside it, for models of others.
-    baseline : mapping of (str, str) to float or None
-        Rule and element of findings that were there before, and how bad they were.
-    """
-
-    rules: frozenset[str]
-    waivers: tuple[Waiver, ...] = ()
-    baseline: Mapping[tuple[str, str], float | None] = field(default_factory=dict)
-
-    @classmethod
-    def of_profile(cls, strict: bool) -> Selection:
-        """Return the rules that are asked by default, or all."""
-        return cls(frozenset(name for name, rule in RULES.items() if strict or not rule.house))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -198,65 +178,48 @@ class Inspection(InspectedModel):
         }
 
 
-def inspect(
-    path: str | Path,
-    about_rotation: Mapping[str, float | str] | None = None,
-    modes: bool | None = None,
-    strict: bool = False,
-    selection: Selection | None = None,
-) -> Inspection:
-    """Inspect an MJCF file.
-
-    Parameters
-    ----------
-    path : str or Path
-    about_rotation : mapping of str to float, optional
-        One hinge and its speed [rad/s]: modes about the steady rotation, beside those of the
-        file's states.
-    modes : bool, optional
-        Whether to find modes; by default up to `MOST_DOFS` degrees of freedom.
-    strict : bool
-        Whether to look for what is a matter of taste, too: the rules of the house.
-    selection : Selection, optional
-        Which rules are asked instead, and what is waived beside the file's own comments.
+@takes_fields_of(InspectRequest)
+def inspect(asked: InspectRequest) -> Inspection:
+    """Inspect an MJCF file; takes the fields of `InspectRequest`.
 
     Raises
     ------
     UsageError
         If the file cannot be read, is no MJCF or does not compile, or if there is no such
-        rotation.
+        rotation or rule.
     EngineUnavailableError
         If MuJoCo cannot be imported.
     """
-    *_, (_, report) = inspect_in_parts(path, about_rotation, modes, strict, selection)
+    return whole_inspection(asked)
+
+
+def whole_inspection(asked: InspectRequest) -> Inspection:
+    """Return the whole inspection of a file, see `inspect`."""
+    *_, (_, report) = inspect_in_parts(asked)
     return report()
 
 
 def inspect_in_parts(
-    path: str | Path,
-    about_rotation: Mapping[str, float | str] | None = None,
-    modes: bool | None = None,
-    strict: bool = False,
-    selection: Selection | None = None,
+    asked: InspectRequest,
 ) -> Iterator[tuple[tuple[str, ...], Callable[[], Inspection]]]:
     """Inspect a file in parts; rules that look at the model alone come before what takes time.
 
     Yields before each part, and at the end, the parts that are to come, and what returns the
     inspection so far. See `inspect`.
     """
-    selection = selection or Selection.of_profile(strict)
+    path, selection = asked.path, selection_of(asked)
     loaded, hits, untried = load(path), list[tuple[str, Hit]](), None
     rules = {f"rule {name}": RULES[name] for name in RULES if name in selection.rules}
     repeated = [part for part in rules if part == "rule repeated_default"]
     quick, *slow = ([p for p, rule in rules.items() if rule.needs == need] for need in NEEDS)
     parts = [*quick, MODES, STEPS, LOOPS, *chain(*slow), *repeated]
-    s = InspectedModel(loaded, facts(loaded), strict)
+    s = InspectedModel(loaded, facts(loaded), asked.strict)
     with quiet(loaded.mujoco), np.errstate(all="ignore"):
         for number, part in enumerate(parts):
             left = tuple(parts[number:])
             yield left, partial(report_of, path, s, selection, hits, left)
             if part == MODES:
-                s = replace(s, views=state_views(loaded, about_rotation, modes))
+                s = replace(s, views=state_views(loaded, asked.about_rotation, asked.modes))
             elif part == STEPS:
                 s = replace(s, steps=step_limits(loaded, s.views))
             elif part == LOOPS:
@@ -322,7 +285,7 @@ def report_of(
     )
 
 
-def compared(baseline: Mapping[tuple[str, str], float | None], rule: str, hit: Hit) -> ModelFinding:
+def compared(baseline: Baseline, rule: str, hit: Hit) -> ModelFinding:
     """Return a finding: waived if it is in the baseline, unless it has become worse."""
     old = baseline.get((rule, hit.name))
     if old is not None and hit.measure is not None and hit.measure > WORSE * abs(old):

@@ -30,7 +30,7 @@ RK4_REAL = 2.785293563405282
 
 
 def state_views(
-    loaded: Loaded, about_rotation: Mapping[str, float | str] | None, modes: bool | None
+    loaded: Loaded, about_rotation: Mapping[str, float | str], modes: bool | None
 ) -> tuple[View, ...]:
     """Return the states of a model with their modes; see `inspect`.
 
@@ -45,11 +45,11 @@ def state_views(
         view(loaded, state) if reason is None else View(state, reason=reason)
         for state, reason in zip(loaded.states, reasons, strict=False)
     ]
-    if about_rotation and len(about_rotation) > 1:
+    if len(about_rotation) > 1:
         raise UsageError("one hinge can turn steadily, not several")
     views += [
         view(loaded, steady_rotation(loaded, joint, speed), joint)
-        for joint, speed in (about_rotation or {}).items()
+        for joint, speed in about_rotation.items()
     ]
     return tuple(views)
 

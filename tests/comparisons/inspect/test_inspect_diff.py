@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.inspect.difference import Row, model_difference
-from mbcheck.comparisons.inspect.inspection import Inspection, Selection, inspect
+from mbcheck.comparisons.inspect.inspection import Inspection, inspect
 from mbcheck.tests.support.command import invoke
 
 WHOLE = """<mujoco><compiler angle="radian"/>
@@ -36,7 +36,7 @@ WHOLE = """<mujoco><compiler angle="radian"/>
 
 def seen(path: Path) -> Inspection:
     """Inspect a file without modes and rules."""
-    return inspect(path, modes=False, selection=Selection(frozenset()))
+    return inspect(path, modes=False, ignore=("*",))
 
 
 @pytest.fixture(scope="module")
