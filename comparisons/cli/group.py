@@ -130,13 +130,13 @@ class ListRequest:
 @JSON
 def list_(scene: str | None, coverage: bool, json_file: Destination | None) -> None:
     """List what there is, what a scene consists of, or what is checked."""
-    from . import catalogue, listing
+    from . import catalogue
 
     if coverage and scene is not None:
         raise UsageError("--coverage is of all scenes: leave the scene out")
     if coverage:
-        deliver(catalogue.coverage(), listing.print_coverage, json_file)
+        deliver(catalogue.coverage(), catalogue.print_coverage, json_file)
     elif scene is None:
-        deliver(catalogue.overview(), listing.print_overview, json_file)
+        deliver(catalogue.overview(), catalogue.print_overview, json_file)
     else:
-        deliver(catalogue.scene_sheet(scene), listing.print_scene, json_file)
+        deliver(catalogue.scene_sheet(scene), catalogue.print_scene, json_file)

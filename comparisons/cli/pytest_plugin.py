@@ -177,7 +177,7 @@ def parametrize(metafunc: pytest.Metafunc) -> None:
 def run_test(check: Check, node: pytest.Item) -> None:
     """Run a check as a test: fails, or is skipped or expected to fail, with its reasons."""
     from ..checks import suite
-    from ..reports.run.outcome import Report, Run
+    from ..reports.run.outcome import Report
     from ..reports.run.results import FAILURES, why_known
 
     plan = check_plan(node.config)
@@ -190,8 +190,8 @@ def run_test(check: Check, node: pytest.Item) -> None:
         as_failures = [
             replace(r, verdict="deviation") if r.verdict == "known" else r for r in failed
         ]
-        run = Run(selection=plan.request)
-        pytest.fail(Report(tuple(as_failures), {}, run).text(1), pytrace=False)
+        report = Report(tuple(as_failures), {}, selection=plan.request)
+        pytest.fail(report.text(1), pytrace=False)
     reasons = dict.fromkeys(why_known(r) for r in results if r.verdict == "known")
     if reasons:
         pytest.xfail(f"known deviation: {'; '.join(reasons)}")

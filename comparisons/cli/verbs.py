@@ -140,6 +140,6 @@ def frequencies(json_file: Destination | None, budget: float, **asked: Any) -> N
 )
 def export(output: Destination, **asked: Any) -> None:
     """Write a scene's MJCF with these parameters."""
-    from ..queries.export import mjcf_text
+    from ..queries.query import mjcf_text
 
     output.write(mjcf_text(**asked))

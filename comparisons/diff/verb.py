@@ -55,8 +55,7 @@ def diff(
     refuse_conflicts(json_file, markdown_file)
     from ..reports.github import append_step_summary
     from . import report
-    from .changes import compare
-    from .document import read
+    from .changes import compare, read
 
     result = compare(read(old), read(new))
     if json_file:

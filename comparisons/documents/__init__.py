@@ -44,10 +44,13 @@ DOCUMENTS: Mapping[str, tuple[str, str]] = {
     ),
     "diff": ("diff.changes.Diff", "What changed between two runs of checks."),
     "inspect": (
-        "inspect.document.InspectDocument",
+        "inspect.inspection.InspectDocument",
         "What is in an MJCF file, and what it could do without.",
     ),
-    "inspections": ("inspect.document.InspectionsDocument", "What is found in several MJCF files."),
+    "inspections": (
+        "inspect.inspection.InspectionsDocument",
+        "What is found in several MJCF files.",
+    ),
 }
 """Class of each document, below `comparisons`, and what it is."""
 

@@ -84,8 +84,8 @@ def neutral_edit(asked: InspectRequest) -> NeutralEdit:
     inspection = whole_inspection(replace(asked, modes=False, select=asked.select or FIXED))
     loaded, path = inspection.loaded, Path(inspection.file)
     raw = read_bytes(path, label=inspection.file)
-    asked = [one for one in inspection.unwaived if one.rule in FIXED]
-    places = {(one.file, one.line, one.element, one.attribute) for one in asked}
+    idle = [one for one in inspection.unwaived if one.rule in FIXED]
+    places = {(one.file, one.line, one.element, one.attribute) for one in idle}
     own = loaded.source.files[0]
     candidates = [
         (element, key)
@@ -98,7 +98,7 @@ def neutral_edit(asked: InspectRequest) -> NeutralEdit:
         raise UsageError(f"--fix: {inspection.file} does not compile to the same from one text")
     attributes = neutral(loaded, raw, (), candidates)
     after = without(raw, attributes)
-    refused = len(asked) - len({(one.line, one.address, key) for one, key in attributes})
+    refused = len(idle) - len({(one.line, one.address, key) for one, key in attributes})
     return NeutralEdit(inspection.file, raw, after, tuple(attributes), max(0, refused))
 
 

@@ -184,13 +184,11 @@ class InspectedModel:
         """The stability limit of the file's own integrator, if it has one that is known."""
         return [one for one in self.steps if one.of_file and 0 < one.limit < math.inf]
 
-    def hit(
-        self, kind: str, number: SupportsInt, message: str, attribute: str | None = None
-    ) -> Hit:
-        """Return a finding about an object."""
+    def hit(self, kind: str, number: SupportsInt, message: str, **more: Any) -> Hit:
+        """Return a finding about an object; ``more`` are further fields of it."""
         element = self.loaded.places.get((kind, int(number)))
         name = element.address if element else f"{kind}:{self.loaded.name(kind, number)}"
-        return Hit(element, name, message, attribute=attribute)
+        return Hit(element, name, message, **more)
 
     def hits(
         self,
@@ -214,7 +212,7 @@ class InspectedModel:
         """
         for i in np.flatnonzero(where):
             words = message if isinstance(message, str) else message(int(i))
-            yield self.hit(kind, i if of is None else of[i], words, attribute)
+            yield self.hit(kind, i if of is None else of[i], words, attribute=attribute)
 
     @cached_property
     def sections(self) -> dict[str, Element]:
@@ -223,10 +221,10 @@ class InspectedModel:
         parts = {f"{top.tag}/{part.tag}": part for top in tops for part in top.children}
         return {top.tag: top for top in tops} | parts
 
-    def about(self, *paths: str, message: str, fix: str = "") -> Hit:
+    def about(self, *paths: str, message: str, **more: Any) -> Hit:
         """Return a finding about the first of these sections that the file has, or about it."""
         element = next((self.sections[path] for path in paths if path in self.sections), None)
-        return Hit(element, paths[0].rpartition("/")[2], message, fix)
+        return Hit(element, paths[0].rpartition("/")[2], message, **more)
 
     def state(self, statement: Statement | None, *paths: str) -> Iterator[Hit]:
         """Yield what a rule says about one of these sections, if it says anything."""

@@ -30,7 +30,7 @@ RK4_REAL = 2.785293563405282
 
 
 def state_views(
-    loaded: Loaded, about_rotation: Mapping[str, float | str], modes: bool | None
+    loaded: Loaded, about_rotation: Mapping[str, float | str] | None, modes: bool | None
 ) -> tuple[View, ...]:
     """Return the states of a model with their modes; see `inspect`.
 
@@ -45,6 +45,7 @@ def state_views(
         view(loaded, state) if reason is None else View(state, reason=reason)
         for state, reason in zip(loaded.states, reasons, strict=False)
     ]
+    about_rotation = about_rotation or {}
     if len(about_rotation) > 1:
         raise UsageError("one hinge can turn steadily, not several")
     views += [

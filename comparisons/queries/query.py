@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ...models import mjcf
 from ...reference import get_scene
 from ...reference.errors import (
     ParameterError,
@@ -148,6 +149,21 @@ def known_name(kind: str, name: str | None, known: tuple[str, ...]) -> str:
     if name is not None and name not in known:
         raise UnknownNameError(kind, name, known)
     return known[0] if name is None else name
+
+
+def mjcf_text(
+    scene: str, parameters: Mapping[str, Any] | None = None, model: str | None = None
+) -> str:
+    """Return the MJCF of a scene with these parameters.
+
+    Raises
+    ------
+    UsageError
+        For unknown names, impossible values, or a scene without MJCF.
+    """
+    case, models = user_case(scene, parameters), mjcf.models(scene)
+    name = known_name(f"MJCF model of {scene}", model, tuple(models))
+    return mjcf.export(models[name], case.parameters)
 
 
 def choose_method(engine: Adapter, case: Case, model: str, name: str | None) -> Method:

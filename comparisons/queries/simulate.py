@@ -11,7 +11,6 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ...reference import get_scene
 from ...reference.cost import expected_end, keep_steps
@@ -229,7 +228,7 @@ def units_of(case: Case, names: Iterable[str]) -> dict[str, str]:
 # Sample times, and the step on whose grid they lie
 
 
-def times_array(times: ArrayLike) -> Array:
+def times_array(times: Iterable[float]) -> Array:
     """Return sample times as an array (n_t,).
 
     Raises

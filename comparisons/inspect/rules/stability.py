@@ -118,7 +118,7 @@ def unstable_mode(s: InspectedModel) -> Iterator[Hit]:
             fix = fix or (
                 "turn the sign of the gain, or of the gear" if actuators else "turn its sign"
             )
-            yield s.hit("joint", number, message)._replace(fix=fix)
+            yield s.hit("joint", number, message, fix=fix)
 
 
 def grows_in_run(s: InspectedModel, view: View, mode: Shape) -> bool:

@@ -20,8 +20,8 @@ from mbcheck.comparisons.checks.verdict import Result as Judged
 from mbcheck.comparisons.checks.verdict import Subject
 from mbcheck.comparisons.engines import THREADS
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.queries.request import times_from
 from mbcheck.comparisons.queries.simulate import simulate
-from mbcheck.comparisons.queries.times import times_from
 from mbcheck.comparisons.reports import files as destinations
 from mbcheck.reference.errors import EngineError, EngineUnavailableError, UsageError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
@@ -328,7 +328,7 @@ def test_an_interrupt_that_ends_as_an_engine_error(monkeypatch: pytest.MonkeyPat
         except KeyboardInterrupt:
             raise EngineError("raised", "SystemError") from None
 
-    monkeypatch.setattr("mbcheck.comparisons.cli.verbs.run_simulation", stopped)
+    monkeypatch.setattr("mbcheck.comparisons.queries.simulate.simulate", stopped)
     assert invoke(SIMULATE).exit_code == 130
 
 

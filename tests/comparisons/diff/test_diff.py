@@ -18,11 +18,10 @@ from mbcheck.comparisons.checks import suite
 from mbcheck.comparisons.checks.request import CheckRequest
 from mbcheck.comparisons.checks.verdict import Result, Verdict
 from mbcheck.comparisons.diff import report as printed
-from mbcheck.comparisons.diff.changes import FACTOR, SHARE, SORTS, Diff, compare
-from mbcheck.comparisons.diff.document import read
+from mbcheck.comparisons.diff.changes import FACTOR, SHARE, SORTS, Diff, compare, read
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.queries.environment import environment
-from mbcheck.comparisons.reports.run.outcome import Report, Run
+from mbcheck.comparisons.reports.run.outcome import Report
 from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import invoke, refusal
 from mbcheck.tests.support.documents import validated
@@ -48,8 +47,14 @@ def write(
     environment: dict[str, str] | None = None,
     **selection: Any,
 ) -> str:
-    run = Run(planned, CheckRequest(**selection), environment or {"machine": "x86_64"})
-    Path(name).write_text(json.dumps(Report((ANCHOR, *results), versions, run).as_json()))
+    report = Report(
+        (ANCHOR, *results),
+        versions,
+        planned=planned,
+        selection=CheckRequest(**selection),
+        environment=environment or {"machine": "x86_64"},
+    )
+    Path(name).write_text(json.dumps(report.as_json()))
     return name
 
 
@@ -380,8 +385,8 @@ def mutants(found: Any) -> Iterator[Any]:
 
 def test_a_diff_of_documents_with_wrong_types() -> None:
     """Each is compared, or refused in one line."""
-    run = Run(1, CheckRequest(["hula_hoop"], ids=["*"]))
-    full = Report((ANCHOR,), VERSIONS, run).as_json()
+    asked = CheckRequest(["hula_hoop"], ids=["*"])
+    full = Report((ANCHOR,), VERSIONS, planned=1, selection=asked).as_json()
     Path("good.json").write_text(json.dumps(full))
     refused = 0
     for document in mutants(full):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import mbcheck
-from mbcheck.comparisons.queries.export import mjcf_text
+from mbcheck.comparisons.queries.query import mjcf_text
 from mbcheck.reference.errors import (
     ParameterError,
     UnknownNameError,

@@ -20,7 +20,7 @@ from mbcheck.comparisons.checks.known import Entry, Use
 from mbcheck.comparisons.checks.request import CheckRequest
 from mbcheck.comparisons.checks.verdict import Result, Series
 from mbcheck.comparisons.reports import drawing
-from mbcheck.comparisons.reports.run.outcome import Report, Run
+from mbcheck.comparisons.reports.run.outcome import Report
 from mbcheck.comparisons.reports.run.page import check_page
 from mbcheck.comparisons.reports.words import printable
 from mbcheck.reference.errors import UsageError
@@ -49,8 +49,8 @@ RESULTS = [*MIXED, *DRAWN, replace(STRANGE, series=OVER_TIME)]
 
 
 def page_of(results: list[Result], most_figures: int = 24, **run: Any) -> str:
-    about = {"environment": {"machine": "x86_64", "system": HOSTILE}, "uses": (STALE,), **run}
-    report = Report(tuple(results), {"mbcheck": "0.1", "mujoco": HOSTILE}, Run(**about))
+    about = {"environment": {"machine": "x86_64", "system": HOSTILE}, "known": (STALE,), **run}
+    report = Report(tuple(results), {"mbcheck": "0.1", "mujoco": HOSTILE}, **about)
     return check_page(report, WHEN, most_figures)
 
 
@@ -138,7 +138,7 @@ def test_what_a_reader_finds(text: str) -> None:
 
 
 def test_a_run_that_failed_nowhere_and_one_that_was_interrupted() -> None:
-    clean = page_of([result()], uses=())
+    clean = page_of([result()], known=())
     assert "<title>PASS</title>" in clean
     for word in ("Stale", "Known deviations", "Skipped"):
         assert word not in clean
