@@ -83,13 +83,6 @@ def test_list() -> None:
         assert word in text
 
 
-def test_list_scene() -> None:
-    text = succeeds("list hula_hoop")
-    for word in (*HulaHoop.names(), "N/m", "table 1", "theta_dot [rad/s]", "rod_aligned"):
-        assert word in text
-    assert "point_mass_3hz_60n" in text
-
-
 def test_list_as_json() -> None:
     overview = json.loads(succeeds("list --json -"))
     assert [engine["name"] for engine in overview["engines"]] == ["reference", "mujoco", "exudyn"]
@@ -254,29 +247,6 @@ def judged(verdict: Any) -> Judged:
 def pretend(monkeypatch: pytest.MonkeyPatch, run: Callable[..., Any]) -> None:
     """Let checks be run by this function."""
     monkeypatch.setattr(request, "run_checks", run)
-
-
-@pytest.mark.parametrize(
-    ("verdicts", "code"),
-    [
-        (["pass"], 0),
-        (["pass", "skipped", "known"], 0),
-        (["pass", "deviation"], 1),
-        (["error"], 1),
-        (["skipped"], 2),
-        ([], 2),
-    ],
-)
-def test_exit_code(monkeypatch: pytest.MonkeyPatch, verdicts: list[str], code: int) -> None:
-    pretend(monkeypatch, lambda *_: [judged(verdict) for verdict in verdicts])
-    assert invoke("check --kind energy --method RK4").exit_code == code
-
-
-def test_a_deviation_tells_how_to_repeat_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    pretend(monkeypatch, lambda *_: [judged("deviation")])
-    text = invoke("check --full --profile strict").stdout
-    assert "twice its tolerance" in text
-    assert f"mbcheck check --profile strict --full --id '{judged('deviation').id}'" in text
 
 
 def test_options_reach_the_suite(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -463,12 +433,6 @@ def test_the_report_leaves_standard_output_to_the_document() -> None:
     assert done.returncode == 0
     assert json.loads(done.stdout)["summary"]["error"] == 0
     assert "PASS" in done.stderr
-
-
-def test_a_mistake_as_a_process() -> None:
-    done = process("simulate hula_hop --times 1")
-    assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == "Error: unknown scene 'hula_hop'; did you mean 'hula_hoop'?\n"
 
 
 @pytest.mark.parametrize("unbuffered", ["", "1"])

@@ -20,7 +20,6 @@ from mbcheck.comparisons.checks.verdict import Result, Verdict
 from mbcheck.comparisons.diff import report as printed
 from mbcheck.comparisons.diff.changes import FACTOR, SHARE, SORTS, Diff, compare, read
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.queries.environment import environment
 from mbcheck.comparisons.reports.run.outcome import Report
 from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import invoke, refusal
@@ -421,9 +420,3 @@ def test_the_page_tells_every_sort(clone: Path) -> None:
     rows = re.findall(r"^\| `(\w+)` \| (yes)? *\|", page, re.MULTILINE)
     told = [(name, bool(yes)) for name, yes in rows if name in SORTS]
     assert told == [(name, sort.regression) for name, sort in SORTS.items()]
-
-
-def test_a_run_of_its_own_environment() -> None:
-    found = environment()
-    assert set(found) == {"python", "system", "machine", "processor", "libc"}
-    assert all(found.values())

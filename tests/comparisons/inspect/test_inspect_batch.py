@@ -262,8 +262,3 @@ def test_two_models_are_compared(tmp_path: Path) -> None:
     assert "gone: error step_limit" in done.stdout
     for words in (("old.xml",), ("old.xml", "new.xml", "--json", "a.json")):
         assert invoke("inspect", "--diff", *words).exit_code == 2
-
-
-def test_the_hook_calls_the_verb(clone: Path) -> None:
-    text = (clone / ".pre-commit-hooks.yaml").read_text()
-    assert "entry: mbcheck inspect" in text

@@ -69,14 +69,6 @@ def test_every_engine_that_was_asked_for_must_pass_something(
 # JSON
 
 
-@pytest.mark.parametrize(
-    "how",
-    ["RK4", "RK4@redundant", "tree"],
-)
-def test_ids_name_method_and_model(how: str) -> None:
-    validated("check", outcome([result(how)], VERSIONS).as_json())
-
-
 def test_engine_that_cannot_be_imported_fits_the_schema() -> None:
     blank = changed(
         result(verdict="skipped", reason="exudyn cannot be imported"),
