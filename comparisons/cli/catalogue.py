@@ -233,7 +233,13 @@ def print_scene(console: Console, sheet: Mapping[str, Any]) -> None:
         [
             item["name"],
             item["horizon"],
-            assignments(item["parameters"] | item["state"] | offsets(item["inconsistency"])),
+            assignments(
+                {
+                    **item["parameters"],
+                    **item["state"],
+                    **{f"offset of {name}": x for name, x in item["inconsistency"].items()},
+                }
+            ),
             ", ".join(item["kinds"]) + (" (--full only)" if item["full_only"] else ""),
         ]
         for item in sheet["cases"]
@@ -260,8 +266,3 @@ def print_scene(console: Console, sheet: Mapping[str, Any]) -> None:
 def with_units(items: list[Mapping[str, Any]]) -> str:
     """Return names with their units."""
     return ", ".join(f"{item['name']} [{item['unit']}]" for item in items)
-
-
-def offsets(inconsistency: Mapping[str, float]) -> dict[str, float]:
-    """Return by how much a mechanism starts open, named as such."""
-    return {f"offset of {name}": value for name, value in inconsistency.items()}

@@ -64,12 +64,6 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     add("--mbcheck-json", metavar="FILE", help="Write the JSON document of `mbcheck check`.")
 
 
-def has_options(config: pytest.Config) -> bool:
-    """Return whether an option of this plugin stands on the command line."""
-    options = vars(config.option)
-    return any(value for name, value in options.items() if name.startswith("mbcheck_"))
-
-
 def asked(config: pytest.Config) -> bool:
     """Return whether the user wants checks: by an option, or by the place of the tests."""
 
@@ -77,7 +71,10 @@ def asked(config: pytest.Config) -> bool:
         place = Path(argument.split("::")[0]).resolve()
         return argument.startswith(PACKAGE) or place == FOLDER or FOLDER in place.parents
 
-    return has_options(config) or any(map(ours, config.args))
+    options = vars(config.option).items()
+    return any(value for name, value in options if name.startswith("mbcheck_")) or any(
+        map(ours, config.args)
+    )
 
 
 def is_worker(config: pytest.Config) -> bool:
@@ -86,12 +83,7 @@ def is_worker(config: pytest.Config) -> bool:
 
 
 def check_plan(config: pytest.Config) -> CheckPlan:
-    """Return the checks that the options choose; planned once.
-
-    Raises
-    ------
-    UsageError
-    """
+    """Return the checks that the options choose; planned once."""
     if PLAN not in config.stash:
         from ..check.request import plan_checks
         from ..checks.request import CheckRequest
@@ -236,7 +228,8 @@ def pytest_sessionstart(session: pytest.Session) -> None:
 def pytest_sessionfinish(session: pytest.Session) -> None:
     """Write the document, and fail if nothing ran or an entry is stale that must not be."""
     config = session.config
-    if is_worker(config) or config.option.collectonly or not concerned(config):
+    ran = asked(config) or bool(config.stash.get(DOCUMENTS, None))
+    if is_worker(config) or config.option.collectonly or PLAN not in config.stash or not ran:
         return
     from ..checks.verdict import result_from
     from ..reports import github
@@ -259,13 +252,6 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
         session.exitstatus = outcome.exit_code or int(bool(unwritten))
     for words in unwritten:
         print(f"mbcheck: {words}", file=sys.stderr)
-
-
-def concerned(config: pytest.Config) -> bool:
-    """Return whether checks were asked for, or ran."""
-    return config.stash.get(PLAN, None) is not None and (
-        asked(config) or bool(config.stash.get(DOCUMENTS, None))
-    )
 
 
 def pytest_terminal_summary(

@@ -267,20 +267,17 @@ def compare(old: Document, new: Document) -> Diff:
         raise UsageError(
             f"{old.file!r} and {new.file!r} have no result in common: nothing to compare"
         )
-    changes = []
-    for id in both:
-        sort = sort_of(old.results[id], new.results[id])
-        if sort is not None:
-            changes.append(Change(sort, old.results[id], new.results[id]))
+    pairs = [(old.results[id], new.results[id]) for id in both]
+    sorts = [sort_of(*pair) for pair in pairs]
+    changes = [Change(sort, *pair) for sort, pair in zip(sorts, pairs, strict=True) if sort]
     same = len(both) - len(changes)
-    for result in new.results.values():
-        if result.id not in old.results:
-            failed = {"deviation": "new_deviation", "error": "new_error"}
-            changes.append(Change(failed.get(result.verdict, "appeared"), None, result))
-    absence = Absence(old, new)
-    for result in old.results.values():
-        if result.id not in new.results:
-            changes.append(Change(absence.sort(result), result, None))
+    failed = {"deviation": "new_deviation", "error": "new_error"}
+    changes += [
+        Change(failed.get(result.verdict, "appeared"), None, result)
+        for result in new.results.values()
+        if result.id not in old.results
+    ]
+    changes += absent(old, new)
     changes.sort(key=lambda change: change.weight)
     return Diff(old, new, tuple(changes), len(both), same, tuple(notes(old, new)))
 
@@ -289,20 +286,14 @@ def sort_of(old: Result, new: Result) -> str | None:
     """Return the sort of change between two results of one id; None if there is none."""
     if old.verdict == new.verdict:
         return growth(old, new)
-    match old.verdict, new.verdict:
-        case _, "error":
-            return "new_error"
-        case "error", "deviation":
-            return "other_failure"
-        case _, "deviation":
-            return "new_deviation"
-        case _, "skipped":
-            return "now_skipped"
-        case _, "known":
-            return "now_known"
-        case "skipped", _:
-            return "now_runs"
-    return "fixed"
+    sorts: dict[str, str] = {
+        "error": "new_error",
+        "deviation": "other_failure" if old.verdict == "error" else "new_deviation",
+        "skipped": "now_skipped",
+        "known": "now_known",
+        "pass": "now_runs" if old.verdict == "skipped" else "fixed",
+    }
+    return sorts[new.verdict]
 
 
 def growth(old: Result, new: Result) -> str | None:
@@ -317,40 +308,30 @@ def growth(old: Result, new: Result) -> str | None:
     return None
 
 
-class Absence:
-    """Tells whether the new run left an id out on purpose."""
-
-    def __init__(self, old: Document, new: Document) -> None:
-        self.new = new
-        self.narrower = old.selection.full and not new.selection.full
-        self.narrower |= new.selection.quick and not old.selection.quick
-        named = [name for name in new.selection.engines if ":" not in name]
-        self.engines = {*named, *new.engines} if new.selection.engines else set()
-        patterns = new.selection.ids
-        self.checks = {
-            result.check_id
-            for result in old.results.values()
-            if any(fnmatchcase(result.id, pattern) for pattern in patterns)
-        }
-
-    def sort(self, result: Result) -> str:
-        """Return the sort of change of a result that is not in the new run."""
-        if self.new.not_reached or self.narrower or self.filtered(result):
-            return "left_out"
-        return "dropped" if result.verdict == "skipped" else "vanished"
-
-    def filtered(self, result: Result) -> bool:
-        """Return whether the options of the new run leave a result out."""
-        selection = self.new.selection
+def absent(old: Document, new: Document) -> Iterator[Change]:
+    """Yield the results that are not in the new run: left out by its options, dropped, vanished."""
+    before, asked = old.selection, new.selection
+    narrower = (before.full and not asked.full) or (asked.quick and not before.quick)
+    named = [name for name in asked.engines if ":" not in name]
+    engines = {*named, *new.engines} if asked.engines else set()
+    checks = {
+        result.check_id
+        for result in old.results.values()
+        if any(fnmatchcase(result.id, pattern) for pattern in asked.ids)
+    }
+    for result in old.results.values():
         restrictions = (
-            (selection.scenes, result.scene),
-            (selection.kinds, result.kind),
-            (selection.methods, result.method),
-            (self.engines, result.engine),
+            (asked.scenes, result.scene),
+            (asked.kinds, result.kind),
+            (asked.methods, result.method),
+            (engines, result.engine),
         )
-        return any(names and name not in names for names, name in restrictions) or bool(
-            selection.ids and result.check_id not in self.checks
-        )
+        filtered = any(names and name not in names for names, name in restrictions)
+        filtered |= bool(asked.ids) and result.check_id not in checks
+        if result.id not in new.results:
+            sort = "dropped" if result.verdict == "skipped" else "vanished"
+            left_out = new.not_reached or narrower or filtered
+            yield Change("left_out" if left_out else sort, result, None)
 
 
 def notes(old: Document, new: Document) -> Iterator[str]:

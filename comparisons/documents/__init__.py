@@ -55,7 +55,7 @@ DOCUMENTS: Mapping[str, tuple[str, str]] = {
 """Class of each document, below `comparisons`, and what it is."""
 
 
-def document(name: str, result: object, **parts: object) -> dict[str, Any]:
+def document(name: str, result: object, /, **parts: object) -> dict[str, Any]:
     """Return a document as JSON can hold it: NaN and the infinities are null.
 
     Parameters

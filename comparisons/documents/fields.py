@@ -75,53 +75,50 @@ class OptionField(NamedTuple):
     Attributes
     ----------
     name : str
-    hint : type
-        Of the field: a flag for a bool; repeatable for a mapping, a tuple, and a sequence unless
-        its text is parsed as a whole.
+    word : str
+        Its name on the command line, without the plural of what may be repeated.
+    kind : type
+        Without None and metadata: of sequences and mappings the origin.
+    is_repeatable : bool
+        Whether it holds several values: a mapping, a tuple, and a sequence unless its text is
+        parsed as a whole.
     mark : OptionMark
     default
         `dataclasses.MISSING` makes it required.
-    meaning : str
-        The text of the help.
+    help : str
+        What it means, in a sentence.
     """
 
     name: str
-    hint: Any
+    word: str
+    kind: Any
+    is_repeatable: bool
     mark: OptionMark
     default: Any
-    meaning: str
-
-    @property
-    def kind(self) -> Any:
-        """The type without None and metadata: of sequences and mappings the origin."""
-        return bare(self.hint)
-
-    @property
-    def is_repeatable(self) -> bool:
-        """Whether it holds several values."""
-        return self.kind in (Mapping, tuple) or (self.kind is Sequence and self.mark.parse is None)
-
-    @property
-    def word(self) -> str:
-        """Its name on the command line, without the plural of what may be repeated."""
-        return (self.name.removesuffix("s") if self.is_repeatable else self.name).replace("_", "-")
-
-    @property
-    def help(self) -> str:
-        """What it means, in a sentence."""
-        return f"{self.meaning} (repeatable)." if self.is_repeatable else f"{self.meaning}."
+    help: str
 
 
-def option_fields(kind: type) -> Iterator[OptionField]:
+def option_fields(request: type) -> Iterator[OptionField]:
     """Yield the fields of a request that have an `OptionMark`."""
-    hints, meanings = get_type_hints(kind, include_extras=True), descriptions(kind)
-    for field in fields(kind):
-        marks = getattr(hints[field.name], "__metadata__", ())
+    hints, meanings = get_type_hints(request, include_extras=True), descriptions(request)
+    for item in fields(request):
+        marks = getattr(hints[item.name], "__metadata__", ())
         mark = next((mark for mark in marks if isinstance(mark, OptionMark)), None)
-        if mark is not None:
-            made = field.default_factory() if callable(field.default_factory) else field.default
-            default = made if mark.default is None else mark.default
-            yield OptionField(field.name, hints[field.name], mark, default, meanings[field.name])
+        if mark is None:
+            continue
+        kind = bare(hints[item.name])
+        several = kind in (Mapping, tuple) or (kind is Sequence and mark.parse is None)
+        yield OptionField(
+            name=item.name,
+            word=(item.name.removesuffix("s") if several else item.name).replace("_", "-"),
+            kind=kind,
+            is_repeatable=several,
+            mark=mark,
+            default=(item.default_factory() if callable(item.default_factory) else item.default)
+            if mark.default is None
+            else mark.default,
+            help=f"{meanings[item.name]}{' (repeatable)' if several else ''}.",
+        )
 
 
 def bare(hint: Any) -> Any:

@@ -302,18 +302,9 @@ class Inspection(InspectedModel):
         """Return the ``inspect`` document of docs/json.md."""
         return document(
             "inspect",
-            self.facts,
-            file=self.file,
-            files=self.files,
-            summary=self.summary,
+            self,
+            **vars(self.facts),
             states=[self.state_document(view) for view in self.views],
-            steps=self.steps,
-            shortest_period=self.shortest_period,
-            closures=self.closures,
-            findings=self.findings,
-            untried=self.untried,
-            left_out=self.left_out,
-            versions=self.versions,
         )
 
     def state_document(self, view: View) -> dict[str, Any]:
@@ -327,8 +318,8 @@ class Inspection(InspectedModel):
             "reason": view.reason,
             "acceleration": linear and float(np.max(np.abs(linear.acceleration), initial=0.0)),
             "closed": linear and linear.closed,
-            "contacts": linear and linear.contacts,
-            "limits": linear and linear.limits,
+            "contacts": linear and linear.rows.contacts,
+            "limits": linear and linear.rows.limits,
             "modes": [self.mode_document(mode, linear) for mode in view.modes if linear],
             "simulated": [self.mode_document(mode, linear) for mode in view.simulated if linear],
         }

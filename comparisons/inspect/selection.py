@@ -55,12 +55,7 @@ def selection_of(asked: InspectRequest) -> Selection:
 
 
 def refuse_slips(asked: InspectRequest) -> None:
-    """Refuse names that nothing answers to, and files that cannot be read, before any work.
-
-    Raises
-    ------
-    UsageError
-    """
+    """Refuse names that nothing answers to, and files that cannot be read, before any work."""
     rules_of(asked)
     if asked.waivers:
         waivers_of(Path(asked.waivers), "")

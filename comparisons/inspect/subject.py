@@ -13,7 +13,7 @@ import numpy as np
 from ..checks.rules.conditions import Statement
 from ..documents.fields import Number
 from .mujoco.closures import ClosedLoop
-from .mujoco.facts import DRAWS, Facts, can_touch, meetings
+from .mujoco.facts import Facts, can_touch, meetings
 from .mujoco.linear import Linear
 from .mujoco.model import Flags, Loaded, Numbers, State
 from .mujoco.source import Element
@@ -163,11 +163,6 @@ class InspectedModel:
         """How often two geoms of one mechanism lie in each other as its joints move."""
         possible = self.facts.options.contact and bool(np.any(self.can_touch))
         return meetings(self.loaded) if possible else {}
-
-    @property
-    def never_apart(self) -> frozenset[tuple[int, int]]:
-        """Which pairs of geoms of one mechanism lie in each other wherever its joints are."""
-        return frozenset(pair for pair, count in self.meetings.items() if count == DRAWS)
 
     @property
     def model(self) -> Any:

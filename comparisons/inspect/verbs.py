@@ -195,12 +195,7 @@ def inspect_two(run: InspectRun, documents: Documents) -> int:
 
 
 def refuse_single(run: InspectRun) -> None:
-    """Refuse options that are about one model where there are several.
-
-    Raises
-    ------
-    UsageError
-    """
+    """Refuse options that are about one model where there are several."""
     for option, value in (("--about-rotation", run.about_rotation), ("--full", run.full)):
         if value:
             raise UsageError(f"{option} is for one model")

@@ -70,7 +70,7 @@ def view(loaded: Loaded, state: State, steady_hinge: str | None = None) -> View:
     modes = modes_within(free, linear.mass, linear.damping, linear.stiffness)
     step = float(loaded.model.opt.timestep)
     mass, damping, stiffness, *_ = linear.simulated.motion(integrator(loaded), step)
-    soft = linear.rows or linear.closed
+    soft = len(linear.rows.weight) or linear.closed
     simulated = modes_within(moving, mass, damping, stiffness) if soft else modes
     return View(state, linear, modes, simulated, steady_hinge=steady_hinge)
 

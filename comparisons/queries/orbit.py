@@ -185,7 +185,13 @@ def find(query: MethodQuery, bounded: bool = True) -> OrbitReport:
     """Find the periodic orbit that is asked for; bounds cost about as much again."""
     setup = query.setup()
     if setup.engine.name == REFERENCE:
-        refuse_stiff(setup)
+        period = float(setup.scene.period(setup.case.parameters))
+        periods = period / shortest_period(setup.case)
+        if not periods <= MOST_PERIODS:
+            raise UsageError(
+                f"the fastest motion here has {periods:.2g} periods in one of {period:.2g} s, and "
+                f"the reference follows {MOST_PERIODS}: choose other parameters"
+            )
         exact = find_orbit(*setup.equations)
         return orbit_report(setup, exact, orbit_samples(*setup.equations, exact), bounded)
     if setup.step is not None:
@@ -195,23 +201,6 @@ def find(query: MethodQuery, bounded: bool = True) -> OrbitReport:
     unknown = np.full(len(own.state), np.nan)
     closed = Orbit(own.period, own.state, own.multipliers, own.monodromy, unknown, own.trivial)
     return orbit_report(setup.with_step(own.step), closed, own.samples, bounded=False)
-
-
-def refuse_stiff(setup: Setup) -> None:
-    """Refuse an orbit with more of the fastest motion in it than the reference's steps resolve.
-
-    Raises
-    ------
-    UsageError
-        With their number.
-    """
-    period = float(setup.scene.period(setup.case.parameters))
-    periods = period / shortest_period(setup.case)
-    if not periods <= MOST_PERIODS:
-        raise UsageError(
-            f"the fastest motion here has {periods:.2g} periods in one of {period:.2g} s, and the "
-            f"reference follows {MOST_PERIODS}: choose other parameters"
-        )
 
 
 def orbit_report(setup: Setup, orbit: Orbit, samples: Array, bounded: bool) -> OrbitReport:

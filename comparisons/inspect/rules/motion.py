@@ -10,10 +10,19 @@ import numpy as np
 from ....reference.soft_constraint import IMPEDANCES
 from ...checks.rules import conditions
 from ..mujoco.closures import ClosedLoop
-from ..mujoco.facts import DEEP
+from ..mujoco.facts import DEEP, DRAWS
 from ..mujoco.model import OPENED
+from ..mujoco.trial import edited
 from ..subject import Hit, InspectedModel, StepLimit, View
-from .remedies import MARGIN, NEAR, closure_remedy, rounded, step_holds, step_remedies
+from .remedies import (
+    MARGIN,
+    NEAR,
+    all_stay_finite,
+    closure_remedy,
+    option,
+    rounded,
+    step_remedies,
+)
 from .stability import fed_by_drive, grows_in_run
 
 OPEN = 1e-6
@@ -115,8 +124,8 @@ def load_leaves_out(s: InspectedModel, state: str) -> str:
         if one.linear is not None and one.state.name == state:
             friction = [*s.model.dof_frictionloss, *s.model.tendon_frictionloss]
             parts = {
-                "contacts": one.linear.contacts,
-                "limits": one.linear.limits,
+                "contacts": one.linear.rows.contacts,
+                "limits": one.linear.rows.limits,
                 "dry friction": any(friction),
             }
             return " and ".join(word for word, acts in parts.items() if acts)
@@ -150,7 +159,9 @@ def solref_raised(s: InspectedModel) -> Iterator[Hit]:
         if 0 < constant < least * (1 - 1e-9):
             step = rounded(constant / 2, up=False, digits=4)
             if step not in fixes:
-                fixes[step] = f'timestep="{step:g}" or shorter' if step_holds(s, step) else ""
+                tried = edited(s.loaded, option("timestep", step))
+                holds = all_stay_finite(tried, s.loaded.states)
+                fixes[step] = f'timestep="{step:g}" or shorter' if holds else ""
             message = (
                 f"solref has a time constant of {constant:g} s, and MuJoCo silently takes "
                 f"{least:.4g} s, two timesteps, in its place"
@@ -190,7 +201,7 @@ def contact_depth(s: InspectedModel) -> Iterator[Hit]:
         deep = [
             (depth, pair)
             for depth, pair in contacts
-            if depth > DEEP * s.facts.size and tuple(map(int, pair)) not in s.never_apart
+            if depth > DEEP * s.facts.size and s.meetings.get((int(pair[0]), int(pair[1]))) != DRAWS
         ]
         if deep:
             depth, geoms = max(deep, key=lambda one: one[0])

@@ -15,7 +15,7 @@ from ...checks.verdict import Result, Verdict
 from ...documents import document
 from ...documents.fields import HIDDEN, documented
 from ..words import assignments, plural, with_unit
-from .results import MEASURES, grouped, ran, skip_reasons, summary, worst
+from .results import MEASURES, grouped, ran, reasons, summary, worst
 
 WORDS = ("PASS", "FAIL", "NOTHING RAN")
 """What an exit code means."""
@@ -156,7 +156,7 @@ class Report:
         """Why results were skipped."""
         return [
             SkipReason(engine, reason, len(members))
-            for (engine, reason), members in skip_reasons(self.results).items()
+            for (engine, reason), members in reasons(self.results, "skipped").items()
         ]
 
     @property
@@ -215,13 +215,8 @@ class Report:
         stale = self.selection.strict_known and bool(self.stale)
         if counts["deviation"] or counts["error"] or stale:
             return 1
-        return 2 if self.idle_engines else 0
-
-    @property
-    def idle_engines(self) -> int:
-        """How many of the engines that were asked for by name have passed nothing."""
         passed = {r.engine for r in self.results if r.verdict in ("pass", "known")}
-        return max(0, len(set(self.selection.engines)) - len(passed))
+        return 2 if len(set(self.selection.engines)) > len(passed) else 0
 
     @property
     def word(self) -> str:

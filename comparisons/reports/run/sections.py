@@ -25,15 +25,14 @@ from .results import (
     MEASURES,
     error_size,
     grouped,
-    known_reasons,
     measured,
     method_of,
     ran,
     ratio,
-    skip_reasons,
+    reasons,
     tally,
-    verdict_cell,
     why_known,
+    worst,
 )
 
 MOST = 10
@@ -155,17 +154,17 @@ def closing_sections(report: Report) -> Iterator[Section]:
     cells = grouped(ran(results), lambda r: (r.scene, r.engine, r.kind))
     if cells:
         table = matrix_by_kind(
-            {key: verdict_cell(own, "-".join(key)) for key, own in cells.items()}
+            {key: Cell(tally(own), worst(own), "-".join(key)) for key, own in cells.items()}
         )
         yield Section("Verdicts", *table, anchor="verdicts")
     if lines := list(accuracy(results)):
         yield Section("Accuracy", lines=lines)
-    yield from reasons_section("known", "Known deviations", known_reasons(results))
+    yield from reasons_section("known", "Known deviations", results)
     if report.stale:
         lines = list(map(report.stale_line, report.stale))
         verdict = "deviation" if report.selection.strict_known else "known"
         yield Section("Stale known deviations", lines=lines, anchor="stale", verdict=verdict)
-    yield from reasons_section("skipped", "Skipped", skip_reasons(results))
+    yield from reasons_section("skipped", "Skipped", results)
 
 
 def accuracy(results: Sequence[Result]) -> Iterator[str]:
@@ -186,12 +185,10 @@ def accuracy(results: Sequence[Result]) -> Iterator[str]:
             yield f"{scene} {engine}: error of {quantity} {' to '.join(ends)}"
 
 
-def reasons_section(
-    verdict: Verdict, title: str, reasons: Mapping[tuple[str, ...], list[Result]]
-) -> Iterator[Section]:
+def reasons_section(verdict: Verdict, title: str, results: Sequence[Result]) -> Iterator[Section]:
     """Yield the reasons of a verdict, each once, with the number of results it holds for."""
     rows = []
-    for (engine, reason), members in reasons.items():
+    for (engine, reason), members in reasons(results, verdict).items():
         methods = list(dict.fromkeys(map(method_of, members)))
         names = ", ".join([*methods[:FEW_METHODS], *(["..."] if methods[FEW_METHODS:] else [])])
         rows.append((engine, names, len(members), reason or "no reason given"))
@@ -274,7 +271,7 @@ def run_annotations(report: Report) -> list[ReportItem]:
         items.append(_error(f"{block.worst.verdict}: {block.worst.check_id}", lines))
     skipped = [
         f"skipped {len(members)} x {engine}: {why}"
-        for (engine, why), members in skip_reasons(results).items()
+        for (engine, why), members in reasons(results, "skipped").items()
     ]
     last = _error("mbcheck", [report.summary_line, report.counts_line, *skipped])
     return [*items, last if report.exit_code == 2 else replace(last, severity="note")]

@@ -3,7 +3,6 @@
 import csv
 import json
 import os
-import re
 import signal
 import subprocess
 from collections.abc import Callable
@@ -35,16 +34,6 @@ pytestmark = pytest.mark.usefixtures("own_folder")
 
 
 # Help and lists
-
-
-@pytest.mark.parametrize(
-    "verb", ["check", "judge", "simulate", "orbit", "frequencies", "export", "list"]
-)
-def test_help_teaches(verb: str) -> None:
-    text = succeeds(f"{verb} --help")
-    assert re.search(rf"mbcheck {verb} .*hula_hoop", text)
-    assert "Examples:" in text
-    assert verb in succeeds("-h")
 
 
 @pytest.mark.parametrize("threads", ["1", "3"])
@@ -135,17 +124,6 @@ def test_simulate_json_is_the_api() -> None:
         assert document[name] == found[name]
 
 
-def test_files_and_a_table() -> None:
-    text = succeeds(f"{SIMULATE} --csv run.csv --json run.json")
-    assert "error bound: y" in text
-    assert "theta [rad]" in text
-    lines = [line for line in Path("run.csv").read_text().splitlines() if line[0] != "#"]
-    assert lines[0] == "t,y,theta,y_dot,theta_dot"
-    assert lines[1].startswith("0.0,")
-    assert json.loads(Path("run.json").read_text())["times"] == [0, 0.05, 0.1]
-    assert sorted(os.listdir()) == ["run.csv", "run.json"]
-
-
 def test_a_long_table_is_cut() -> None:
     text = succeeds("simulate hula_hoop --times 0:1:0.01")
     assert "..." in text
@@ -217,15 +195,6 @@ def test_check_quietly_and_at_length() -> None:
     assert any(row.startswith("PASS") for row in short)
     assert len(short) <= 2
     assert "undamped_omega_1" in succeeds(f"{line} -v")
-
-
-def test_check_documents() -> None:
-    text = succeeds("check --engine mujoco --kind frequency --json r.json --junit r.xml")
-    assert "PASS" in text
-    document = validated("check", json.loads(Path("r.json").read_text()))
-    summary = document["summary"]
-    assert summary["pass"] == summary["total"] - summary["skipped"] > 0
-    assert Path("r.xml").read_text().count("<testcase ") == summary["total"]
 
 
 def test_one_id_runs_one_check() -> None:

@@ -298,7 +298,7 @@ def test_a_heap_in_contact_has_a_stable_step(tmp_path: Path) -> None:
     (tmp_path / LOCAL).write_text(large.heap(4))
     (view,) = inspect(LOCAL).views
     assert view.linear is not None
-    assert view.linear.contacts > 3
+    assert view.linear.rows.contacts > 3
     assert [mode.kind for mode in view.modes] == ["rigid"] * 24
     assert {mode.kind for mode in view.simulated} > {"rigid"}
 
