@@ -69,37 +69,21 @@ def one(method: str, verdict: Verdict, error: float | None = 1e-6, **more: Any) 
 
 # Sorts of change
 
-BECAME: list[tuple[Verdict, Verdict, str | None]] = [
-    ("pass", "pass", None),
-    ("pass", "deviation", "new_deviation"),
-    ("pass", "error", "new_error"),
-    ("pass", "known", "now_known"),
-    ("pass", "skipped", "now_skipped"),
-    ("deviation", "pass", "fixed"),
-    ("deviation", "deviation", None),
-    ("deviation", "error", "new_error"),
-    ("deviation", "known", "now_known"),
-    ("deviation", "skipped", "now_skipped"),
-    ("known", "pass", "fixed"),
-    ("known", "known", None),
-    ("known", "deviation", "new_deviation"),
-    ("known", "error", "new_error"),
-    ("known", "skipped", "now_skipped"),
-    ("error", "error", None),
-    ("error", "pass", "fixed"),
-    ("error", "deviation", "other_failure"),
-    ("error", "known", "now_known"),
-    ("error", "skipped", "now_skipped"),
-    ("skipped", "skipped", None),
-    ("skipped", "pass", "now_runs"),
-    ("skipped", "known", "now_known"),
-    ("skipped", "deviation", "new_deviation"),
-    ("skipped", "error", "new_error"),
-]
+VERDICTS: tuple[Verdict, ...] = ("pass", "deviation", "known", "error", "skipped")
+BECAME: dict[Verdict, tuple[str | None, ...]] = {
+    "pass": (None, "new_deviation", "now_known", "new_error", "now_skipped"),
+    "deviation": ("fixed", None, "now_known", "new_error", "now_skipped"),
+    "known": ("fixed", "new_deviation", None, "new_error", "now_skipped"),
+    "error": ("fixed", "other_failure", "now_known", None, "now_skipped"),
+    "skipped": ("now_runs", "new_deviation", "now_known", "new_error", None),
+}
+"""Verdict that was -> the sort of change to each of `VERDICTS`."""
 
 
-@pytest.mark.parametrize(("old", "new", "sort"), BECAME)
-def test_every_pair_of_verdicts(old: Verdict, new: Verdict, sort: str | None) -> None:
+@pytest.mark.parametrize("old", VERDICTS)
+@pytest.mark.parametrize("new", VERDICTS)
+def test_every_pair_of_verdicts(old: Verdict, new: Verdict) -> None:
+    sort = BECAME[old][VERDICTS.index(new)]
     errors = {"error": None, "skipped": None}
     found = changes(*([one("RK4", word, errors.get(word, 1e-6))] for word in (old, new)))
     assert [change.sort for change in found.changes] == ([sort] if sort else [])
