@@ -19,7 +19,7 @@ from ..checks.kinds import boundary
 from ..engines.registry import get_engine
 from ..engines.run import EPS
 from ..engines.setup import Setup
-from .table import ROUND_OFF, STEP, Point, StepSeries, Swept, slope_of
+from .table import ROUND_OFF, STEP, Point, StepSeries, slope_of
 
 AXIS = "steps in a period"
 
@@ -32,7 +32,7 @@ CLEAR = 10
 
 def tasks(
     scenes: Sequence[str], engines: Sequence[str]
-) -> Iterator[tuple[str, Callable[[], Swept]]]:
+) -> Iterator[tuple[str, Callable[[], StepSeries]]]:
     """Yield methods of the engines' default models, each ready for a process of its own."""
     cases = [
         case
@@ -46,12 +46,7 @@ def tasks(
             for model, method in product(its.models(case.scene)[:1], its.methods):
                 if is_measurable(Setup(its, case, model, method)):
                     name = f"{case.scene} {engine} {method.name}, {case.name}"
-                    yield name, partial(swept, case, engine, model, method.name)
-
-
-def swept(case: Case, engine: str, model: str, method: str) -> Swept:
-    """Return the shifts of one method as a piece of work."""
-    return Swept((boundary_shift(case, engine, model, method),))
+                    yield name, partial(boundary_shift, case, engine, model, method.name)
 
 
 def is_measurable(setup: Setup) -> bool:

@@ -10,8 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import pairwise
-from statistics import median
+from itertools import pairwise, takewhile
 
 import numpy as np
 
@@ -19,24 +18,28 @@ from ...reference import SCENES, get_scene
 from ...reference.errors import EngineError
 from ...reference.scene import Array, Case
 from ..checks.free_vibrations import stable_step
+from ..checks.kinds.order import relative_error
 from ..checks.suite import best_method
 from ..checks.tolerances import rounding
 from ..checks.truth import Truth, permitted_horizon, roundoff_reference
 from ..engines.equations import ModelEquations, scene_equations
+from ..engines.protocol import Option
 from ..engines.registry import get_engine
 from ..engines.run import Trajectory
 from ..engines.setup import Setup, power_of_two, run, shortest_period
-from ..scenes.tradeoff import relative_error
 from .table import (
     MODEL,
     ROUND_OFF,
     STEP,
     UNEXPLAINED,
+    Choice,
     Cost,
     Point,
     StepSeries,
-    Swept,
+    cheapest_run,
+    choose,
     slope_of,
+    trials_of,
 )
 
 COARSEST = 4
@@ -63,8 +66,8 @@ SMALL = 0.1
 PERIODS = 100
 """Periods of the scene over which a stable step bounds free vibrations; runs may be shorter."""
 
-SEGMENTS = (6, 12, 24, 48, 64)
-"""Segments of a continuum, where they are the second axis."""
+SEGMENTS, SEGMENT_AXIS = (6.0, 12.0, 24.0, 48.0, 64.0), "segments"
+"""Numbers of segments of a continuum, and the name of this axis."""
 
 
 def sweeps(scenes: Sequence[str], engines: Sequence[str]) -> list[StepSeries]:
@@ -84,13 +87,20 @@ def of_scene(scene: str, name: str) -> Iterator[StepSeries]:
         top = best_method(setup)
         if top is None:
             continue
-        for option in engine.options(case, model, top):
+        for option in second_axes(replace(setup, method=top)):
             for value in option.values:
                 if value != option.default:
                     yield series(top.name, top.order, {option.name: value})
-        for count in SEGMENTS if setup.element_order else ():
-            if count != case.parameters.segments:
-                yield series(top.name, top.order, {"segments": float(count)})
+
+
+def second_axes(setup: Setup) -> tuple[Option, ...]:
+    """Return what limits the accuracy of a method beside its step, the parts of a continuum too."""
+    options = setup.engine.options(setup.case, setup.model, setup.integrator)
+    if not setup.element_order:
+        return options
+    own = float(setup.case.parameters.segments)
+    counts = tuple(sorted({*SEGMENTS, own}))
+    return (*options, Option(SEGMENT_AXIS, "1", own, counts, "spatial discretisation"))
 
 
 def case_of(scene: str) -> Case:
@@ -104,7 +114,7 @@ def setup_of(series: StepSeries) -> Setup:
     engine, case = get_engine(series.engine), case_of(series.scene)
     method = next(item for item in engine.methods if item.name == series.method)
     for name, value in series.settings.items():
-        if name == "segments":
+        if name == SEGMENT_AXIS:
             case = replace(case, parameters=case.parameters.replace(segments=value))
         else:
             engine = engine.with_option(name, value)
@@ -162,7 +172,7 @@ def reference_of(setup: Setup, span: Horizon, equations: ModelEquations) -> Trut
     return roundoff_reference(equations, setup.case, times, setup.scene.observables)
 
 
-def swept(series: StepSeries, repeats: int = REPEATS) -> Swept:
+def swept(series: StepSeries, repeats: int = REPEATS) -> StepSeries:
     """Run a series from its coarsest step to where halving no longer pays."""
     setup = setup_of(series)
     case, names, span = setup.case, setup.scene.observables, horizon_of(setup.case)
@@ -194,17 +204,18 @@ def swept(series: StepSeries, repeats: int = REPEATS) -> Swept:
     parts = changes(runs, exact.size[:, None], setup.integrator.order)
     limit = stable_step(setup, max(span.length, PERIODS * setup.scene.period(case.parameters)))
     series = replace(series, points=tuple(label(points, parts, floor)))
-    return Swept((summed(replace(series, stable_step=limit and limit.step)),))
+    return summed(replace(series, stable_step=limit and limit.step))
 
 
 def cost_of(trajectories: Sequence[Trajectory], span: float) -> Cost:
     """Return the cost of repeated runs over a span [s]."""
-    seconds, first = [one.seconds / span for one in trajectories], trajectories[0]
-    counts = (first.rhs_evaluations, first.newton_iterations)
-    return Cost(
-        median(seconds), min(seconds), max(seconds), first.steps / span,
+    first = trajectories[0]
+    counts = [first.rhs_evaluations, first.newton_iterations]
+    return Cost.of(
+        [one.seconds / span for one in trajectories],
+        first.steps / span,
         *(None if count is None else count / span for count in counts),
-    )  # fmt: skip
+    )
 
 
 def finished(points: Sequence[Point]) -> bool:
@@ -347,3 +358,31 @@ def beside(series: StepSeries, default: StepSeries) -> StepSeries:
         for point in series.points
     ]
     return replace(series, points=tuple(points), plateau_name=names[0])
+
+
+def smallest(series: Sequence[StepSeries], target: float) -> Iterator[Choice]:
+    """Yield the smallest models that meet a target, one for each axis beside the step.
+
+    Models stand in a row from few parts, or a coarse option, on: the first one is chosen from
+    which on all meet the target, with its cheapest step.
+    """
+    for default in (one for one in series if not one.settings):
+        names = default.engine, default.model, default.method
+        mine = [one for one in series if (one.engine, one.model, one.method) == names]
+        for option in second_axes(setup_of(default)):
+            row = [
+                (value, one)
+                for value in option.values
+                for one in mine
+                if one.settings == ({} if value == option.default else {option.name: value})
+            ]
+            if len(row) < 2:
+                continue
+            meets = [cheapest_run([one], target) is not None for _, one in row]
+            first = len(row) - len([*takewhile(bool, reversed(meets))])
+            value, one = row[first] if first < len(row) else (None, row[-1][1])
+            smaller = None
+            if 0 < first < len(row):
+                smaller = min(trial.error for trial in trials_of([row[first - 1][1]]))
+            axis = {"axis": option.name, "unit": option.unit}
+            yield choose([one], target, **axis, value=value, smaller=smaller)

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
-from ....models import exudyn_system
 from ....reference.scene import Case
 from ..adapter import OwnModelsAdapter
 from ..exudyn.engine import Exudyn, assign
@@ -105,18 +103,3 @@ class Unrestricted(ExudynAdapter):
         if method in (VELOCITY_VERLET, DVERK6):
             return self.inner.exudyn.MainSolverExplicit()
         return super().solver(method)
-
-
-class Spatial(ExudynAdapter):
-    """Exudyn with the model ``spatial`` of a scene: the bodies of ``redundant`` in space."""
-
-    def models(self, scene: str) -> tuple[str, ...]:
-        """Return the names of the models."""
-        return (*super().models(scene), "spatial")
-
-    def own_source(self, case: Case, model: str) -> Any:
-        """Return the named Exudyn model."""
-        if model != "spatial":
-            return super().own_source(case, model)
-        plane = super().own_source(case, "redundant")
-        return replace(plane, build=lambda p: plane.in_axes(p, exudyn_system.UPRIGHT))

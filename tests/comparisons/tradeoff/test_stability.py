@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from mbcheck.comparisons.checks.kinds import boundary
-from mbcheck.comparisons.cli.tradeoff import write
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.reports.files import Destination
 from mbcheck.comparisons.reports.text import markdown_table
@@ -16,6 +15,7 @@ from mbcheck.comparisons.tradeoff import pages
 from mbcheck.comparisons.tradeoff.report import Tradeoff
 from mbcheck.comparisons.tradeoff.stability import AXIS, boundary_shift, tasks
 from mbcheck.comparisons.tradeoff.table import STEP, Cost, Point, StepSeries
+from mbcheck.comparisons.tradeoff.verb import write
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.scene import Case
