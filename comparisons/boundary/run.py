@@ -47,18 +47,8 @@ UNKNOWN = np.full(2, np.nan)
 """Shift of a curve of the reference."""
 
 SETTINGS = (
-    "scene",
-    "engine",
-    "model",
-    "method",
-    "step",
-    "parameters",
-    "x",
-    "y",
-    "lines",
-    "of",
-    "versions",
-)
+    "scene", "engine", "model", "method", "step", "parameters", "x", "y", "lines", "of", "versions",
+)  # fmt: skip
 """What a boundary depends on."""
 
 
@@ -72,7 +62,7 @@ def perform(asked: BoundaryRequest, subject: str, task: Task) -> SearchOutcome:
     reference = tracer = asked.tracer(subject)
     flow = None
     if asked.steps_per_period is not None:
-        tracer, flow = engine_tracer(reference, asked.setup, asked.steps_per_period)
+        tracer, flow = engine_tracer(reference, asked.middle, asked.steps_per_period)
     search = CurveSearch(reference, tracer)
     task(search)
     search.outcome.orbits = reference.solutions
@@ -132,7 +122,7 @@ class Boundary:
         problems = [problem for network in networks for problem in network.total.problems]
         missing = any(network.missing and not network.curves for network in networks)
         if problems and missing:
-            raise EngineError(self.asked.setup.engine.name, f"no curve was found: {problems[-1]}")
+            raise EngineError(self.asked.middle.engine.name, f"no curve was found: {problems[-1]}")
         if not any(network.total.has_orbits for network in networks):
             x, y = self.asked.x, self.asked.y
             what = " and ".join(NONE[subject] for subject in self.networks)
@@ -143,7 +133,7 @@ class Boundary:
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``boundary`` document of docs/json.md."""
-        asked, setup = self.asked, self.asked.setup
+        asked, setup = self.asked, self.asked.middle
         units, networks = self.units, self.networks.values()
         return document(
             "boundary",

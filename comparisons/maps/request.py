@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from importlib.metadata import version
 from typing import Annotated, Any, Literal
@@ -19,7 +19,7 @@ from ..documents.fields import OptionMark
 from ..engines.registry import REFERENCE, get_engine
 from ..queries.axis import ParameterRange
 from ..queries.environment import versions
-from ..queries.query import choose_engine, choose_method, known_name, valid_step
+from ..queries.query import MethodQuery, known_name, valid_step
 from ..scenes.data import scene_data
 from ..scenes.quantity import AxisName, Points, Quantity, QuantityValues
 
@@ -78,27 +78,17 @@ def axis_names(scene: str) -> Mapping[str, AxisName]:
 
 
 @dataclass(frozen=True)
-class Request:
+class Request(MethodQuery):
     """Everything that a map depends on.
 
     Attributes
     ----------
-    scene : str
-        Name of the scene.
+    step : float or None
+        Longest step [s].
     quantity : str
         See mbcheck list SCENE.
     x, y : Axis
         A parameter, or what mbcheck list SCENE names beside them: N values from LO to HI.
-    engine : str
-        Who computes it.
-    model : str or None
-        One of the engine's models of the scene.
-    method : str or None
-        Integrator as the engine spells it; by default that of highest order.
-    step : float or None
-        Longest step [s].
-    parameters : mapping
-        Change a parameter from its default, SI units.
     refine : bool
         Compute only points near boundaries of classes.
     block : int or None
@@ -108,17 +98,9 @@ class Request:
         quantity, or NumPy.
     """
 
-    scene: Annotated[str, OptionMark(flags=())]
     quantity: Annotated[str, OptionMark("NAME")]
     x: Annotated[Axis, OptionMark("NAME=LO:HI:N", parse=Axis.parse)]
     y: Annotated[Axis, OptionMark("NAME=LO:HI:N", parse=Axis.parse)]
-    engine: Annotated[str, OptionMark("ENGINE")] = REFERENCE
-    model: Annotated[str | None, OptionMark("NAME")] = None
-    method: Annotated[str | None, OptionMark("METHOD")] = None
-    step: Annotated[float | None, OptionMark("H")] = None
-    parameters: Annotated[Mapping[str, Any], OptionMark("NAME=VALUE", ("--set",))] = field(
-        default_factory=dict
-    )
     refine: Annotated[bool, OptionMark()] = False
     block: Annotated[int | None, OptionMark("N")] = None
     backend: Annotated[Backend, OptionMark()] = "auto"
@@ -127,6 +109,11 @@ class Request:
     def shape(self) -> tuple[int, int]:
         """Rows and columns of the grid."""
         return self.y.count, self.x.count
+
+    @property
+    def case(self) -> Case:
+        """The case of the last corner."""
+        return Case(self.scene, "corner", corners_of(self).one(1))
 
     @property
     def mapped(self) -> Quantity:
@@ -162,10 +149,10 @@ def resolved(asked: Request) -> Request:
         raise UsageError(
             f"--refine follows the boundaries of classes, and {asked.quantity} has none"
         )
-    if asked.step is not None:
-        asked = replace(asked, step=valid_step(asked.step))
-    corners = points_of(asked, np.array([[0, 0], [asked.x.count - 1, asked.y.count - 1]]))
-    return by_reference(asked) if asked.engine == REFERENCE else by_engine(asked, corners.one(1))
+    step = None if asked.step is None else valid_step(asked.step)
+    asked = replace(asked, step=step, parameters=asked.parameters or {})
+    corners_of(asked)  # which refuses impossible values
+    return by_reference(asked) if asked.engine == REFERENCE else by_engine(asked)
 
 
 def check_axes(asked: Request) -> None:
@@ -182,7 +169,7 @@ def check_axes(asked: Request) -> None:
     for axis in (x, y):
         if axis.name not in names:
             raise UnknownNameError(f"axis of {asked.scene}", axis.name, names)
-        if axis.name in asked.parameters:
+        if axis.name in (asked.parameters or {}):
             raise UsageError(f"{axis.name} is on an axis, and so cannot be set as well")
     if x.count * y.count > MOST_POINTS:
         raise UsageError(f"{x.count} x {y.count} are more points than mbcheck computes")
@@ -201,18 +188,16 @@ def by_reference(asked: Request) -> Request:
     return replace(asked, model=model, block=asked.block or quantity.block, backend=name)
 
 
-def by_engine(asked: Request, corner: Any) -> Request:
-    """Return a request of an engine with what was left open, by the parameters of one point."""
+def by_engine(asked: Request) -> Request:
+    """Return a request of an engine with what was left open."""
     quantity = asked.mapped
     if not quantity.engines:
         raise UsageError(f"{asked.quantity} is of the theory alone: no engine can compute it")
     if asked.backend == HEYOKA:
         raise UsageError("--backend is of the reference: an engine takes its own steps")
-    case = Case(asked.scene, "corner", corner)
-    engine, model = choose_engine(asked.engine, case, asked.model)
-    method = choose_method(engine, case, model, asked.method).name
-    block = asked.block or quantity.engine_block
-    return replace(asked, model=model, method=method, block=block, backend="numpy")
+    setup = asked.setup()
+    block, method = asked.block or quantity.engine_block, setup.integrator.name
+    return replace(asked, model=setup.model, method=method, block=block, backend="numpy")
 
 
 def on_axes(scene: str, base: Any, values: Mapping[str, Array]) -> Any:
@@ -228,6 +213,11 @@ def on_axes(scene: str, base: Any, values: Mapping[str, Array]) -> Any:
     return changed
 
 
+def corners_of(asked: Request) -> Points:
+    """Return the first and the last point of a map."""
+    return points_of(asked, np.array([[0, 0], [asked.x.count - 1, asked.y.count - 1]]))
+
+
 def points_of(asked: Request, places: NDArray[np.int_]) -> Points:
     """Return some points of a map, by their columns and rows (k, 2)."""
     scene: Scene = get_scene(asked.scene)
@@ -237,7 +227,7 @@ def points_of(asked: Request, places: NDArray[np.int_]) -> Points:
     }
     return Points(
         scene,
-        on_axes(asked.scene, scene.parameters().replace(**asked.parameters), values),
+        on_axes(asked.scene, scene.parameters().replace(**(asked.parameters or {})), values),
         places,
         values,
         asked.engine,
