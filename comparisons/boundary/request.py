@@ -17,7 +17,6 @@ from ...reference.errors import (
     MbcheckError,
     NoOrbitError,
     ParameterError,
-    UnknownNameError,
     UsageError,
 )
 from ...reference.orbits import why_none
@@ -27,7 +26,7 @@ from ..checks.orbits import FEWEST_STEPS
 from ..documents.fields import OptionMark, number_from
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup
-from ..queries.axis import ParameterRange
+from ..queries.axis import ParameterRange, refuse_axes
 from ..queries.query import MethodQuery
 
 ORBITS, EQUILIBRIA = "orbits", "equilibria"
@@ -94,11 +93,6 @@ class BoundaryRequest(MethodQuery):
         ends = np.array([[axis.low, axis.high] for axis in (self.x, self.y)])
         return ParameterWindow((self.x.name, self.y.name), *ends.T)
 
-    @property
-    def places(self) -> list[float]:
-        """Lines through the window on which x stays: where, 0 to 1."""
-        return list(np.linspace(0, 1, self.lines).tolist())
-
     @cached_property
     def longest_period(self) -> float:
         """The longest period of the drive in the window, or guess of one [s]."""
@@ -157,14 +151,8 @@ def refuse_impossible(asked: BoundaryRequest) -> None:
     NoOrbitError
     """
     scene = asked.equations
-    if asked.x.name == asked.y.name:
-        raise UsageError(f"both axes are {asked.x.name}: a boundary needs two parameters")
     names = scene.parameters.numeric_names()
-    for axis in (asked.x, asked.y):
-        if axis.name not in names:
-            raise UnknownNameError(f"parameter of {asked.scene}", axis.name, names)
-        if axis.name in (asked.parameters or {}):
-            raise UsageError(f"{axis.name} is on an axis, and so cannot be set as well")
+    refuse_axes(f"a boundary of {scene.name}", asked.x, asked.y, names, asked.parameters or {})
     if asked.lines < 2:
         raise UsageError(f"--lines must be 2 or more, not {asked.lines}")
     for place in asked.near:

@@ -17,7 +17,7 @@ from ...reference.scene import Array, Case, Scene
 from ...reference.solve import HEYOKA, takes_heyoka
 from ..documents.fields import OptionMark
 from ..engines.registry import REFERENCE, get_engine
-from ..queries.axis import ParameterRange
+from ..queries.axis import ParameterRange, refuse_axes
 from ..queries.environment import versions
 from ..queries.query import MethodQuery, known_name, valid_step
 from ..scenes.data import scene_data
@@ -142,7 +142,10 @@ def resolved(asked: Request) -> Request:
     if asked.quantity not in known:
         raise UnknownNameError(f"quantity of {asked.scene}", asked.quantity, known)
     get_engine(asked.engine)
-    check_axes(asked)
+    names = [*get_scene(asked.scene).parameters.numeric_names(), *axis_names(asked.scene)]
+    refuse_axes(f"a map of {asked.scene}", asked.x, asked.y, names, asked.parameters or {})
+    if asked.x.count * asked.y.count > MOST_POINTS:
+        raise UsageError(f"{asked.x.count} x {asked.y.count} are more points than mbcheck computes")
     if asked.block is not None and asked.block < 1:
         raise UsageError(f"a block needs 1 point or more, not {asked.block}")
     if asked.refine and not any(item.classes for item in asked.mapped.variables.values()):
@@ -153,26 +156,6 @@ def resolved(asked: Request) -> Request:
     asked = replace(asked, step=step, parameters=asked.parameters or {})
     corners_of(asked)  # which refuses impossible values
     return by_reference(asked) if asked.engine == REFERENCE else by_engine(asked)
-
-
-def check_axes(asked: Request) -> None:
-    """Refuse axes that make no map.
-
-    Raises
-    ------
-    UsageError
-    """
-    x, y, parameters = asked.x, asked.y, get_scene(asked.scene).parameters
-    if x.name == y.name:
-        raise UsageError(f"both axes are {x.name}: a map needs two parameters")
-    names = [*parameters.numeric_names(), *axis_names(asked.scene)]
-    for axis in (x, y):
-        if axis.name not in names:
-            raise UnknownNameError(f"axis of {asked.scene}", axis.name, names)
-        if axis.name in (asked.parameters or {}):
-            raise UsageError(f"{axis.name} is on an axis, and so cannot be set as well")
-    if x.count * y.count > MOST_POINTS:
-        raise UsageError(f"{x.count} x {y.count} are more points than mbcheck computes")
 
 
 def by_reference(asked: Request) -> Request:

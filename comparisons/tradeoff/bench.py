@@ -458,9 +458,8 @@ def time_constants(model: Any) -> Array:
 
 def harden(model: Any, constant: float) -> None:
     """Give all equalities that are softer this time constant [s]; damping ratios stay."""
-    for number in np.flatnonzero(model.eq_active0):
-        own = float(time_constants(model)[np.sum(model.eq_active0[:number])])
-        factor = own / constant
+    factors = time_constants(model) / constant
+    for number, factor in zip(np.flatnonzero(model.eq_active0), factors, strict=True):
         if factor > 1 and model.eq_solref[number, 0] > 0:
             model.eq_solref[number, 0] = constant
         elif factor > 1:

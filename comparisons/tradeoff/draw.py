@@ -1,4 +1,4 @@
-"""Pictures of the trade-off: error over cost, and what a step costs in stability."""
+"""Pictures of the trade-off: error over cost."""
 
 from __future__ import annotations
 
@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from ..reports.drawing import FAINT, INK, PALETTE, label, look, named, new_figure
+from ..reports.drawing import INK, PALETTE, label, look, new_figure
 from .model import ModelTradeoff, setting_of
-from .pages import LIMITS, SHIFTS
+from .pages import LIMITS
 from .report import Tradeoff
-from .stability import AXIS
 from .table import Point, StepSeries, Trial, pareto, percent, trials_of
 
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "h", "p", "d")
@@ -40,7 +39,7 @@ def seconds(point: Point) -> float | None:
 
 def steps(point: Point) -> float | None:
     """Return the steps per simulated second: known of a failed run, too."""
-    return point.cost.steps if point.cost else 1 / (point.step or np.inf)
+    return point.cost.steps if point.cost else 1 / point.step
 
 
 def pictures(result: Tradeoff | ModelTradeoff, path: Path) -> Iterator[tuple[str, Path, Any]]:
@@ -49,14 +48,11 @@ def pictures(result: Tradeoff | ModelTradeoff, path: Path) -> Iterator[tuple[str
         if result.trials:
             yield "", path, figure_of_model(result)
         return
-    scenes = [scene for scene in result.scenes if result.of(scene) or result.of(scene, AXIS)]
+    scenes = [scene for scene in result.scenes if result.of(scene)]
     for scene in scenes:
         name = path if len(scenes) == 1 else path.with_stem(f"{path.stem}_{scene}")
-        if series := result.of(scene):
-            front = [trial.point for trial in pareto(trials_of(series))]
-            yield LIMITS, name, figure_work_precision(series, front)
-        if shifts := result.of(scene, AXIS):
-            yield SHIFTS, name.with_stem(f"{name.stem}_stability"), figure_stability(shifts)
+        front = [trial.point for trial in pareto(trials_of(result.of(scene)))]
+        yield LIMITS, name, figure_work_precision(result.of(scene), front)
 
 
 def figure_of_model(result: ModelTradeoff) -> Any:
@@ -190,34 +186,3 @@ def mark_plateaus(axes: Any, series: Sequence[StepSeries]) -> None:
                 va="center", annotation_clip=False,
             )  # fmt: skip
             written = place
-
-
-# Stability ----------------------------------------------------------------------------------
-
-
-def figure_stability(shifts: Sequence[StepSeries]) -> Any:
-    """Draw by how much methods shift one boundary point, over steps in a period.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
-    figure, axes = new_figure(height=3.6)
-    panel, first = axes[0, 0], shifts[0]
-    counts = [point.value for point in first.points]
-    for one, style in zip(shifts, styles_of(shifts), strict=True):
-        sizes = np.array([point.error for point in one.points], dtype=float)
-        panel.loglog(
-            counts, sizes, linewidth=1.0, markersize=4.5, label=f"{one.engine} {one.method}",
-            **style,
-        )  # fmt: skip
-    bounds = np.array([[point.bound for point in one.points] for one in shifts], dtype=float)
-    panel.loglog(
-        counts, np.fmax.reduce(bounds), color=FAINT, linewidth=3, label="round-off, differences"
-    )
-    panel.set_xticks(counts, [str(count) for count in counts])
-    panel.minorticks_off()
-    words = f"shift of {named(first.quantity, first.unit)}"
-    label(panel, "steps in a period", words, f"{first.scene}: {first.case}")
-    figure.legend(**LEGEND)
-    return figure

@@ -194,7 +194,7 @@ class ModelTradeoff:
         try:
             while (choice := self.choice) is not None:
                 setting = setting_of(choice)
-                point = self.point(bench, setting, truths) if truths else Point(None, 0.0)
+                point = self.point(bench, setting, truths) if truths else Point(setting.step, 0.0)
                 error = Trial(choice.series, point).error
                 if error <= self.asked.target:
                     self.elsewhere = error
@@ -220,7 +220,7 @@ class ModelTradeoff:
         return [
             replace(
                 rows[0].series,
-                points=tuple(sorted((row.point for row in rows), key=lambda p: -(p.step or 0.0))),
+                points=tuple(sorted((row.point for row in rows), key=lambda p: -p.step)),
             )
             for rows in kinds.values()
         ]
@@ -398,7 +398,7 @@ class ModelTradeoff:
 
 def setting_of(row: Trial) -> Setting:
     """Return the setting that made a run."""
-    options, step = row.series.settings, row.point.step or 0.0
+    options, step = row.series.settings, row.point.step
     iterations = int(options["iterations"]) if "iterations" in options else None
     closure = CLOSURE * step if "closure_steps" in options else None
     return Setting(row.series.method, step, iterations, closure)
@@ -453,7 +453,7 @@ def worst_of(points: Sequence[Point]) -> Point:
 def disagreements(series: StepSeries) -> Iterator[str]:
     """Yield where the largest stable step of small motions and runs disagree."""
     name, limit = series.method, series.stable_step or inf
-    runs = [(point.step or 0.0, point.error) for point in series.points]
+    runs = [(point.step, point.error) for point in series.points]
     lost = [step for step, error in runs if error is None and step < limit / STABLE]
     harmless = [
         step for step, error in runs if error is not None and error < 0.1 and step > STABLE * limit

@@ -6,20 +6,18 @@ from collections.abc import Sequence
 
 from rich.console import Console
 
-from ..reports.drawing import named
 from ..reports.sections import Section, print_sections
 from ..reports.text import markdown_table
 from ..reports.words import number, plain, plural, with_unit
 from .model import ModelTradeoff
 from .report import Tradeoff
-from .stability import AXIS, STEPS
 from .table import Choice, StepSeries, Trial, percent, settings_text
 
 DIGITS = 2
 """Significant digits of errors and times."""
 
-LIMITS, SHIFTS = "What limits the methods", "What a step costs in stability"
-"""Titles under which a page shows pictures."""
+LIMITS = "What limits the methods"
+"""Title under which a page shows pictures."""
 
 CHOICE = (
     "scene", "engine", "target", "setting", "step [s]", "error", "time [s/s]", "margin",
@@ -27,9 +25,6 @@ CHOICE = (
 )  # fmt: skip
 LIMIT = (
     "scene", "engine, model", "method", "order", "fitted", "floor", "from step [s]", "named",
-)  # fmt: skip
-STABILITY = (
-    "scene", "shift of", "engine, model", "method", "order", *map(str, STEPS), "fitted", "floor",
 )  # fmt: skip
 RUNS = (
     "", "integrator", "step [ms]", "error", "energy", "violation", "time [s/s]", "limit [ms]", "",
@@ -52,8 +47,7 @@ def sections(result: Tradeoff | ModelTradeoff) -> list[Section]:
         tables = [
             ("Cheapest settings", CHOICE, [choice_cells(one) for one in steps]),
             ("Smallest models", CHOICE, [choice_cells(one) for one in models]),
-            (LIMITS, LIMIT, [limit_cells(one) for one in result.series if one.axis == "step"]),
-            (SHIFTS, STABILITY, [shift_cells(one) for one in result.series if one.axis == AXIS]),
+            (LIMITS, LIMIT, [limit_cells(one) for one in result.series]),
         ]
         lines, last = [f"note: {note}" for note in result.failures], []
     shown = [Section(*table, digits=DIGITS) for table in tables if table[2]]
@@ -92,15 +86,6 @@ def limit_cells(one: StepSeries) -> Row:
     )
 
 
-def shift_cells(one: StepSeries) -> Row:
-    """Return by how much a method shifts a boundary point."""
-    return (
-        one.scene, named(one.quantity, one.unit), f"{one.engine} {one.model}", one.method,
-        one.order, *(point.errors.get(one.quantity) for point in one.points),
-        number(one.slope, 3, missing="-"), one.plateau,
-    )  # fmt: skip
-
-
 def run_cells(result: ModelTradeoff, trial: Trial) -> Row:
     """Return a run of a file; ``>`` is the choice, ``*`` the front, ``=`` the file's setting."""
     point, limit = trial.point, trial.series.stable_step
@@ -112,7 +97,7 @@ def run_cells(result: ModelTradeoff, trial: Trial) -> Row:
     return (
         "".join(mark for mark, of in marks.items() if point in [one and one.point for one in of]),
         trial.series.setting,
-        1e3 * (point.step or 0.0),
+        1e3 * point.step,
         percent(point.error),
         percent(point.errors["energy"]) if point.errors else None,
         point.errors.get("violation") or None,
@@ -148,9 +133,6 @@ in the error: the step, or what no step removes. *margin*: largest stable step b
 step. *Smallest models*: the fewest segments and the coarsest option of an engine from which on all
 that were run meet the target, with the cheapest step that does. *What limits the methods*: the
 order fitted above the floor, the floor and its name, and from which step on halving is wasted.
-*What a step costs in stability*: by how much the parameter at which a periodic orbit loses its
-stability is shifted with so many steps in a period; the order of the last halving above the floor,
-which is round-off.
 """
 
 

@@ -13,7 +13,6 @@ from ..documents.fields import HIDDEN, documented
 from ..engines.isolation import MEMORY, isolated
 from ..engines.registry import resolve_selection
 from ..queries import environment
-from . import stability
 from .request import TARGETS, TradeoffRequest
 from .store import RunStore
 from .sweep import beside, smallest, sweeps, swept
@@ -38,8 +37,7 @@ class Tradeoff:
     resume : str or None
         File that keeps results.
     series : list of StepSeries
-        a method of an engine on a model over steps, and by how much a method shifts where a
-        periodic orbit loses its stability
+        a method of an engine on a model over steps
     failures : list of str
         what came to nothing, and why
     """
@@ -69,13 +67,10 @@ class Tradeoff:
         One at a time: they are timed.
         """
         store = RunStore(self.resume, versions=self.versions)
-        pieces: dict[str, Callable[[], StepSeries]] = {
-            **{one.name: partial(swept, one) for one in sweeps(self.scenes, self.engines)},
-            **dict(stability.tasks(self.scenes, self.engines)),
-        }
+        pieces = {one.name: partial(swept, one) for one in sweeps(self.scenes, self.engines)}
         known = {name: store.get(name, StepSeries) for name in pieces}
         for one in filter(None, known.values()):
-            self.add(one)
+            self.series.append(beside(one, self.series))
         names = [name for name in pieces if known[name] is None]
         done = len(pieces) - len(names)
         try:
@@ -84,28 +79,19 @@ class Tradeoff:
                     self.failures.append(f"{names[place]}: {result.kind}: {result.message}")
                 else:
                     store.put(names[place], result)
-                    self.add(result)
+                    self.series.append(beside(result, self.series))
                 yield done + place + 1, len(pieces), names[place]
         finally:
             store.write()
-
-    def add(self, one: StepSeries) -> None:
-        """Add a series; one with an option set is compared with that with nothing set."""
-        same = ("scene", "engine", "model", "method", "axis")
-        for other in self.series:
-            alike = all(getattr(one, key) == getattr(other, key) for key in same)
-            if alike and one.settings and not other.settings:
-                one = beside(one, other)
-        self.series.append(one)
 
     @property
     def failed(self) -> bool:
         """Whether something came to nothing."""
         return bool(self.failures)
 
-    def of(self, scene: str, axis: str = "step") -> list[StepSeries]:
-        """Return the series of one scene on one axis."""
-        return [one for one in self.series if (one.scene, one.axis) == (scene, axis)]
+    def of(self, scene: str) -> list[StepSeries]:
+        """Return the series of one scene."""
+        return [one for one in self.series if one.scene == scene]
 
     @property
     @documented

@@ -11,8 +11,6 @@ from math import inf
 from statistics import median
 from typing import Any, NamedTuple
 
-import numpy as np
-
 STEP, MODEL, ROUND_OFF, FAILED = "step-limited", "model-limited", "round-off", "failed"
 
 UNEXPLAINED = "unexplained"
@@ -66,8 +64,8 @@ class Point:
 
     Attributes
     ----------
-    step : float or None
-        Step of the run [s]; None on another axis.
+    step : float
+        Step of the run [s].
     error : float or None
         Largest error, relative to the size of the motion; None if the run failed.
     errors : mapping of str to float
@@ -84,13 +82,11 @@ class Point:
         A longer step has the same error.
     reason : str
         Why the run failed.
-    value : float or None
-        Value on an axis that is not the step.
     bound : float or None
         Uncertainty of the error.
     """
 
-    step: float | None
+    step: float
     error: float | None
     errors: Mapping[str, float] = field(default_factory=dict)
     cost: Cost | None = None
@@ -98,13 +94,12 @@ class Point:
     limit: str = ""
     wasted: bool = False
     reason: str = ""
-    value: float | None = None
     bound: float | None = None
 
 
 @dataclass(frozen=True)
 class StepSeries:
-    """A model and a method over steps, or over steps in a period.
+    """A model and a method over steps.
 
     Attributes
     ----------
@@ -126,12 +121,6 @@ class StepSeries:
         equality over the step.
     points : tuple of Point
         Runs, the longest step first.
-    axis : str
-        What varies: ``step``, or ``steps in a period``.
-    unit : str
-        Unit of the axis; of a shift that of the parameter.
-    quantity : str
-        What the error is of; empty for all observables.
     slope : float or None
         Order fitted to the points that are step-limited; None if fewer than two are.
     plateau : float or None
@@ -157,9 +146,6 @@ class StepSeries:
     plateau: float | None = None
     plateau_name: str = ""
     stable_step: float | None = None
-    axis: str = "step"
-    unit: str = "s"
-    quantity: str = ""
 
     @property
     def name(self) -> str:
@@ -194,7 +180,7 @@ class Trial(NamedTuple):
         """The run as documents have it."""
         one, point = self
         names = one.engine, one.model, one.method, one.settings
-        return SettingRun(*names, point.step or 0.0, point.error, self.seconds)
+        return SettingRun(*names, point.step, point.error, self.seconds)
 
 
 @dataclass(frozen=True)
@@ -259,8 +245,6 @@ class Choice:
     margin : float or None
         Largest stable step by theory over the step; None where no step is unstable, or no
         theory is known.
-    longest : float or None
-        Longest step of the sweep that this method survived with an error below 1, over the step.
     axis : str
         ``step`` for the cheapest setting; of the smallest model its axis: parts of a continuum, or
         an option of the engine.
@@ -286,7 +270,6 @@ class Choice:
     cost: Cost | None = None
     limit: str = ""
     margin: float | None = None
-    longest: float | None = None
     axis: str = "step"
     unit: str = "s"
     value: float | None = None
@@ -295,10 +278,9 @@ class Choice:
 
 
 def trials_of(series: Iterable[StepSeries]) -> Iterator[Trial]:
-    """Yield all runs over steps."""
+    """Yield all runs of some series."""
     for one in series:
-        if one.axis == "step":
-            yield from (Trial(one, point) for point in one.points)
+        yield from (Trial(one, point) for point in one.points)
 
 
 def pareto(rows: Iterable[Trial]) -> list[Trial]:
@@ -319,7 +301,7 @@ def steady(series: Iterable[StepSeries], target: float, share: float = 1.0) -> I
         for point in reversed(one.points):
             if point.error is None or point.error > target:
                 break
-            stable = one.stable_step is None or (point.step or inf) <= STABLE * one.stable_step
+            stable = one.stable_step is None or point.step <= STABLE * one.stable_step
             if point.error <= share * target and stable:
                 yield Trial(one, point)
 
@@ -374,8 +356,6 @@ def choose(series: Sequence[StepSeries], target: float, **axis: Any) -> Choice:
             one.scene, one.case, one.engine, target, error=least.error, limit=words, **axis
         )
     one, point = best
-    assert point.step is not None
-    longest = max(trial.point.step or 0.0 for trial in trials_of([one]) if trial.error < 1)
     return Choice(
         one.scene, one.case, one.engine, target, one.model, one.method, one.settings,
         step=point.step,
@@ -383,18 +363,9 @@ def choose(series: Sequence[StepSeries], target: float, **axis: Any) -> Choice:
         cost=point.cost,
         limit=point.limit,
         margin=None if one.stable_step is None else one.stable_step / point.step,
-        longest=longest / point.step,
         met=True,
         **axis,
     )  # fmt: skip
-
-
-def slope_of(points: Sequence[Point]) -> float | None:
-    """Return the slope of errors over steps, or over counts; None of fewer than two points."""
-    if len(points) < 2:
-        return None
-    steps = np.log([point.step or 1 / (point.value or np.nan) for point in points])
-    return float(np.polyfit(steps, np.log([point.error or np.nan for point in points]), 1)[0])
 
 
 def settings_text(settings: Mapping[str, float]) -> str:

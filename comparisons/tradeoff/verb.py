@@ -51,8 +51,7 @@ def tradeoff(
 
     Each method of each engine runs a case of the scene over halved steps, and over what else
     limits it. Times are those of this machine; counts may be compared. Of several scenes,
-    --plot writes a picture each, FILE_scene.png, and more of what steps cost in stability, which a
-    page of --markdown shows.
+    --plot writes a picture each, FILE_scene.png, which a page of --markdown shows.
 
     Of an MJCF file: which step and integrator it needs. Runs from its keyframes and from the
     state that it opens in, controls held and moving, against its own converged run. Exit code 1

@@ -16,9 +16,8 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from mbcheck.comparisons.boundary.ahead import executor
 from mbcheck.comparisons.boundary.request import BoundaryRequest
-from mbcheck.comparisons.boundary.run import Boundary
+from mbcheck.comparisons.boundary.run import Boundary, executor
 from mbcheck.comparisons.boundary.verb import print_boundary
 from mbcheck.comparisons.queries.axis import ParameterRange
 from mbcheck.reference.continuation.bifurcations import DOUBLING

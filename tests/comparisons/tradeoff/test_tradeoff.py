@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -19,6 +18,7 @@ from mbcheck.comparisons.engines.equations import scene_equations
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import run
 from mbcheck.comparisons.engines.variants.catalogue import Misread
+from mbcheck.comparisons.reports.files import Destination
 from mbcheck.comparisons.tradeoff.report import Tradeoff, tradeoff
 from mbcheck.comparisons.tradeoff.request import TradeoffRequest
 from mbcheck.comparisons.tradeoff.sweep import (
@@ -45,6 +45,7 @@ from mbcheck.comparisons.tradeoff.table import (
     pareto,
     trials_of,
 )
+from mbcheck.comparisons.tradeoff.verb import write
 from mbcheck.reference import SCENES
 from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import refusal
@@ -126,7 +127,7 @@ def test_what_limits_a_beam() -> None:
     default = swept(*words)
     assert default.plateau_name == "spatial discretisation"
     assert swept(*words, segments=24).plateau_name == "continuum"
-    loose = beside(swept(*words, newton_tolerance=1e-4), default)
+    loose = beside(swept(*words, newton_tolerance=1e-4), [default])
     assert loose.plateau_name == "solver tolerance"
     chain = swept("rotating_beam", "mujoco", "chain", "RK4")
     assert chain.plateau_name == "spatial discretisation"
@@ -339,31 +340,28 @@ def test_the_fewest_rods_of_a_chain() -> None:
 # The verb
 
 
-@pytest.fixture
-def one_method(monkeypatch: pytest.MonkeyPatch) -> pytest.MonkeyPatch:
-    """Only one method is swept."""
-    report = "mbcheck.comparisons.tradeoff.report"
-    only = header("speed_regulator", "exudyn", "one_dof", "RK67")
-    monkeypatch.setattr(f"{report}.sweeps", lambda scenes, who: [only])
-    monkeypatch.setattr(f"{report}.stability.tasks", lambda *asked: [])
-    return monkeypatch
-
-
-@pytest.mark.usefixtures("one_method")
-def test_document_and_order_of_targets() -> None:
-    states: list[tuple[int, int, str]] = []
-    found = tradeoff(["speed_regulator"], ["exudyn"], [1e-4, 1e-2], lambda *it: states.append(it))
-    assert states[-1][:2] == (1, 1)
+def test_document_page_and_picture(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    found = Tradeoff.asked(TradeoffRequest(("hula_hoop",), ("mujoco",), (1e-4, 1e-2)))
+    found.series = [series((0.1, 1e-2, 1.0), (0.05, 1e-5, 2.0), (0.02, 1e-7, 3.0))]
     document = validated("tradeoff", found.as_json())
     assert document["targets"] == [1e-2, 1e-4]
-    assert len(document["recommendations"]) == 2
-    assert document["pareto"]["speed_regulator"]
+    assert [one["step"] for one in document["recommendations"]] == [0.1, 0.05]
+    assert [one["step"] for one in document["pareto"]["hula_hoop"]] == [0.1, 0.05, 0.02]
+    page, plot = tmp_path / "page.md", tmp_path / "one.png"
+    write(found, None, Destination("--markdown", str(page)), Destination("--plot", str(plot)))
+    assert plot.read_bytes().startswith(b"\x89PNG")
+    title = "What limits the methods"
+    assert f"## {title}\n\n![{title}](one.png)\n\n| scene |" in page.read_text()
+    assert "| hula_hoop | mujoco | 0.0001 | tree RK4 | 0.05 |" in page.read_text()
 
 
-def test_what_was_done_is_kept_and_resumed(one_method: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """An engine that dies costs one piece; the others are not run again."""
-    tasks = "mbcheck.comparisons.tradeoff.report.stability.tasks"
-    one_method.setattr(tasks, lambda *asked: [("a beam", os.abort)])
+def test_what_was_done_is_kept_and_resumed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """A series that fails costs no other, and these are not run again."""
+    only = header("speed_regulator", "exudyn", "one_dof", "RK67")
+    lost = replace(only, method="lost")
+    report = "mbcheck.comparisons.tradeoff.report"
+    monkeypatch.setattr(f"{report}.sweeps", lambda scenes, who: [only, lost])
     file = str(tmp_path / "runs.json")
 
     def found(*targets: float) -> Tradeoff:
@@ -375,13 +373,12 @@ def test_what_was_done_is_kept_and_resumed(one_method: pytest.MonkeyPatch, tmp_p
     first, again = found(1e-2), found(1e-2)
     for one in (first, again):
         assert len(one.failures) == 1
-        assert one.failures[0].startswith("a beam: ")
-        assert "crashed" in one.failures[0]
+        assert one.failures[0].startswith(f"{lost.name}: raised")
         assert one.recommendations[0].method == "RK67"
     assert len(first.done) == 2  # type: ignore[attr-defined]
-    assert again.done == ["a beam"]  # type: ignore[attr-defined]
+    assert again.done == [lost.name]  # type: ignore[attr-defined]
     assert again.as_json() == first.as_json()
-    assert found(1e-3).done == ["a beam"]  # type: ignore[attr-defined]
+    assert found(1e-3).done == [lost.name]  # type: ignore[attr-defined]
     broken = json.loads(Path(file).read_text())
     broken["entries"] = {key: {"series": 1} for key in broken["entries"]}
     Path(file).write_text(json.dumps(broken))
