@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from copy import copy
 from dataclasses import replace
 from typing import Any
 
@@ -106,52 +105,6 @@ class WithoutEquations(MujocoAdapter):
         """Return the model without the equations that its closure has."""
         source = self.make(*self.arguments) if self.make else super().source(case, model)
         return replace(source, equations=None)
-
-
-class Softened(MujocoAdapter):
-    """MuJoCo with one more option: how soft the closure of a model is.
-
-    Parameters
-    ----------
-    model : str
-    make : callable ``(softness) -> Mjcf``
-    """
-
-    softness: float | None = None
-
-    def __init__(self, model: str = "", make: Callable[[float], mjcf.Mjcf] | None = None) -> None:
-        super().__init__()
-        self.softened, self.make = model, make
-
-    def source(self, case: Case, model: str) -> mjcf.Mjcf:
-        """Return the named MJCF model, closed as softly as the option says."""
-        if self.make is None or self.softness is None or model != self.softened:
-            return super().source(case, model)
-        return self.make(self.softness)
-
-    def with_option(self, name: str, value: float) -> Softened:
-        """Return the engine with its option set."""
-        other = copy(self)
-        setattr(other, name, value)
-        other.hold(self.inner)
-        return other
-
-
-class Unconstrained(MuJoCo):
-    """MuJoCo with constraints disabled."""
-
-    def load(self, system: System) -> Any:
-        """Return the compiled model of a system with the flag set."""
-        compiled = super().load(system)
-        compiled.opt.disableflags |= self.mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
-        return compiled
-
-
-class Bare(MujocoAdapter):
-    """MuJoCo with constraints disabled, for models that have none."""
-
-    def __init__(self) -> None:
-        super().__init__(Unconstrained())
 
 
 class Controlled(MujocoAdapter):
