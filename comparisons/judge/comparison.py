@@ -10,11 +10,9 @@ import numpy as np
 from ...reference.cost import expected_end
 from ...reference.errors import UsageError
 from ...reference.scene import Array, Case
-from ...reference.solve.single import solve
-from ...reference.solve.solution import Solution
 from ..checks.tolerances import CAP
-from ..checks.truth import MOST_STEPS, Truth, permitted_horizon, truncated, truth_of
-from ..engines.equations import ModelEquations, scene_equations
+from ..checks.truth import MOST_STEPS, moves, permitted_horizon, truth_to_the_end
+from ..engines.equations import scene_equations
 from .method_error import Problem, Scheme
 from .recording import Recording
 
@@ -26,9 +24,6 @@ LONGEST = 10.0
 
 ON_START = 1e-9
 """Distance, in the span of a trajectory, within which its first row stands at the start."""
-
-STILL = 1e-9
-"""A coordinate that changes by less (SI, or its largest value) does not move."""
 
 
 @dataclass(frozen=True)
@@ -100,9 +95,10 @@ def compare(
     scheme = Scheme.of(basis, horizon, most_steps) if "order" in basis else None
     marks = start + scheme.marks if scheme else np.empty(0)
     grid = start + horizon * np.arange(GRID + 1) / GRID
-    right = reference_at(equations, case, np.unique([*times[:seen], *grid, *marks]), names)
-    coordinates = right.states[: len(right.states) // 2]
-    if np.all(np.ptp(coordinates, axis=1) <= STILL * (1 + np.max(np.abs(coordinates), axis=1))):
+    every = np.unique([*times[:seen], *grid, *marks])
+    with expected_end(float(every[-1])):
+        right = truth_to_the_end(equations, equations.start(case), start, every, names)
+    if not moves(right.states[: len(right.states) // 2]):
         raise UsageError(
             f"nothing moves in {case.scene}/{case.name}: it cannot judge a trajectory; choose "
             "another case, or give --state"
@@ -136,21 +132,6 @@ def compare(
         growth=growth,
         predicted=predicted,
         notes=tuple(notes),
-    )
-
-
-def reference_at(
-    equations: ModelEquations, case: Case, times: Array, names: tuple[str, ...]
-) -> Truth:
-    """Return the reference at times, its bound counting that of a continuum's coordinates."""
-    state = tuple(float(value) for value in equations.start(case))
-
-    def solved(one: ModelEquations, at: tuple[float, ...]) -> Solution:
-        with expected_end(float(times[-1])):
-            return solve(one.scene, one.parameters, np.array(at), times, case.start_time)
-
-    return truncated(
-        equations, state, truth_of(equations, solved(equations, state), names), names, solved
     )
 
 

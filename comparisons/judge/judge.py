@@ -13,7 +13,7 @@ import numpy as np
 
 from ...reference import SCENES, get_scene
 from ...reference.errors import EngineError, UnknownNameError, UsageError
-from ...reference.scene import Case, Scene
+from ...reference.scene import Case
 from ..checks.tolerances import rounding
 from ..checks.verdict import PROFILES, Finding, Result, Series, Subject, Verdict, judge
 from ..documents import document
@@ -303,7 +303,9 @@ def comparable(file: Recording, case: Case) -> tuple[tuple[str, ...], list[str]]
         If none can, or one is in another unit.
     """
     scene = get_scene(case.scene)
-    known = tuple(name for name in scene.units if name not in internal(scene))
+    own = scene.discretisation_coordinates  # states that are the reference's own
+    internal = {*own, *(f"{name}_dot" for name in own)}
+    known = tuple(name for name in scene.units if name not in internal)
     names = tuple(name for name in known if name in file.columns)
     extra = [name for name in file.columns if name not in names]
     if not names:
@@ -316,14 +318,6 @@ def comparable(file: Recording, case: Case) -> tuple[tuple[str, ...], list[str]]
         if unit and same_unit(unit) != same_unit(scene.units[name]):
             raise UsageError(f"{name} is in {unit}: convert it to {scene.units[name]}")
     return names, [f"not compared: {', '.join(extra)}"] if extra else []
-
-
-def internal(scene: Scene) -> tuple[str, ...]:
-    """Return the states that are the reference's own."""
-    return (
-        *scene.discretisation_coordinates,
-        *(f"{name}_dot" for name in scene.discretisation_coordinates),
-    )
 
 
 def same_unit(unit: str) -> str:
@@ -429,6 +423,9 @@ def finding_of(
             + (f", {printed:.2g} for the file's digits" if printed else "")
         )
     span = comparison.times[-1] - comparison.case.start_time
+    worst = int(np.searchsorted(comparison.times, error.time))
+    samples = np.unique([*np.linspace(0, comparison.seen - 1, DRAWN).astype(int), worst])
+    drawn = (comparison.values[row, samples], comparison.reference[row, samples])
     return Finding(
         quantity=error.quantity,
         unit=error.unit,
@@ -441,19 +438,7 @@ def finding_of(
             f"in which errors grow by {comparison.growth:.3g}; relative error "
             f"{error.relative:.2g}; {words}"
         ),
-        series=series_of(comparison, row),
-    )
-
-
-def series_of(comparison: Comparison, row: int) -> Series:
-    """Return an observable beside its reference, thinned, its worst sample kept."""
-    worst = int(np.argmax(np.abs(comparison.values[row] - comparison.reference[row])))
-    samples = np.unique([*np.linspace(0, comparison.seen - 1, DRAWN).astype(int), worst])
-    return Series(
-        "time",
-        comparison.times[samples],
-        comparison.values[row, samples],
-        comparison.reference[row, samples],
+        series=Series("time", comparison.times[samples], *drawn),
     )
 
 
@@ -464,4 +449,4 @@ def result_of(
     who = re.sub(r"[^A-Za-z0-9_.+-]", "_", file.name) or "_"
     prefix = f"verification/{case.scene}/{case.name}/trajectory/{who}/{FILE}"
     about = Subject(prefix, "verification", who, case.scene, case.name, "trajectory", FILE)
-    return Result(about, name, verdict, reason, unit)
+    return about.result(name, verdict, reason, unit=unit)

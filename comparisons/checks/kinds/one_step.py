@@ -66,7 +66,10 @@ def quantities(setup: Setup) -> tuple[str, ...]:
     None of a model whose states are not those of a reference, and none of a run that starts
     with its loop open.
     """
-    if setup.case.inconsistency or not startable(setup):
+    scene = setup.scene
+    equations = setup.solved_equations.scene if scene.discretisation_coordinates else scene
+    same = setup.discrete or setup.coordinates == equations.coordinates
+    if setup.case.inconsistency or not same:
         return ()
     last = () if setup.scheme else ("extrapolated", "least_error")
     by_scheme = setup.scheme or scheme_of_velocities(setup)
@@ -87,15 +90,6 @@ def in_coordinates(setup: Setup) -> bool:
     scene = setup.solved_equations.scene
     others = setup.has_constraints or scene.discretisation_coordinates
     return scene is setup.scene and not others
-
-
-def startable(setup: Setup) -> bool:
-    """Return whether a model can be put into every state of a reference."""
-    if setup.discrete:
-        return True
-    scene = setup.scene
-    equations = setup.solved_equations.scene if scene.discretisation_coordinates else scene
-    return setup.coordinates == equations.coordinates
 
 
 def starts(setup: Setup, step: float, scheme: str | None) -> list[Case]:

@@ -99,30 +99,21 @@ def measure_orbit(case: Case, orbit: Orbit, flow: Flow) -> Mapping[str, Array]:
     apart = flow(pair, np.array([float(PERIODS)]))[..., 0] @ [1, -1]
     ratio = abs(left @ (apart / scale)) / abs(left @ (2 * step / scale))
     equations = scene.orbit.quantities(samples, scene.coefficients(case.parameters))
+    name, turns = next(iter(scene.rotations_per_period.items()))
+    second = harmonics(samples[scene.coordinates.index(name)], turns)[1][1]
+    values = np.linalg.eigvals(slopes)
+    _, columns = linear_sum_assignment(np.abs(orbit.multipliers[:, None] - values))
     return {
         "closure": (around[:, -1] - orbit.state - period_advance(scene)[:, 0]) / scale,
-        "second_harmonic": np.array([ripple(case, samples)]),
+        "second_harmonic": np.array([second.amplitude]),
         "power_balance": np.array([sum(powers.values()) / max(map(abs, powers.values()))]),
-        "multipliers": matched(np.linalg.eigvals(slopes), orbit.multipliers),
+        "multipliers": values[columns],
         "growth": np.array([ratio ** (1 / PERIODS)]),
         **{
             name: np.array([np.exp(1j * equations[name]) if unit == "rad" else equations[name]])
             for name, unit in scene.orbit.units.items()
         },
     }
-
-
-def ripple(case: Case, samples: Array) -> float:
-    """Return the second-harmonic amplitude of the first turning coordinate [rad]."""
-    scene = get_scene(case.scene)
-    name, turns = next(iter(scene.rotations_per_period.items()))
-    return harmonics(samples[scene.coordinates.index(name)], turns)[1][1].amplitude
-
-
-def matched(values: Any, wanted: Any) -> Any:
-    """Return eigenvalues in the order of those that they come closest to."""
-    rows, columns = linear_sum_assignment(np.abs(wanted[:, None] - values[None, :]))
-    return values[columns[np.argsort(rows)]]
 
 
 @lru_cache(maxsize=16)

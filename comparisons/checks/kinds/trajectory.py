@@ -178,9 +178,9 @@ def run_quantities(
     findings: list[Finding | Inconclusive] = []
     for name, unit in scene.run_quantities.units.items():
         reference, gain = derived[0][name]
-        value, half, quarter = (item[name][0] for item in derived[1:4])
-        limit = quarter + (quarter - half) / (2**order - 1)
-        predicted = max(abs(value - half) * 2**order / (2**order - 1), abs(value - limit))
+        values = [np.array(item[name][0]) for item in derived[1:4]]
+        estimate, value = richardson(values, order), float(values[0])
+        predicted = estimate.predicted / RICHARDSON_SAFETY
         if in_space:
             predicted += abs(value - derived[4][name][0]) / (2**in_space - 1)
         finding = Finding(
@@ -193,7 +193,7 @@ def run_quantities(
             f"predicted error {predicted:.3g} from half the step"
             + (" and half the elements" if in_space else ""),
         )
-        findings.append(prediction.conclusion(finding, abs(value - half)))
+        findings.append(prediction.conclusion(finding, abs(value - float(values[1]))))
     return findings
 
 
@@ -323,23 +323,20 @@ def by_extrapolation(
     order: int, runs: list[Array], right: Truth, names: tuple[str, ...]
 ) -> Prediction:
     """Predict errors from h, h/2, h/4 (Richardson), if they shrink as declared."""
-    values, half, quarter = runs
-    size = right.size[:, None]
-    gain = 2**order - 1
-    predicted = np.abs(values - half) * (gain + 1) / gain
-    before = half + (half - values) / gain
-    limit = quarter + (quarter - half) / gain
+    change, size = np.abs(runs[0] - runs[1]), right.size[:, None]
+    predicted = change * 2**order / (2**order - 1)
     seen = max(1, last_trusted_sample(np.maximum.accumulate(predicted / size, axis=1)))
     states = [i for i, name in enumerate(names) if not name.endswith("_violation")]
+    whole = richardson(runs, order)
     estimate = richardson([(run / size)[states, :seen] for run in runs], order)
     shrinks = estimate.shrinks(float(np.max(right.bound / right.size)))
     return Prediction(
         errors=np.maximum.accumulate(predicted, axis=1) if shrinks else 0 * predicted,
         safety=RICHARDSON_SAFETY,
-        limit=limit,
-        spread=np.abs(limit - before) if shrinks else 0 * predicted,
+        limit=whole.limit,
+        spread=whole.moved if shrinks else 0 * predicted,
         shrinks=shrinks,
         reason=f"value extrapolated to h -> 0; halving divides the error by "
         f"{estimate.ratio:.3g}, {2**order} expected",
-        change=np.abs(values - half),
+        change=change,
     )

@@ -74,9 +74,9 @@ def cautions(setup: Setup, horizon: float, rules: Mapping[str, Rule] = RULES) ->
     return [Caution(name, one.sentence) for name, one in said.items() if one is not None]
 
 
-def noticing_rules(setup: Setup, horizon: float) -> tuple[str, ...]:
-    """Return the rules that warn of a run over a horizon [s], each once, as who notices."""
-    return tuple(dict.fromkeys(f"{RULE}{one.rule}" for one in cautions(setup, horizon)))
+def noticing_rules(cautions: list[Caution]) -> tuple[str, ...]:
+    """Return the rules that warn of a run, each once, as who notices."""
+    return tuple(dict.fromkeys(f"{RULE}{one.rule}" for one in cautions))
 
 
 def explained(reason: str, cautions: list[Caution]) -> str:
