@@ -114,7 +114,10 @@ class Scheme:
         # a state whose error is small by chance with one scheme need not be so with another
         relative = floor_relative_to_largest(relative, np.ones_like(size))
         relative *= METHOD_SPREAD[self.order] * (self.step / self.coarse) ** self.order
-        relative = np.maximum(relative, self.on_a_circle(fastest(problem)))
+        # a point on a circle: what a Runge-Kutta method leaves out of exp(i omega h) in each step;
+        # one that integrates Cartesian coordinates of a body that turns makes it
+        a_step = (fastest(problem) * self.step) ** (self.order + 1) / math.factorial(self.order + 1)
+        relative = np.maximum(relative, a_step * self.marks / self.step)
         reach = int(np.searchsorted(np.max(relative, axis=0), CAP, side="right"))
         if not reach:
             raise UsageError(
@@ -122,16 +125,6 @@ class Scheme:
                 f"than {CAP:.0%} after {self.marks[0]:.3g} s: choose a shorter step"
             )
         return (relative * size)[:, reach - 1], float(self.marks[reach - 1])
-
-    def on_a_circle(self, omega: float) -> Array:
-        """Return the relative error (n_m,) of a point that turns with a rate [rad/s].
-
-        It is what a Runge-Kutta method leaves out of ``exp(i omega h)`` in each step. A method
-        that integrates Cartesian coordinates of a body that turns makes it, one that
-        integrates the angle does not.
-        """
-        a_step = (omega * self.step) ** (self.order + 1) / math.factorial(self.order + 1)
-        return np.asarray(a_step * self.marks / self.step)
 
     def relative(self, problem: Problem, scheme: str, factor: int) -> Array:
         """Return the largest errors (k, n_m) up to each mark, with so many times the step."""

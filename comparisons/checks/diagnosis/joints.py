@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from itertools import permutations
 
@@ -33,8 +32,10 @@ def of_joints(setup: Setup) -> str:
     if error < EXPLAINED or len(joints) > MOST:
         return ""
     words: dict[int, list[str]] = {}
-    for order in orders(len(joints)):
+    for order in permutations(range(len(joints))):
         moved = [i for i, j in enumerate(order) if i != j]
+        if not moved or (len(moved) > 2 and len(joints) > FEW):
+            continue
         for inputs_too in (True, False):
             try:
                 left = away(replace(setup, engine=setup.engine.reordered(order, inputs_too)))
@@ -42,23 +43,10 @@ def of_joints(setup: Setup) -> str:
                 return ""
             if left < RIGHT and left < EXPLAINED * error:
                 where = "" if inputs_too else " in what it returns"
-                said = in_words([joints[i] for i in moved], [joints[order[i]] for i in moved])
+                others = (f"{joints[i]} is {joints[order[i]]}" for i in moved)
+                said = f"joints are in another order: {', '.join(others)}"
+                if len(moved) == 2:
+                    said = f"joints {joints[moved[0]]} and {joints[moved[1]]} are exchanged"
                 words.setdefault(len(moved), []).append(f"{said}{where}")
     fewest = words[min(words)] if words else []
     return fewest[0] if len(fewest) == 1 else ""
-
-
-def orders(count: int) -> Iterator[tuple[int, ...]]:
-    """Yield the orders of joints that are tried."""
-    for order in permutations(range(count)):
-        moved = sum(i != j for i, j in enumerate(order))
-        if moved == 2 or (moved and count <= FEW):
-            yield order
-
-
-def in_words(joints: list[str], others: list[str]) -> str:
-    """Say which joints stand in the places of others."""
-    if len(joints) == 2:
-        return f"joints {joints[0]} and {joints[1]} are exchanged"
-    moved = (f"{one} is {other}" for one, other in zip(joints, others, strict=True))
-    return f"joints are in another order: {', '.join(moved)}"

@@ -23,6 +23,7 @@ from ...engines.equations import invariants_of, scene_equations
 from ...engines.run import EPS, VIOLATIONS, Trajectory
 from ...engines.setup import Setup, shortest_period
 from ..rules.cautions import cautions, noticing_rules
+from ..rules.model import shortest_length
 from ..tolerances import RICHARDSON_SAFETY, VIOLATION, rounding
 from ..verdict import REFERENCE, Finding, Inconclusive
 from .energy import drifts as invariant_drifts
@@ -159,6 +160,7 @@ class FreeMode(NamedTuple):
     push : float
         0 where every coordinate has a spring; else the ratio of the largest inertia to the least,
         with which the forces of second order push one that has none.
+    amplitude : float
     """
 
     rest: Array
@@ -166,11 +168,7 @@ class FreeMode(NamedTuple):
     shape: Array
     mass: Array
     push: float
-
-    @property
-    def amplitude(self) -> float:
-        """`AMPLITUDE`, or less."""
-        return AMPLITUDE_IF_PUSHED if self.push else AMPLITUDE
+    amplitude: float
 
     def amplitudes(self, states: Array) -> Any:
         """Return ``a - i a'/omega`` (n_t,), which turns with ``exp(i omega t)``."""
@@ -194,8 +192,10 @@ def free_mode(case: Case) -> FreeMode:
         squares, shapes = eigh((stiffness + stiffness.T) / 2, mass)
         if squares[0] > -1e-9 * squares[-1] and squares[-1] > 0:
             ratio = float(np.linalg.cond(mass * np.outer(size, size)))
-            push = ratio if squares[0] < 1e-9 * squares[-1] else 0.0
-            return FreeMode(rest, float(np.sqrt(squares[-1])), shapes[:, -1], mass, push)
+            omega, shape = float(np.sqrt(squares[-1])), shapes[:, -1]
+            if squares[0] < 1e-9 * squares[-1]:
+                return FreeMode(rest, omega, shape, mass, ratio, AMPLITUDE_IF_PUSHED)
+            return FreeMode(rest, omega, shape, mass, 0.0, AMPLITUDE)
     raise MbcheckError(f"{case.scene} has no stable state of rest here")
 
 
@@ -212,13 +212,6 @@ def sizes(case: Case) -> Array:
     scene = get_scene(case.scene)
     angles = [scene.units[name] == "rad" for name in scene.coordinates]
     return np.where(angles, 1.0, shortest_length(case.parameters))
-
-
-def shortest_length(parameters: Any) -> float:
-    """Return the shortest length of a scene [m], 1 m if it has none."""
-    endings = ("length", "radius", "eccentricity")
-    lengths = [value for name, value in parameters.as_dict().items() if name.endswith(endings)]
-    return min((value for value in lengths if isinstance(value, float) and value > 0), default=1.0)
 
 
 def free_vibration(setup: Setup) -> LongRun:

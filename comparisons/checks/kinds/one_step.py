@@ -296,11 +296,16 @@ def predict(
             places, bounds = first_order_errors(setup, cases, step, right)
             errors[places] = np.minimum(errors[places], bounds)
         return replace(prediction, errors=errors)
-    ideal = [
-        rows(setup.solved_equations, setup.with_case(one).scheme_states(step, np.array([1])), names)
-        for one in cases
-    ]
-    return by_scheme(setup.scheme, values, np.hstack(ideal), right)
+    return by_scheme(setup.scheme, values, ideal(setup, cases, step, 1, names), right)
+
+
+def ideal(
+    setup: Setup, cases: list[Case], step: float, parts: int, names: tuple[str, ...]
+) -> Array:
+    """Return observables (k, n) that the setup's scheme reaches one step [s] after each start."""
+    number, length = np.array([parts]), step / parts
+    states = [setup.with_case(one).scheme_states(length, number) for one in cases]
+    return np.hstack([rows(setup.solved_equations, one, names) for one in states])
 
 
 def velocities_at(

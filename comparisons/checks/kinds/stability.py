@@ -210,7 +210,10 @@ def measured(
 ) -> Measured:
     """Follow the orbit with ``count`` steps per period, twice and four times as many."""
     runs = [through(setup, orbit, count * k) for k in (1, 2, 4)]
-    floors = rounding_floors(orbit, right, bound, count, setup.epsilon)
+    growth = max(float(np.linalg.norm(orbit.monodromy, 2)), 1.0)
+    noise = setup.epsilon * (16 + np.sqrt(PERIODS * 4 * count)) * growth + 2 * bound
+    moved = {"multipliers": noise / PERTURBATION, "growth": noise / PERTURBATION}
+    floors = {name: size_of(name, right) * moved.get(name, noise) for name in right}
     estimates = {
         name: richardson([run[name] for run in runs], setup.integrator.order) for name in right
     }
@@ -340,20 +343,6 @@ def through(setup: Setup, orbit: Orbit, count: int) -> Mapping[str, Array]:
         return np.stack([run.matrix(scene.state_names) for run in runs], axis=1)
 
     return measure_orbit(setup.case, orbit, flow)
-
-
-def rounding_floors(
-    orbit: Orbit, right: Mapping[str, Array], bound: float, count: int, epsilon: float
-) -> Mapping[str, float]:
-    """Return what rounding and the reference's bound cost each quantity."""
-    growth = float(np.linalg.norm(orbit.monodromy, 2))
-    noise = epsilon * (16 + np.sqrt(PERIODS * 4 * count)) * max(growth, 1.0) + 2 * bound
-    return {
-        name: size_of(name, right)
-        * noise
-        / (PERTURBATION if name in ("multipliers", "growth") else 1.0)
-        for name in right
-    }
 
 
 OUTCOME_TOLERANCES = (1e-9, 1e-7)

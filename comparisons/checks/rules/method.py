@@ -8,7 +8,8 @@ import numpy as np
 from scipy.linalg import eigh
 
 from ....reference.amplification import excess, numerical_modes
-from ..free_vibrations import stable_step
+from ...engines.equations import scene_equations
+from ..free_vibrations import stable_step, start_and_rests
 from ..tolerances import CAP
 from . import conditions
 from .conditions import Statement
@@ -128,7 +129,8 @@ def motion_size(run: RunConditions) -> dict[str, float]:
         time = run.case.start_time + quarter / 2 / np.pi * run.period
         u = scene.drive(time, c, np) if scene.drive else 0.0
         load = np.maximum(load, np.abs(scene.forces(u, q, v, c, np)))
-    mass, _, stiffness, _ = (np.abs(np.diag(matrix)) for matrix in run.scene_start.matrices)
+    at_rest = start_and_rests(scene_equations(run.case), tuple(q))[0]
+    mass, _, stiffness, _ = (np.abs(np.diag(matrix)) for matrix in at_rest.matrices)
     resist = np.maximum(stiffness, mass * run.speed**2)
     sizes = np.maximum(np.maximum(np.abs(q), load / resist), np.abs(v) * np.sqrt(mass / resist))
     return {
