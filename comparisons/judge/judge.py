@@ -15,7 +15,7 @@ from ...reference import SCENES, get_scene
 from ...reference.errors import EngineError, UnknownNameError, UsageError
 from ...reference.scene import Case
 from ..checks.tolerances import rounding
-from ..checks.verdict import PROFILES, Finding, Result, Series, Subject, Verdict, judge
+from ..checks.verdict import PROFILES, Finding, Result, Series, Subject, judge
 from ..documents import document
 from ..documents.fields import OptionMark, documented, takes_fields_of
 from ..queries.environment import versions
@@ -365,6 +365,10 @@ def verdicts(
     case = comparison.case
     scene = get_scene(case.scene)
     by_name = {error.quantity: error for error in errors}
+    # the file stands for an engine without models and methods
+    who = re.sub(r"[^A-Za-z0-9_.+-]", "_", file.name) or "_"
+    prefix = f"verification/{case.scene}/{case.name}/trajectory/{who}/{FILE}"
+    about = Subject(prefix, "verification", who, case.scene, case.name, "trajectory", FILE)
     results = []
     for name in dict.fromkeys((*scene.observables, *comparison.names)):
         unit = scene.units[name]
@@ -372,20 +376,23 @@ def verdicts(
             near = difflib.get_close_matches(name, file.columns, n=1, cutoff=0.6)
             hint = f"; is it its column {near[0]!r}?" if near else ""
             reason = f"the file has no column {name}{hint}"
-            results.append(result_of(case, file, name, unit, "skipped", reason))
+            results.append(about.result(name, "skipped", reason, unit=unit))
             continue
         row = comparison.names.index(name)
         if name not in by_name:
             reason = f"non_finite: {first_not_finite(comparison, row)}"
-            results.append(result_of(case, file, name, unit, "error", reason))
+            results.append(about.result(name, "error", reason, unit=unit))
             continue
         finding = finding_of(comparison, file, row, by_name[name], basis)
         verdict, reason = judge(finding, PROFILES[profile])
         if verdict == "deviation":
             reason = "; ".join([reason, *notes])
         results.append(
-            replace(
-                result_of(case, file, name, unit, verdict, reason),
+            about.result(
+                name,
+                verdict,
+                reason,
+                unit=unit,
                 value=finding.value,
                 reference=finding.reference,
                 error=finding.error,
@@ -440,13 +447,3 @@ def finding_of(
         ),
         series=Series("time", comparison.times[samples], *drawn),
     )
-
-
-def result_of(
-    case: Case, file: Recording, name: str, unit: str, verdict: Verdict, reason: str
-) -> Result:
-    """Return a result with its id; the file stands for an engine without models and methods."""
-    who = re.sub(r"[^A-Za-z0-9_.+-]", "_", file.name) or "_"
-    prefix = f"verification/{case.scene}/{case.name}/trajectory/{who}/{FILE}"
-    about = Subject(prefix, "verification", who, case.scene, case.name, "trajectory", FILE)
-    return about.result(name, verdict, reason, unit=unit)

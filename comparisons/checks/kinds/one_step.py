@@ -173,7 +173,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         return findings
     states = list(range(len(setup.scene.observables)))
     window = Window(right.size, states, len(cases))
-    away = window.distance(prediction.limit, right.values)
+    away = window.largest(prediction.limit - right.values)
     room = rounding(1, 1.0, setup.epsilon) + float(np.max((right.bound / right.size)[states]))
     findings.append(Finding("scheme_residual", "1", away, 0.0, away, room, prediction.reason))
     return findings
@@ -189,7 +189,7 @@ def limit_of_steps(
     estimate = richardson(runs, setup.integrator.order)
     states = list(range(len(setup.scene.observables)))
     window = Window(np.maximum(size, right.size), states, len(cases))
-    away = window.distance(estimate.limit, right.values)
+    away = window.largest(estimate.limit - right.values)
     known = right.bound + rounding(4 * SETTLED, 1.0, setup.epsilon) * right.scale
     room = float(np.max((known / window.size)[states]))
     reason = (
@@ -198,7 +198,7 @@ def limit_of_steps(
     )
     granted = room + min(window.largest(estimate.moved), CAP**2)
     finding = Finding("extrapolated", "1", away, 0.0, away, granted, reason)
-    change = window.largest(np.abs(runs[0] - runs[1]))
+    change = window.largest(runs[0] - runs[1])
     if not setup.discrete or conclusion(finding, change, "shaken") is finding:
         return finding
     shaken = (

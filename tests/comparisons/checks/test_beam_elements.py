@@ -6,12 +6,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
 import pytest
 
 from mbcheck.comparisons.check.custom import custom_case
 from mbcheck.comparisons.checks.free_vibrations import excitation
-from mbcheck.comparisons.checks.kinds.trajectory import Prediction
+from mbcheck.comparisons.checks.kinds.trajectory import conclusion
 from mbcheck.comparisons.checks.suite import checks_of, run_check
 from mbcheck.comparisons.checks.verdict import Finding, Inconclusive, Result
 from mbcheck.comparisons.engines.adapter import Adapter
@@ -215,16 +214,12 @@ def test_steps_follow_fewer_of_the_vibrations_that_a_sudden_torque_shakes() -> N
 
 
 def test_what_may_vanish_with_the_step_is_called_neither_right_nor_wrong() -> None:
-    rows = np.zeros((1, 1))
-    one = Prediction(rows, 1.5, rows, rows, False, "", rows, "the start shakes it")
-    finding = Finding("theta", "rad", 1.0, 1.1, 0.1, 0.01)
-    assert isinstance(one.conclusion(finding, 0.05), Inconclusive)
-    strict = one.conclusion(replace(finding, error=0.009), 0.05)
-    assert isinstance(strict, Inconclusive)
-    assert one.conclusion(finding, 0.01) is finding  # more than halving the step can explain
-    assert one.conclusion(replace(finding, error=0.005), 0.05).quantity == "theta"
-    assert isinstance(one.conclusion(replace(finding, error=0.005), 0.05), Finding)
-    assert replace(one, unfollowed="").conclusion(finding, 0.05) is finding
+    finding, shaken = Finding("theta", "rad", 1.0, 1.1, 0.1, 0.01), "the start shakes it"
+    assert isinstance(conclusion(finding, 0.05, shaken), Inconclusive)
+    assert isinstance(conclusion(replace(finding, error=0.009), 0.05, shaken), Inconclusive)
+    assert conclusion(finding, 0.01, shaken) is finding  # more than halving the step can explain
+    assert isinstance(conclusion(replace(finding, error=0.005), 0.05, shaken), Finding)
+    assert conclusion(finding, 0.05, "") is finding
 
 
 @pytest.mark.slow
