@@ -23,8 +23,7 @@ from ..queries.query import as_float, changed, initial_values
 from ..reports.run.outcome import Report, with_lost_numbers
 from ..reports.run.results import summary
 from ..reports.words import with_unit
-from .comparison import Comparison, compare, refuse_outside
-from .method_error import METHOD_SPREAD, SCHEMES_OF
+from .comparison import METHOD_SPREAD, SCHEMES_OF, Comparison, compare, refuse_outside
 from .recording import Recording, recording
 from .slips import mistakes
 
