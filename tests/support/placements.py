@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 import mbcheck
-from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
-from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
+from mbcheck.comparisons.faults.exudyn import ExudynAdapter
+from mbcheck.comparisons.faults.mujoco import MujocoAdapter
 from mbcheck.examples.mujoco_engine import MujocoPlugin
 from mbcheck.models import kinematics
 from mbcheck.models.mechanism import Mechanism, mechanism

@@ -11,7 +11,7 @@ from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import Trajectory
-from mbcheck.comparisons.engines.variants.catalogue import Wrapped
+from mbcheck.comparisons.faults.variants import Wrapped
 from mbcheck.reference import get_scene
 from mbcheck.reference.scene import Array, Case
 

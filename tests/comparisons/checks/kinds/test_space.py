@@ -16,6 +16,8 @@ from mbcheck.comparisons.checks.suite import plan_cases, run_check
 from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.comparisons.engines.equations import ModelEquations
 from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.faults.catalogue import scaled
+from mbcheck.comparisons.faults.exudyn import Rebuilt
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.examples.mujoco_engine import MujocoPlugin
 from mbcheck.models import exudyn_body
@@ -30,7 +32,6 @@ from mbcheck.tests.support.engines.floating import floating
 from mbcheck.tests.support.engines.sliding import sliding
 from mbcheck.tests.support.engines.turning import Turning, turning
 from mbcheck.tests.support.example import by_quantity, seen
-from mbcheck.tests.support.faults import RebuiltExudyn, scaled
 
 platform_rods, beam_rods = platform_model.rods, beam_model.rods
 SLOW, CAMPAIGN = pytest.mark.slow, pytest.mark.campaign
@@ -357,26 +358,26 @@ BUILT: list[tuple[str, Callable[[], Any], str, str, str]] = [
     ("floating_platform", exudyn("rod_damping", 1.01), "afloat", "frequency", "C is off at"),
     ("floating_platform", exudyn("gravity_z", -1.0), "falling", "algebra", ""),
     (
-        "floating_platform", lambda: RebuiltExudyn(exudyn_body, body_inertia=without_products),
+        "floating_platform", lambda: Rebuilt(exudyn_body, body_inertia=without_products),
         "tumbling", "algebra", "products of inertia are dropped",
     ),
     (
-        "floating_platform", lambda: RebuiltExudyn(platform_model, rods=tilted_last),
+        "floating_platform", lambda: Rebuilt(platform_model, rods=tilted_last),
         "tumbling", "algebra", "",
     ),
     (
         "floating_platform",
-        lambda: RebuiltExudyn(exudyn_body, turn_quaternion=lambda axes: np.eye(4)),
+        lambda: Rebuilt(exudyn_body, turn_quaternion=lambda axes: np.eye(4)),
         "falling+turned-1", "algebra", "it is right as the model stands, and wrong where it turns",
     ),
     ("floating_beam", exudyn("tip_mass"), "tumbling", "algebra", ""),
     (
         "floating_beam",
-        lambda: RebuiltExudyn(beam_model, rods=twisted_last),
+        lambda: Rebuilt(beam_model, rods=twisted_last),
         "tumbling", "algebra", "",
     ),
     (
-        "floating_beam", lambda: RebuiltExudyn(beam_model, rods=on_hub),
+        "floating_beam", lambda: Rebuilt(beam_model, rods=on_hub),
         "afloat", "frequency", "K is off at (theta_2, theta_2) and (theta_3, theta_3)",
     ),
 ]  # fmt: skip
