@@ -29,7 +29,7 @@ from ..documents.fields import OptionMark, number_from
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup
 from ..queries.axis import ParameterRange
-from ..queries.query import MethodQuery
+from ..queries.request import MethodQuery
 
 ORBITS, EQUILIBRIA = "orbits", "equilibria"
 SUBJECTS = (ORBITS, EQUILIBRIA)

@@ -35,7 +35,7 @@ ALLOWED: Mapping[str, Mapping[str, str]] = {
         "comparisons/engines/registry.py::_named": "engines that the user named by their class",
     },
     "private_words": {
-        "comparisons/inspect/document.py::held": DOCUMENT,
+        "comparisons/inspect/inspection.py::held": DOCUMENT,
         "comparisons/papers/outcomes.py::claim": DOCUMENT,
         "comparisons/judge/judge.py::judged": DOCUMENT,
     },
