@@ -28,7 +28,7 @@ VERBS: Mapping[str, tuple[str, str]] = {
     "boundary": ("boundary.verb.boundary", "Follow where orbits and equilibria lose stability."),
     "compare-maps": ("maps.verbs.compare_maps", "Compare two maps of a scene."),
     "reproduce": ("papers.verbs.reproduce_papers", "Draw the figures of the papers again."),
-    "tradeoff": ("cli.tradeoff.tradeoff", "Measure what accuracy costs, and recommend settings."),
+    "tradeoff": ("tradeoff.verb.tradeoff", "Measure what accuracy costs, and recommend settings."),
     "extremes": ("extremes.verb.extremes", "Push engines to where they break."),
     "inspect": ("inspect.verbs.inspect", "Inspect MJCF models: what is wrong, how they move."),
 }

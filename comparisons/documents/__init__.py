@@ -35,7 +35,7 @@ DOCUMENTS: Mapping[str, tuple[str, str]] = {
     ),
     "reproduce": ("papers.outcomes.Findings", "What of the papers holds."),
     "tradeoff": (
-        "tradeoff.document.TradeoffDocument",
+        "tradeoff.report.Tradeoff",
         "What accuracy costs, and which settings to choose.",
     ),
     "tradeoff_model": (

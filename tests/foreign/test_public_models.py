@@ -19,7 +19,8 @@ from mbcheck.comparisons.inspect.console import print_inspection
 from mbcheck.comparisons.inspect.inspection import Inspection, inspect
 from mbcheck.comparisons.inspect.subject import View
 from mbcheck.comparisons.inspect.views import step_limit_of
-from mbcheck.comparisons.tradeoff.model import ModelTradeoff, Question, setting_of
+from mbcheck.comparisons.tradeoff.model import ModelTradeoff, setting_of
+from mbcheck.comparisons.tradeoff.request import TradeoffRequest
 from mbcheck.reference.errors import UsageError
 
 PACKAGES = ("gymnasium", "playground")
@@ -122,7 +123,9 @@ def test_what_is_recommended_meets_its_target_again(inspected: list[Inspection])
     answers = []
     for one in moving[:16]:
         first, second = (
-            ModelTradeoff(str(one.loaded.path), Question(horizon=0.2, budget=1e4, seed=seed))
+            ModelTradeoff(
+                TradeoffRequest((str(one.loaded.path),), horizon=0.2, budget=1e4, seed=seed)
+            )
             for seed in SEEDS
         )
         for advice in (first, second):
