@@ -4,26 +4,46 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from itertools import permutations
 
 import numpy as np
 
+from ....reference.errors import Unsupported
 from ....reference.scene import Array
 from ...engines.run import EPS
 from ...engines.setup import Setup
-from ..kinds import algebra, stability
+from ..kinds import algebra, one_step, parts, stability, trajectory
 from ..tolerances import matrix_rounding, sample_numbers
 from ..truth import simulated_horizon
-from .equations import accelerations_of, of_accelerations, of_matrices
-from .joints import of_joints
-from .motions import LONG, SEEN, Part, explanation, looked_at, reset
-from .placement import of_placement
-from .steps import ANOTHER_MODEL, of_order, of_steps
+from ..units import EXPLAINED
+from ..verdict import Finding, judge
+from .equations import accelerations_of, error_of, of_accelerations, of_matrices
+from .motions import LONG, SEEN, Part, explanation, looked_at
+from .steps import ANOTHER_MODEL, after_steps, of_order, of_steps
 
 SHORT = 512
 """Steps of a run whose first part is looked at before the whole; a continuum's take long."""
 
 DISTINCT = 8
 """Numbers that are not taken for numbers of 32 bits by chance."""
+
+FEW_JOINTS = 4
+"""Joints of which every order is tried."""
+
+MOST_JOINTS = 8
+"""Joints of which each pair is tried."""
+
+RIGHT = 1e-3
+"""Relative error that other joints' numbers do not leave."""
+
+
+MEASURES = {
+    "parts": parts.measure,
+    "algebra": algebra.measure,
+    "step": one_step.measure,
+    "trajectory": trajectory.measure,
+}
+"""Of kinds of check that a model which stands as in its file is put to as well."""
 
 
 def cause(setup: Setup, kind: str, verdicts: Mapping[str, str]) -> str:
@@ -60,6 +80,19 @@ def cause(setup: Setup, kind: str, verdicts: Mapping[str, str]) -> str:
     except (Exception, SystemExit):  # the engine runs again, which may do anything
         said = ""
     return said or limit_of(kind, verdicts)
+
+
+def of_placement(setup: Setup, kind: str) -> str:
+    """Return that a model is wrong where it turns; empty of one that is wrong as it stands."""
+    if not setup.case.placement or kind not in MEASURES:
+        return ""
+    stands = setup.with_case(replace(setup.case, placement=""))
+    if stands.why_not is not None:
+        return ""
+    findings = MEASURES[kind](stands)
+    if any(isinstance(one, Finding) and judge(one, 1.0)[0] == "deviation" for one in findings):
+        return ""
+    return "it is right as the model stands, and wrong where it turns"
 
 
 def limit_of(kind: str, verdicts: Mapping[str, str]) -> str:
@@ -125,7 +158,38 @@ def of_runs(setup: Setup) -> str:
         answer = setup.simulate(step, numbers).matrix(setup.scene.observables)
         seen = looked_at(setup, [Part(setup.case, numbers)], answer)
         if seen.error > SEEN:
-            said = explanation(seen) or reset(seen)
+            said = explanation(seen)
             if said or not beam:
                 return said
     return ""
+
+
+def of_joints(setup: Setup) -> str:
+    """Return which joints are exchanged, if that explains wrong accelerations or single steps."""
+    scene = setup.scene
+    if scene.discretisation_coordinates or not setup.engine.reads_mjcf:
+        return ""
+    away = error_of if setup.method is None else (lambda one: after_steps(one, 1).error)
+    error = away(setup)
+    joints = setup.engine.joint_system(setup.case, setup.model).joints
+    if error < EXPLAINED or len(joints) > MOST_JOINTS:
+        return ""
+    words: dict[int, list[str]] = {}
+    for order in permutations(range(len(joints))):
+        moved = [i for i, j in enumerate(order) if i != j]
+        if not moved or (len(moved) > 2 and len(joints) > FEW_JOINTS):
+            continue
+        for inputs_too in (True, False):
+            try:
+                left = away(replace(setup, engine=setup.engine.reordered(order, inputs_too)))
+            except Unsupported:
+                return ""
+            if left < RIGHT and left < EXPLAINED * error:
+                where = "" if inputs_too else " in what it returns"
+                others = (f"{joints[i]} is {joints[order[i]]}" for i in moved)
+                said = f"joints are in another order: {', '.join(others)}"
+                if len(moved) == 2:
+                    said = f"joints {joints[moved[0]]} and {joints[moved[1]]} are exchanged"
+                words.setdefault(len(moved), []).append(f"{said}{where}")
+    fewest = words[min(words)] if words else []
+    return fewest[0] if len(fewest) == 1 else ""
