@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 import mbcheck
+from mbcheck.comparisons.checks.diagnosis.placement import as_placed, with_axes_of_world
 from mbcheck.comparisons.faults.exudyn import ExudynAdapter
 from mbcheck.comparisons.faults.mujoco import MujocoAdapter
 from mbcheck.examples.mujoco_engine import MujocoPlugin
 from mbcheck.models import kinematics
-from mbcheck.models.mechanism import Mechanism, mechanism
+from mbcheck.models.mechanism import mechanism
 from mbcheck.models.mjcf import attribute_text
 from mbcheck.models.placement import right_handed, world_axes, write_orientation
 from mbcheck.reference.scene import Array, Case
@@ -30,19 +31,10 @@ def misreading(change: Callable[[str], str]) -> type[MujocoPlugin]:
     return Misreading
 
 
-def rotations_of(whole: Mechanism) -> Sequence[Array]:
-    """Return how the bodies of a file stand in the world."""
-    upright = {"ball": [1.0, 0.0, 0.0, 0.0], "free": [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]}
-    places = [upright.get(one.kind, [one.ref]) for one in whole.joints]
-    return kinematics.place(whole, np.concatenate(places)).rotations
-
-
 def with_axes_along_the_world(text: str) -> str:
     """Return MJCF in which a joint's axis is that in the world."""
-    root, whole, axes = ET.fromstring(text), mechanism(text), dict[str, Array]()
-    for body, rotation in zip(whole.bodies, rotations_of(whole), strict=True):
-        joints = [whole.joints[i] for i in body.joints]
-        axes |= {one.name: rotation.T @ one.axis for one in joints}
+    root, wrong = ET.fromstring(text), with_axes_of_world(mechanism(text))
+    axes = {one.name: one.axis for one in wrong.joints}
     for item in root.iterfind("worldbody//joint"):
         item.set("axis", attribute_text(tuple(axes[item.get("name", "")])))
     return ET.tostring(root, encoding="unicode")
@@ -51,8 +43,8 @@ def with_axes_along_the_world(text: str) -> str:
 def with_tensors_along_the_world(text: str) -> str:
     """Return MJCF in which the inertia of a body keeps the world's axes as the body is placed."""
     root, whole = ET.fromstring(text), mechanism(text)
-    pairs = zip(whole.bodies, rotations_of(whole), strict=True)
-    names = {body.name: rotation for body, rotation in pairs}
+    rotations = as_placed(whole).rotations
+    names = {body.name: rotation for body, rotation in zip(whole.bodies, rotations, strict=True)}
     for body in root.iterfind("worldbody//body"):
         about = body.find("inertial")
         if about is not None:
@@ -103,14 +95,24 @@ class WithReactionsAlongTheWorld(MujocoAdapter):
         return told
 
 
-WRONG: Mapping[str, tuple[Any, str]] = {
-    "axes": (misreading(with_axes_along_the_world), "hula_hoop"),
-    "tensors": (misreading(with_tensors_along_the_world), "hula_hoop"),
-    "loops": (FlatLoops, "speed_regulator"),
+WRONG: Mapping[str, tuple[Any, str, str]] = {
+    "axes": (
+        misreading(with_axes_along_the_world),
+        "hula_hoop",
+        "axes of joints are taken in the frame of the world, not of their bodies",
+    ),
+    "tensors": (
+        misreading(with_tensors_along_the_world),
+        "hula_hoop",
+        "inertia tensors are not turned with their bodies",
+    ),
+    "loops": (
+        FlatLoops,
+        "speed_regulator",
+        "it is right as the model stands, and wrong where it turns",
+    ),
 }
-"""Plug-ins, and the scene that shows what is wrong with them."""
-
-ONLY_STANDS = "it is right as the model stands, and wrong where it turns"
+"""Plug-ins, the scene that shows what is wrong with them, and the words for it."""
 
 
 class Rebuilt(ExudynAdapter):

@@ -12,13 +12,13 @@ from ....reference.errors import Unsupported
 from ....reference.scene import Array
 from ...engines.run import EPS
 from ...engines.setup import Setup
-from ..kinds import algebra, one_step, parts, stability, trajectory
+from ..kinds import algebra, stability
 from ..tolerances import matrix_rounding, sample_numbers
 from ..truth import simulated_horizon
 from ..units import EXPLAINED
-from ..verdict import Finding, judge
 from .equations import accelerations_of, error_of, of_accelerations, of_matrices
-from .motions import LONG, SEEN, Part, explanation, looked_at
+from .motions import LONG, SEEN, Part, explanation, looked_at, reset
+from .placement import of_placement
 from .steps import ANOTHER_MODEL, after_steps, of_order, of_steps
 
 SHORT = 512
@@ -35,15 +35,6 @@ MOST_JOINTS = 8
 
 RIGHT = 1e-3
 """Relative error that other joints' numbers do not leave."""
-
-
-MEASURES = {
-    "parts": parts.measure,
-    "algebra": algebra.measure,
-    "step": one_step.measure,
-    "trajectory": trajectory.measure,
-}
-"""Of kinds of check that a model which stands as in its file is put to as well."""
 
 
 def cause(setup: Setup, kind: str, verdicts: Mapping[str, str]) -> str:
@@ -80,19 +71,6 @@ def cause(setup: Setup, kind: str, verdicts: Mapping[str, str]) -> str:
     except (Exception, SystemExit):  # the engine runs again, which may do anything
         said = ""
     return said or limit_of(kind, verdicts)
-
-
-def of_placement(setup: Setup, kind: str) -> str:
-    """Return that a model is wrong where it turns; empty of one that is wrong as it stands."""
-    if not setup.case.placement or kind not in MEASURES:
-        return ""
-    stands = setup.with_case(replace(setup.case, placement=""))
-    if stands.why_not is not None:
-        return ""
-    findings = MEASURES[kind](stands)
-    if any(isinstance(one, Finding) and judge(one, 1.0)[0] == "deviation" for one in findings):
-        return ""
-    return "it is right as the model stands, and wrong where it turns"
 
 
 def limit_of(kind: str, verdicts: Mapping[str, str]) -> str:
@@ -158,7 +136,7 @@ def of_runs(setup: Setup) -> str:
         answer = setup.simulate(step, numbers).matrix(setup.scene.observables)
         seen = looked_at(setup, [Part(setup.case, numbers)], answer)
         if seen.error > SEEN:
-            said = explanation(seen)
+            said = explanation(seen) or reset(seen)
             if said or not beam:
                 return said
     return ""

@@ -30,6 +30,12 @@ SEEN = 1e-9
 PARTS = 8
 """Steps of RK44 in one of a method that is no published scheme."""
 
+FOLLOWED = 256
+"""Steps in which a reset is looked for."""
+
+STRETCH, MOST_STRETCH = 1e-7, 1e-3
+"""Shares by which steps are tried to be longer, and up to which motions change in proportion."""
+
 SHARES = (32, 8, 2, 1)
 """Of the samples of a run, one in so many is looked at before more are predicted."""
 
@@ -170,6 +176,8 @@ class Hypothesis:
         Where in each step the drive that is held over it is evaluated: 0 is its start, 1 its end.
     hold : int
         Over how many steps it is.
+    stretch : float
+        By which share steps are longer than asked for.
     """
 
     case: Case
@@ -181,6 +189,7 @@ class Hypothesis:
     end: float = np.inf
     frozen: float | None = None
     hold: int = 1
+    stretch: float = 0.0
 
     def rows(self, setup: Setup, step: float, names: tuple[str, ...]) -> Array:
         """Return observables (k, n) after these numbers of steps [s]."""
@@ -188,6 +197,7 @@ class Hypothesis:
         scene = self.scene or equations.scene
         own = ModelEquations(scene, equations.parameters)
         scheme, parts = self.scheme or setup.scheme, 1
+        step = step * (1 + self.stretch)
         if scheme is None:
             scheme, parts = "RK44", PARTS
         begin, x = self.case.start_time - self.late * step, own.start(self.case)
@@ -224,6 +234,9 @@ def mistakes(seen: Seen) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
         yield words, partial(changed, scene=scene)
     if setup.scheme is None and setup.integrator.order < 2:
         return  # the error of a right one is of the size of what follows
+    if stretch := longer_steps(seen):
+        words = f"its steps are {'longer' if stretch > 0 else 'shorter'} than the one that is given"
+        yield f"{words}, by {abs(stretch):.3g} of it", partial(changed, stretch=stretch)
     yield "samples are one step late", partial(changed, ahead=-1)
     yield "samples are one step early", partial(changed, ahead=1)
     if setup.equations.scene.drive is not None:
@@ -241,6 +254,15 @@ def mistakes(seen: Seen) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
     for scheme in schemes.SCHEMES:
         if setup.scheme not in (None, scheme):
             yield f"its steps are those of {scheme}", partial(changed, scheme=scheme)
+
+
+def longer_steps(seen: Seen) -> float:
+    """Return by which share steps would be longer that explain what is seen best."""
+    parts = (changed(part, stretch=STRETCH) for part in seen.parts)
+    slope = (np.hstack([seen.rows_of(one) for one in parts]) - seen.right) / STRETCH / seen.size
+    size = float(np.sum(slope**2))
+    stretch = float(np.sum(slope * (seen.values - seen.right) / seen.size)) / size if size else 0.0
+    return stretch if abs(stretch) < MOST_STRETCH else 0.0
 
 
 def changed(
@@ -358,3 +380,40 @@ def measured(seen: Seen) -> Iterator[str]:
             said.append(other_measure(name, unit, one, right, float(size[0])))
     if said and all(said):
         yield "; ".join(said)
+
+
+def reset(seen: Seen) -> str:
+    """Return when a run is put back to its start, or to the origin, if that is all that it does."""
+    if seen.setup.scene.discretisation_coordinates:
+        return ""
+    ((case, numbers),) = seen.parts
+    off = np.max(np.abs(seen.values - seen.right) / seen.size, axis=0)
+    first = int(np.argmax(off > EXPLAINED * np.max(off)))
+    if first < 2 or np.max(off[:first]) > EXPLAINED * np.min(off[first:]):
+        return ""
+    least, words = EXPLAINED * float(np.max(off)), []
+    before, after = (
+        case.start_time + int(numbers[i]) * seen.setup.default_step for i in (first - 1, first)
+    )
+    values, later = seen.values[:, first:], numbers[first:]
+    states = {"its start": dict(case.state)} | ({"the origin": {}} if case.state else {})
+    for where, state in states.items():
+        begin = replace(case, state=state)
+
+        def left(number: int, count: int | None, begin: Case = begin) -> float:
+            """Return the samples after a restart, or all."""
+            there = replace(begin, start_time=case.start_time + number * seen.setup.default_step)
+            return seen.away(
+                values[:, :count], seen.rows_of(Hypothesis(there, later[:count] - number))
+            )
+
+        if seen.away(values, seen.rows_of(Hypothesis(begin, np.array([0])))) < least:
+            when = f"between t = {before:.4g} s and {after:.4g} s"
+            words.append(f"it is put back to {where} {when}, and stays there")
+            continue
+        earliest = max(int(numbers[first - 1]), int(later[0]) - FOLLOWED)
+        best = min(range(earliest, int(later[0]) + 1), key=lambda number: left(number, 1))
+        if left(best, None) < least:
+            at = case.start_time + best * seen.setup.default_step
+            words.append(f"it is put back to {where} at t = {at:.4g} s")
+    return words[0] if len(words) == 1 else ""

@@ -152,6 +152,14 @@ class Clamped(Kutta):
         return x
 
 
+class Longer(Kutta):
+    """Steps that are longer than those that it counts, by 1e-6."""
+
+    def stepped(self, system: Any, begin: float, x: Any, step: float) -> Any:
+        """Return the state (2, n) after a step."""
+        return super().stepped(system, begin, x, (1 + 1e-6) * step)
+
+
 class Unsteady(Kutta):
     """Accelerations that differ from call to call."""
 
@@ -164,6 +172,7 @@ class Unsteady(Kutta):
     ("engine", "said"),
     [
         (Clamped, "theta_dot never exceeds 12 rad/s: it is clamped there"),
+        (Longer, "its steps are longer than the one that is given, by 1e-06 of it"),
         (Unsteady, "it does not repeat itself: two identical calls differ by "),
     ],
 )
