@@ -9,20 +9,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import eigh
-from scipy.linalg.lapack import dgesv
 
 from ..linear import linearise
-from ..scene import Array, Continuum, Paper, RunQuantities, Scene, with_placements, with_rates
+from ..scene import Array, Continuum, Paper, RunQuantities, Scene, with_placements
 from .cases import CASES
 from .equations import (
-    OUTPUTS,
     Equations,
     Tip,
-    dot,
     exact,
     exact_potential,
     exact_tip,
-    of,
     prepare_exact,
     prepare_truncated,
     stiffness,
@@ -31,23 +27,16 @@ from .equations import (
     truncated_tip,
 )
 from .frequencies.continua import frequencies
+from .hub import Terms, dot, hub_fields, of
 from .outcome import RUN_UNITS, outcome, run_quantities
 from .parameters import (
-    EQUILIBRIA,
     Coefficients,
     RotatingBeam,
     coefficients,
-    conserved,
     constrained_initial_values,
-    drive,
-    drive_end_time,
-    period,
     reach,
-    unforced,
 )
-from .shapes import Shapes, polynomials, prolongation, shapes_of
-
-UNITS = with_rates(theta="rad", tip_deflection="m", tip_axial="m")
+from .shapes import Shapes, polynomials, prolongation
 
 PAPER = Paper(
     "Y. Yang, Y. Wang, H. Chen, M. Wu",
@@ -109,15 +98,6 @@ THEORIES = {
 }
 
 
-class Prepared(NamedTuple):
-    """What does not change with the state."""
-
-    c: Coefficients
-    shapes: Shapes
-    theory: Any
-    stiffness: Any
-
-
 @cache
 def beam_scene(
     theory: str = "inextensible",
@@ -137,118 +117,38 @@ def beam_scene(
     """
     about = THEORIES[theory]
 
-    def prepare(c: Coefficients) -> Prepared:
-        """Return what does not change with the state."""
-        at = shapes_of(c.place, n, k, shapes)
-        return Prepared(c, at, about.prepare(at, c), stiffness(at, c))
+    @lru_cache(maxsize=64)
+    def prepared(c: Coefficients) -> tuple[Shapes, Any, Any]:
+        """Return shapes, what the theory needs of them, and the stiffness matrix."""
+        at = shapes(n, k, float(c.place))
+        return at, about.prepare(at, c), stiffness(at, c)
 
-    prepare_one = lru_cache(64)(prepare)
+    def terms(q: Any, v: Any, c: Coefficients) -> Terms:
+        """Mass matrix and forces of the free hub with its beam."""
+        _, beam, matrix = prepared(c)
+        mass, inertia = about.equations(q, v, beam)
+        return Terms(mass, -inertia - of(matrix, q))
 
-    def prepared(c: Coefficients, axes: int) -> Prepared:
-        """Return it for one set of numbers, or for arrays beside states of so many axes."""
-        try:
-            return prepare_one(c)
-        except TypeError:  # arrays
-            return prepare(Coefficients(*(lifted(value, axes - 1) for value in c)))
+    def potential(q: Any, c: Coefficients) -> Any:
+        """Strain energy and potential energy of gravity [J]."""
+        _, beam, matrix = prepared(c)
+        return dot(q, of(matrix, q)) / 2 + about.potential(q, beam)
 
-    def equations(u: Any, q: Any, v: Any, c: Coefficients) -> tuple[Any, Any, Equations]:
-        """M and f with the hub's row as its drive has it, and `Equations`.
-
-        Where the hub is prescribed, its row and column are those of the identity, and what its
-        acceleration does to the others is part of f.
-        """
-        q, v = np.asarray(q).T, np.asarray(v).T
-        beam = prepared(c, q.ndim)
-        terms = about.equations(q, v, beam.theory)
-        load = -terms.inertia - of(beam.stiffness, q)
-        u, free = lifted(u, q.ndim - 1), np.asarray(1 - beam.c.prescribed)
-        load -= np.asarray(u * beam.c.prescribed)[..., None] * terms.mass[..., 0]
-        load[..., 0] = u + free * load[..., 0]
-        mass = terms.mass.copy()
-        mass[..., 0, :] *= free[..., None]
-        mass[..., 1:, 0] *= free[..., None]
-        mass[..., 0, 0] += beam.c.prescribed
-        return mass, load, terms
-
-    def mass_matrix(q: Any, c: Coefficients, xp: Any = np) -> Any:
-        """M; the hub's row and column are those of the identity where it is prescribed."""
-        mass, _, _ = equations(0.0, q, np.zeros_like(q), c)
-        return mass.swapaxes(-1, -2).T
-
-    def forces(u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np) -> Any:
-        """Forces less the velocity-dependent inertia terms."""
-        _, load, _ = equations(u, q, v, c)
-        return load.T
-
-    def accelerations(u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np) -> Any:
-        """Solution of ``M a = forces``."""
-        mass, load, _ = equations(u, q, v, c)
-        if load.ndim == 1 and load.dtype == float:
-            _, _, solution, failed = dgesv(mass, load)
-            return solution if not failed else np.full_like(load, np.nan)
-        return np.linalg.solve(mass, load[..., None])[..., 0].T
-
-    def energy(q: Any, v: Any, c: Coefficients) -> Any:
-        """Kinetic energy, strain energy and potential energy of gravity [J]."""
-        q, v = np.asarray(q).T, np.asarray(v).T
-        beam = prepared(c, q.ndim)
-        mass = about.equations(q, v, beam.theory).mass
-        inner = (dot(v, of(mass, v)) + dot(q, of(beam.stiffness, q))) / 2
-        return (inner + about.potential(q, beam.theory)).T
-
-    def momentum(q: Any, v: Any, c: Coefficients) -> Any:
-        """Angular momentum of hub, beam and mass about the axis [kg m^2/s]."""
-        q, v = np.asarray(q).T, np.asarray(v).T
-        return dot(about.equations(q, v, prepared(c, q.ndim).theory).mass[..., 0, :], v).T
-
-    def powers(u: Any, q: Any, v: Any, c: Coefficients) -> dict[str, Any]:
-        """Power [W] of the torque on the hub: the given one, or what its motion takes."""
-        mass, load, terms = equations(u, q, v, c)
-        a = np.linalg.solve(mass, load[..., None])[..., 0]
-        taken = (dot(terms.mass[..., 0, :], a) + terms.inertia[..., 0]).T
-        return {"hub": (c.prescribed * taken + (1 - c.prescribed) * u) * v[0]}
-
-    def outputs(q: Any, v: Any, c: Coefficients, xp: Any = np) -> dict[str, Any]:
-        """Tip's displacement in the hub frame."""
-        q, v = np.asarray(q).T, np.asarray(v).T
-        tip = about.tip(q, v, prepared(c, q.ndim).shapes)
-        return {name: c.length * value.T for name, value in zip(OUTPUTS, tip, strict=True)}
-
-    def invariants(p: RotatingBeam) -> Mapping[str, Callable[..., Any]]:
-        """What a beam keeps that nothing drives."""
-        return conserved(p, energy, momentum)
+    def tip(q: Any, v: Any, c: Coefficients) -> Tip:
+        """Tip's displacement over L and its rate in the hub frame."""
+        return about.tip(q, v, prepared(c)[0])
 
     bends = tuple(f"b_{i}" for i in range(1, n + 1))
     stretches = tuple(f"e_{i}" for i in range(1, k + 1))
     internal = dict.fromkeys(bends, "rad") | dict.fromkeys(stretches, "1")
     return Scene(
-        name="rotating_beam",
+        **hub_fields(terms, potential, tip, internal),
         title=f"hub with a flexible beam and a concentrated mass ({about.title})",
         paper=PAPER,
-        parameters=RotatingBeam,
-        coordinates=("theta", *bends, *stretches),
-        units=UNITS | with_rates(**internal),
-        coefficients=coefficients,
-        drive=drive,
-        mass_matrix=mass_matrix,
-        forces=forces,
-        accelerations=accelerations,
-        damping_matrix=lambda c: np.zeros((1 + n + k, 1 + n + k)),
-        energy=energy,
-        powers=powers,
-        equilibria=EQUILIBRIA,
-        steady_coordinates=dict.fromkeys(EQUILIBRIA, ("theta",)),
-        rotations_per_period={"theta": 1},
-        period=period,
-        unforced=unforced,
         constrained_initial_values=constrained_initial_values,
-        outputs=outputs,
-        observed=OUTPUTS[:3],
-        invariants=invariants,
         run_quantities=RunQuantities(run_quantities, RUN_UNITS),
         outcome=outcome,
         stiff=about.tolerances,
-        drive_end_time=drive_end_time,
         continuum=Continuum(
             bends + stretches,
             partial(spectrum, about.continuum) if about.continuum else None,
@@ -256,14 +156,6 @@ def beam_scene(
         ),
         cases=CASES,
     )
-
-
-def lifted(value: Any, axes: int) -> Any:
-    """A coefficient over points with their axes turned as those of the states, and as many."""
-    if np.ndim(value) == 0:
-        return value
-    coefficient = np.asarray(value).T
-    return coefficient.reshape(*coefficient.shape, *(1,) * (axes - coefficient.ndim))
 
 
 def critical_speed(p: RotatingBeam) -> float:

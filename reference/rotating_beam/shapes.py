@@ -8,7 +8,6 @@ error falls geometrically with their number.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from decimal import Decimal
 from functools import cache
 from typing import Any, NamedTuple
@@ -25,7 +24,7 @@ from .frequencies.assumed_modes import rest_modes, rest_roots
 class Shapes(NamedTuple):
     """Shape functions over s / L at Gauss points, and integrals from the clamp to the stations.
 
-    Stations are the Gauss points and the mass. Arrays may have leading axes of points.
+    Stations are the Gauss points and the mass.
     """
 
     angle: Any
@@ -138,25 +137,6 @@ def cantilever_modes(n: int, k: int, place: float) -> Shapes:
         angle=-slope.T / roots,
         curvature=-curvature.T / roots,
         stretch=np.cos(np.multiply.outer(at, odd)),
-    )
-
-
-def shapes_of(place: Any, n: int, k: int, shapes: Callable[[int, int, float], Shapes]) -> Shapes:
-    """Shapes for one place of the mass, or stacked for an array of them."""
-    places, index = np.unique(place, return_inverse=True)
-    tables = [shapes(n, k, one) for one in places.tolist()]
-    if len(tables) == 1:
-        return tables[0]
-    count = max(len(one.weights) for one in tables)
-    padded = [padding(one, count - len(one.weights)) for one in tables]
-    where = index.reshape(np.shape(place))
-    return Shapes(*(np.stack(parts)[where] for parts in zip(*padded, strict=True)))
-
-
-def padding(shapes: Shapes, count: int) -> Shapes:
-    """Put points that weigh nothing before the others."""
-    return Shapes(*(np.pad(part, ((count, 0), (0, 0))[: part.ndim]) for part in shapes))._replace(
-        integral=np.pad(shapes.integral, ((count, 0), (count, 0)))
     )
 
 
