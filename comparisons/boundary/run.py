@@ -12,7 +12,10 @@ import numpy as np
 from ...reference.continuation.bifurcations import (
     DOUBLING,
     NEIMARK_SACKER,
+    BifurcationCurve,
+    CurvePoint,
     half_period_signs,
+    split,
 )
 from ...reference.continuation.network import (
     CurveSearch,
@@ -22,7 +25,6 @@ from ...reference.continuation.network import (
     SearchOutcome,
     Task,
 )
-from ...reference.continuation.points import BifurcationCurve, CurvePoint, split
 from ...reference.errors import EngineError, NoOrbitError, UsageError
 from ...reference.orbits import section_row
 from ...reference.scene import Array

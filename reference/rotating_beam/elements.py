@@ -30,10 +30,10 @@ from numpy.polynomial import legendre
 
 from ..differences import by_complex_step
 from ..scene import Array, Continuum, EquationsOfMotion
-from .frequencies.continua import frequencies
+from . import EXTENSIBLE
+from .frequencies.stretching import frequencies
 from .hub import Terms, dot, hub_fields
 from .parameters import Coefficients, RotatingBeam, coefficients, hub_gravity, reach
-from .scene import EXTENSIBLE
 from .starts import unstretched_nodes
 
 POISSON = 0.3
@@ -75,32 +75,49 @@ def free_coordinates(nodes: int, size: int) -> Any:
 
 
 class Mesh(NamedTuple):
-    """What does not change with the state; N coordinates of all nodes, n of them free."""
+    """What does not change with the state; N coordinates of all nodes, n of them free.
+
+    Attributes
+    ----------
+    lengths : array
+        Of the elements (n_e,) [m].
+    free : array
+        Places of the free coordinates (n,).
+    straight : array
+        Coordinates of the straight beam (N,), from the axis.
+    quarter : array
+        Q (N, N).
+    angles : array
+        1 of an angle (N,).
+    axes : array
+        1 of x, and of y (2, N).
+    mass : array
+        (N, N).
+    inverse : array
+        Of the mass matrix of the free coordinates (n, n).
+    axial : float
+        E A [N].
+    bending : float
+        E I [N m^2].
+    stretch : float or array
+        Of ANCF: r' by the coordinates of an element (n_e, 5, 4), and the points' lengths
+        (n_e, 5).
+    curve : float or array
+        Of ANCF: r', r'' (n_e, 3, 4), and the points' lengths (n_e, 3).
+    """
 
     lengths: Array
-    """Of the elements (n_e,) [m]"""
     free: Array
-    """Places of the free coordinates (n,)"""
     straight: Array
-    """Coordinates of the straight beam (N,), from the axis"""
     quarter: Array
-    """Q (N, N)"""
     angles: Array
-    """1 of an angle (N,)"""
     axes: Array
-    """1 of x, and of y (2, N)"""
     mass: Array
-    """(N, N)"""
     inverse: Array
-    """Of the mass matrix of the free coordinates (n, n)"""
     axial: float
-    """E A [N]"""
     bending: float
-    """E I [N m^2]"""
     stretch: Any
-    """Of ANCF: r' by the coordinates of an element (n_e, 5, 4), and the points' lengths (n_e, 5)"""
     curve: Any
-    """Of ANCF: r', r'' (n_e, 3, 4), and the points' lengths (n_e, 3)"""
 
 
 def hermite(points: Array, lengths: Array) -> tuple[Array, Array]:

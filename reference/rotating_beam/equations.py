@@ -27,18 +27,26 @@ class Equations(NamedTuple):
 
 
 class Exact(NamedTuple):
-    """What the exact equations need of the parameters; see `exact`."""
+    """What the exact equations need of the parameters; see `exact`.
+
+    Attributes
+    ----------
+    angle : float or array
+        1 for theta, then P: d angle / d coordinates.
+    integral : float or array
+        To the stations, times the root of J = mass times L^2 there.
+    lever : float or array
+        Hub radius over L, times the same root.
+    weight : float or array
+        The root times 1 (..., stations), None without gravity.
+    """
 
     angle: Any
-    """1 for theta, then P: d angle / d coordinates"""
     stretch: Any
     integral: Any
-    """To the stations, times the root of J = mass times L^2 there"""
     lever: Any
-    """Hub radius over L, times the same root"""
     hub: Any
     weight: Any
-    """The root times 1 (..., stations), None without gravity"""
     c: Coefficients
 
 
@@ -114,18 +122,26 @@ class Truncated(NamedTuple):
     """Kinetic energy ``v M v / 2 + theta'^2 (U + A q / 2) q + theta' v W q``, q without theta.
 
     All have the size (..., N) of the coordinates, zero for theta where they go with q.
+
+    Attributes
+    ----------
+    mass : float or array
+        M of the straight beam: J_h and the moment of inertia, U_12 + a U_20, M_22, M_11.
+    pull : float or array
+        U: U_11 + a U_10.
+    softening : float or array
+        A: M_22 - D_1 - a D_0, M_11.
+    coupling : float or array
+        W, antisymmetric: R of (16).
+    weight : float or array
+        `Weight`, None without gravity.
     """
 
     mass: Any
-    """M of the straight beam: J_h and the moment of inertia, U_12 + a U_20, M_22, M_11"""
     pull: Any
-    """U: U_11 + a U_10"""
     softening: Any
-    """A: M_22 - D_1 - a D_0, M_11"""
     coupling: Any
-    """W, antisymmetric: R of (16)"""
     weight: Any
-    """`Weight`, None without gravity"""
     c: Coefficients
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import eigh
 
-from ....reference.rotating_beam.cases import FIGURE_4
+from ....reference.rotating_beam import FIGURE_4
 from ....reference.rotating_beam.frequencies.assumed_modes import assumed_mode_matrices, rest_roots
 from ....reference.rotating_beam.frequencies.numbers import numbers
 from ....reference.rotating_beam.parameters import RotatingBeam, coefficients, drive

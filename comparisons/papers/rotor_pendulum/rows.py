@@ -9,8 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from ....reference.rotor_pendulum import theory
-from ....reference.rotor_pendulum.cases import CASE_1
+from ....reference.rotor_pendulum import CASE_1, theory
 from ..ledger import (
     CORRECTED,
     DEPENDS,

@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ....reference.rotor_pendulum import theory
-from ....reference.rotor_pendulum.cases import CASE_1, CASE_2
+from ....reference.rotor_pendulum import CASE_1, CASE_2, theory
 from ....reference.rotor_pendulum.equations import coefficients
 from ....reference.scene import Array
 from ..ledger import REPRODUCED, LedgerRow, Numbers, below, holds, statement

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.integrate import quad
 
 from ....reference.speed_regulator.equations import SpeedRegulator, coefficients, inertia, position
-from ....reference.speed_regulator.rest import found_equilibria, static_stiffness
+from ....reference.speed_regulator.motions import found_equilibria, static_stiffness
 from ....reference.speed_regulator.theory import Threshold, least_torque
 from ...engines.registry import REFERENCE
 from ...queries.simulate import simulate

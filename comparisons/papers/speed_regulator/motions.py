@@ -9,7 +9,7 @@ from ....reference import get_scene
 from ....reference.errors import NoOrbitError
 from ....reference.scene import Array
 from ....reference.speed_regulator.equations import coefficients
-from ....reference.speed_regulator.orbit import mean_speed
+from ....reference.speed_regulator.motions import mean_speed
 from ....reference.speed_regulator.theory import (
     least_torque,
     printed_mean_speed,

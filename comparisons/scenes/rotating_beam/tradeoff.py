@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ....reference.rotating_beam import SCENE
+from ....reference.rotating_beam import SCENE, beam_scene
 from ....reference.rotating_beam.chain import chain_frequencies
-from ....reference.rotating_beam.scene import beam_scene
 from ....reference.rotating_beam.shapes import cantilever_modes, polynomials
 from ....reference.scene import Array, Scene
 from ....reference.solve.single import solve

@@ -21,8 +21,8 @@ from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Misread, Wrapped
 from mbcheck.models.exudyn_system import items
 from mbcheck.models.rotating_beam import exudyn_model
+from mbcheck.reference.rotating_beam import SCENE
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
-from mbcheck.reference.rotating_beam.scene import SCENE
 from mbcheck.reference.scene import Array, Case
 from mbcheck.tests.support.faults import ENGINES, OtherItems, RebuiltExudyn, scaled
 from mbcheck.tests.support.subjects import is_seen

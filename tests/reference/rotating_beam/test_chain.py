@@ -17,8 +17,8 @@ from mbcheck.reference.rotating_beam.chain import (
     layout,
     scene_of,
 )
-from mbcheck.reference.rotating_beam.frequencies.continua import frequencies
 from mbcheck.reference.rotating_beam.frequencies.numbers import time_unit
+from mbcheck.reference.rotating_beam.frequencies.stretching import frequencies
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 
 STEADY = RotatingBeam(ramp_time=0.0)

@@ -17,7 +17,7 @@ from mbcheck.models import exudyn_body
 from mbcheck.models.floating_platform import exudyn_model
 from mbcheck.models.floating_platform.exudyn_model import rods
 from mbcheck.reference import get_scene
-from mbcheck.reference.body.parameters import without_products
+from mbcheck.reference.body.rotation import without_products
 from mbcheck.reference.quaternions import of_rotation, product
 from mbcheck.tests.support.draws import case_near, some_are_slow
 from mbcheck.tests.support.engines.floating import floating

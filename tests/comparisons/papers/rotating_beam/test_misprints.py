@@ -25,10 +25,9 @@ from mbcheck.comparisons.papers.rotating_beam.derivation import LOADED as LOADED
 from mbcheck.comparisons.papers.rotating_beam.misprints import MISPRINTS, SYMBOLS
 from mbcheck.comparisons.papers.rotating_beam.results import BEAM
 from mbcheck.comparisons.papers.session import Session
-from mbcheck.reference.rotating_beam.cases import FIGURE_5
+from mbcheck.reference.rotating_beam import FIGURE_5, beam_scene
 from mbcheck.reference.rotating_beam.frequencies.assumed_modes import rest_modes, rest_roots
 from mbcheck.reference.rotating_beam.frequencies.numbers import numbers
-from mbcheck.reference.rotating_beam.scene import beam_scene
 from mbcheck.tests.support.papers.rotating_beam import (
     FORMULAS,
     LOADED,
