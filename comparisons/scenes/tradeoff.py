@@ -10,7 +10,7 @@ import numpy as np
 
 from ...reference.scene import Array, Case, Scene
 from ..checks.truth import Truth
-from ..engines.variants.catalogue import Variant, exudyn, mujoco
+from ..faults.variants import Variant, exudyn, mujoco
 
 
 def relative_error(values: Array, truth: Truth) -> float:

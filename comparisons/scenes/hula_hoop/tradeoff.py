@@ -9,7 +9,7 @@ from ....reference.hula_hoop import SCENE
 from ...checks.truth import roundoff_reference
 from ...engines.equations import scene_equations
 from ...engines.setup import Setup
-from ...engines.variants.catalogue import EXUDYN, MUJOCO, exudyn, mujoco
+from ...faults.variants import EXUDYN, MUJOCO, exudyn, mujoco
 from ..tradeoff import (
     LeftOutRows,
     Pair,

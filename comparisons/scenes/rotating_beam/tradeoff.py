@@ -16,7 +16,7 @@ from ....reference.solve.single import solve
 from ...checks.kinds.elements import engine_modes, exact, of_continuum
 from ...engines.registry import REFERENCE
 from ...engines.setup import Setup
-from ...engines.variants.catalogue import EXUDYN, MUJOCO, exudyn, mujoco
+from ...faults.variants import EXUDYN, MUJOCO, exudyn, mujoco
 from ..tradeoff import (
     ContinuumParts,
     LeftOutRows,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ....models.rotor_pendulum.mjcf import INERTIA_FLOOR
 from ....reference.rotor_pendulum import SCENE
 from ...checks.truth import permitted_horizon
-from ...engines.variants.catalogue import EXUDYN, MUJOCO
+from ...faults.variants import EXUDYN, MUJOCO
 from ..tradeoff import LeftOutRows, PairNumbers, inertia_floor, redundant, without_solver
 
 STARTUP = SCENE.case("case_2_startup")

@@ -6,7 +6,7 @@ from ....models.mjcf import Mjcf
 from ....models.speed_regulator.mjcf import closed_by
 from ....reference.soft_constraint import SOLIMP, SOLREF
 from ....reference.speed_regulator import SCENE
-from ...engines.variants.catalogue import EXUDYN, MUJOCO, exudyn, mujoco
+from ...faults.variants import EXUDYN, MUJOCO, exudyn, mujoco
 from ..tradeoff import ClosureOption, LeftOutRows, LoopClosures, Pair, PairedRun, redundant
 
 ROTATION = SCENE.case("rotation")

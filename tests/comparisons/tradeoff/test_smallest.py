@@ -13,7 +13,7 @@ from mbcheck.comparisons.checks.kinds.elements import exact, of_engine
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup, run
-from mbcheck.comparisons.engines.variants.catalogue import Misread
+from mbcheck.comparisons.faults.variants import Misread
 from mbcheck.comparisons.scenes.hula_hoop.tradeoff import LEFT_OUT as OF_HOOP
 from mbcheck.comparisons.scenes.rotating_beam.tradeoff import CONTINUUM, KINDS
 from mbcheck.comparisons.scenes.speed_regulator.tradeoff import LEFT_OUT as OF_REGULATOR
