@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
@@ -18,7 +17,6 @@ from ...reference.errors import (
     MbcheckError,
     NoOrbitError,
     ParameterError,
-    UnknownNameError,
     UsageError,
 )
 from ...reference.orbits import why_none
@@ -28,8 +26,8 @@ from ..checks.orbits import FEWEST_STEPS
 from ..documents.fields import OptionMark, number_from
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup
-from ..queries.axis import ParameterRange
-from ..queries.query import MethodQuery
+from ..queries.axis import ParameterRange, refuse_axes
+from ..queries.request import MethodQuery
 
 ORBITS, EQUILIBRIA = "orbits", "equilibria"
 SUBJECTS = (ORBITS, EQUILIBRIA)
@@ -51,25 +49,15 @@ def place_from(text: str, flag: str) -> tuple[float, ...]:
 
 
 @dataclass(frozen=True)
-class BoundaryRequest:
+class BoundaryRequest(MethodQuery):
     """Everything that a boundary depends on.
 
     Attributes
     ----------
-    scene : str
-        Name of the scene.
-    x, y : ParameterRange
-        A parameter, and its range in the window.
-    engine : str
-        Who follows the curves.
-    model : str or None
-        One of the engine's models of the scene.
-    method : str or None
-        Integrator as the engine spells it; by default that of highest order.
     step : float or None
         Longest step in the window [s].
-    parameters : mapping
-        Change a parameter from its default, SI units.
+    x, y : ParameterRange
+        A parameter, and its range in the window.
     lines : int
         On which x stays, its bounds included: bifurcations are looked for along them.
     of : {"orbits", "equilibria"} or None
@@ -78,16 +66,8 @@ class BoundaryRequest:
         Look along x = X as well, from the orbit at X and Y.
     """
 
-    scene: Annotated[str, OptionMark(flags=())]
     x: Annotated[ParameterRange, OptionMark("NAME=LO:HI", parse=ParameterRange.parse)]
     y: Annotated[ParameterRange, OptionMark("NAME=LO:HI", parse=ParameterRange.parse)]
-    engine: Annotated[str, OptionMark("ENGINE")] = REFERENCE
-    model: Annotated[str | None, OptionMark("NAME")] = None
-    method: Annotated[str | None, OptionMark("METHOD")] = None
-    step: Annotated[float | None, OptionMark("H")] = None
-    parameters: Annotated[Mapping[str, Any], OptionMark("NAME=VALUE", ("--set",))] = field(
-        default_factory=dict
-    )
     lines: Annotated[int, OptionMark("N", least=1)] = 13
     of: Annotated[Literal["orbits", "equilibria"] | None, OptionMark()] = None
     near: Annotated[
@@ -100,18 +80,12 @@ class BoundaryRequest:
         return get_scene(self.scene)
 
     @cached_property
-    def setup(self) -> Setup:
+    def middle(self) -> Setup:
         """Who follows the orbits, amid the window."""
-        middle = {axis.name: (axis.low + axis.high) / 2 for axis in (self.x, self.y)}
-        changed = {**self.parameters, **middle}
-        return MethodQuery(
-            self.scene,
-            engine=self.engine,
-            model=self.model,
-            method=self.method,
-            step=self.step,
-            parameters=changed,
-        ).setup()
+        values = {axis.name: (axis.low + axis.high) / 2 for axis in (self.x, self.y)}
+        parameters = {**(self.parameters or {}), **values}
+        names = {name: getattr(self, name) for name in ("engine", "model", "method", "step")}
+        return MethodQuery(self.scene, **names, parameters=parameters).setup()
 
     @property
     def window(self) -> ParameterWindow:
@@ -119,16 +93,11 @@ class BoundaryRequest:
         ends = np.array([[axis.low, axis.high] for axis in (self.x, self.y)])
         return ParameterWindow((self.x.name, self.y.name), *ends.T)
 
-    @property
-    def places(self) -> list[float]:
-        """Lines through the window on which x stays: where, 0 to 1."""
-        return list(np.linspace(0, 1, self.lines).tolist())
-
     @cached_property
     def longest_period(self) -> float:
         """The longest period of the drive in the window, or guess of one [s]."""
         corners = np.array([[0.0, 1.0, 0.0, 1.0], [0.0, 0.0, 1.0, 1.0]])
-        at = self.window.parameters(self.setup.case.parameters)(corners)
+        at = self.window.parameters(self.middle.case.parameters)(corners)
         return float(np.max(self.equations.period(at)))
 
     @cached_property
@@ -136,7 +105,7 @@ class BoundaryRequest:
         """Steps of an engine in a period: an even number, that halves may have as many."""
         if self.engine == REFERENCE:
             return None
-        steps = self.longest_period / self.setup.step_size
+        steps = self.longest_period / self.middle.step_size
         return 2 * math.ceil(max(steps, FEWEST_STEPS) / 2 - 1e-9)
 
     @property
@@ -151,7 +120,7 @@ class BoundaryRequest:
 
     def tracer(self, subject: str = ORBITS) -> Tracer:
         """Return what follows the reference's orbits, or equilibria."""
-        parameters = self.window.parameters(self.setup.case.parameters)
+        parameters = self.window.parameters(self.middle.case.parameters)
         if subject == ORBITS:
             return Tracer(self.equations, parameters)
         return RestTracer(self.equations, parameters, window=self.window)
@@ -182,14 +151,8 @@ def refuse_impossible(asked: BoundaryRequest) -> None:
     NoOrbitError
     """
     scene = asked.equations
-    if asked.x.name == asked.y.name:
-        raise UsageError(f"both axes are {asked.x.name}: a boundary needs two parameters")
     names = scene.parameters.numeric_names()
-    for axis in (asked.x, asked.y):
-        if axis.name not in names:
-            raise UnknownNameError(f"parameter of {asked.scene}", axis.name, names)
-        if axis.name in asked.parameters:
-            raise UsageError(f"{axis.name} is on an axis, and so cannot be set as well")
+    refuse_axes(f"a boundary of {scene.name}", asked.x, asked.y, names, asked.parameters or {})
     if asked.lines < 2:
         raise UsageError(f"--lines must be 2 or more, not {asked.lines}")
     for place in asked.near:
@@ -199,7 +162,7 @@ def refuse_impossible(asked: BoundaryRequest) -> None:
                     f"--near: {axis.name} = {value:g} is not in the window, {axis.low:g} to "
                     f"{axis.high:g}"
                 )
-    setup = asked.setup
+    setup = asked.middle
     for ends in ((asked.x.low, asked.y.low), (asked.x.high, asked.y.high)):
         setup.case.parameters.replace(**dict(zip((asked.x.name, asked.y.name), ends, strict=True)))
     if setup.engine.name == REFERENCE and setup.equations[0] is not scene:
@@ -209,7 +172,7 @@ def refuse_impossible(asked: BoundaryRequest) -> None:
 
 def why_no_orbits(asked: BoundaryRequest) -> MbcheckError | None:
     """Return why there are no orbits to follow, None if there are."""
-    scene, setup = asked.equations, asked.setup
+    scene, setup = asked.equations, asked.middle
     weighed = setup.case.parameters.has_gravity or {asked.x.name, asked.y.name} & {*GRAVITY}
     if scene.orbit.mirror and weighed:
         return UsageError(
@@ -229,7 +192,7 @@ def why_no_orbits(asked: BoundaryRequest) -> MbcheckError | None:
 def why_no_equilibria(asked: BoundaryRequest) -> MbcheckError | None:
     """Return why there are no equilibria to follow, None if there are."""
     scene = asked.equations
-    if asked.setup.engine.name != REFERENCE:
+    if asked.middle.engine.name != REFERENCE:
         return UsageError(
             "equilibria are followed by the reference alone: an engine of the same forces has the "
             "same, whatever its step"
@@ -252,7 +215,7 @@ def why_no_equilibria(asked: BoundaryRequest) -> MbcheckError | None:
 def undriven(asked: BoundaryRequest, **changes: float) -> bool:
     """Return whether a scene with some other parameters is driven nowhere in the window."""
     try:
-        parameters = asked.setup.case.parameters.replace(**changes)
+        parameters = asked.middle.case.parameters.replace(**changes)
     except ParameterError:
         return False
     corners = np.array([[0.0, 1.0, 0.0, 1.0], [0.0, 0.0, 1.0, 1.0]])

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import pickle
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -30,9 +32,9 @@ from ...reference.orbits import section_row
 from ...reference.scene import Array
 from ..checks.orbits import engine_tracer
 from ..documents import document
+from ..engines.isolation import Worker, ready
 from ..queries.environment import versions
 from ..queries.query import by_state, floats
-from .ahead import executor
 from .request import EQUILIBRIA, ORBITS, BoundaryRequest
 
 SYMMETRY, HOPF = "symmetry_breaking", "hopf"
@@ -49,19 +51,12 @@ UNKNOWN = np.full(2, np.nan)
 """Shift of a curve of the reference."""
 
 SETTINGS = (
-    "scene",
-    "engine",
-    "model",
-    "method",
-    "step",
-    "parameters",
-    "x",
-    "y",
-    "lines",
-    "of",
-    "versions",
-)
+    "scene", "engine", "model", "method", "step", "parameters", "x", "y", "lines", "of", "versions",
+)  # fmt: skip
 """What a boundary depends on."""
+
+
+Perform = Callable[[Task], SearchOutcome]
 
 
 def kind_of(word: str) -> str:
@@ -74,7 +69,7 @@ def perform(asked: BoundaryRequest, subject: str, task: Task) -> SearchOutcome:
     reference = tracer = asked.tracer(subject)
     flow = None
     if asked.steps_per_period is not None:
-        tracer, flow = engine_tracer(reference, asked.setup, asked.steps_per_period)
+        tracer, flow = engine_tracer(reference, asked.middle, asked.steps_per_period)
     search = CurveSearch(reference, tracer)
     task(search)
     search.outcome.orbits = reference.solutions
@@ -82,6 +77,49 @@ def perform(asked: BoundaryRequest, subject: str, task: Task) -> SearchOutcome:
         search.outcome.engine_orbits = tracer.solutions
         search.outcome.problems = flow.problems[-1:]
     return search.outcome
+
+
+@contextmanager
+def executor(workers: int) -> Iterator[Callable[[Perform, Sequence[Task]], SearchOutcome]]:
+    """Lend a function that returns the outcome of the first of several tasks, or raises its error.
+
+    Other processes, if there are any, begin the tasks after it meanwhile, in their order. An
+    outcome does not depend on the number of processes.
+    """
+    idle: list[Worker] = []
+    busy: dict[Worker, bytes] = {}
+    outcomes: dict[bytes, Any] = {}
+
+    def outcome_of_first(perform: Perform, tasks: Sequence[Task]) -> SearchOutcome:
+        if workers == 1:
+            return perform(tasks[0])
+        calls = {pickle.dumps(call): call for call in (partial(perform, one) for one in tasks)}
+        first = next(iter(calls))
+        needless = [worker for worker, key in busy.items() if key not in calls]
+        if first not in (*outcomes, *busy.values()) and len(busy) == workers:
+            for worker in needless[:1]:
+                worker.end()
+                del busy[worker]
+        while first not in outcomes:
+            for key, call in calls.items():
+                if len(busy) < workers and key not in (*outcomes, *busy.values()):
+                    worker = idle.pop() if idle else Worker()
+                    busy[worker] = key
+                    worker.begin(call, None, None)
+            for worker in ready(busy):
+                outcomes[busy.pop(worker)] = worker.outcome
+                idle.extend([worker] if worker.process.is_alive() else [])
+        outcome = outcomes.pop(first)
+        if isinstance(outcome, EngineError):
+            raise outcome
+        found: SearchOutcome = outcome
+        return found
+
+    try:
+        yield outcome_of_first
+    finally:
+        for worker in (*idle, *busy):
+            worker.end()
 
 
 class Boundary:
@@ -103,14 +141,14 @@ class Boundary:
             subject: Network(self.lines, 2 if self.symmetric and subject == ORBITS else 1)
             for subject in asked.subjects
         }
-        self.orbits = self.engine_orbits = self.missing = 0
 
     @property
     def lines(self) -> list[Line]:
         """Lines that are looked along: those of the window, and those through places."""
         low, size = self.asked.window.low, self.asked.size
         places = (np.reshape(self.near, (-1, 2)) - low) / size
-        return [*map(Line, self.asked.places), *(Line(*place) for place in places.tolist())]
+        across = np.linspace(0, 1, self.asked.lines).tolist()
+        return [*map(Line, across), *(Line(*place) for place in places.tolist())]
 
     def work(self, workers: int = 1) -> Iterator[tuple[int, int, str]]:
         """Follow all curves, in so many processes; yield what is done.
@@ -134,7 +172,7 @@ class Boundary:
         problems = [problem for network in networks for problem in network.total.problems]
         missing = any(network.missing and not network.curves for network in networks)
         if problems and missing:
-            raise EngineError(self.asked.setup.engine.name, f"no curve was found: {problems[-1]}")
+            raise EngineError(self.asked.middle.engine.name, f"no curve was found: {problems[-1]}")
         if not any(network.total.has_orbits for network in networks):
             x, y = self.asked.x, self.asked.y
             what = " and ".join(NONE[subject] for subject in self.networks)
@@ -145,7 +183,7 @@ class Boundary:
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``boundary`` document of docs/json.md."""
-        asked, setup = self.asked, self.asked.setup
+        asked, setup = self.asked, self.asked.middle
         units, networks = self.units, self.networks.values()
         return document(
             "boundary",
@@ -165,34 +203,37 @@ class Boundary:
             near=[{"x": x, "y": y} for x, y in self.near],
             lines_done=sum(network.lines_done for network in networks),
             lines_done_of={name: network.lines_done for name, network in self.networks.items()},
-            orbits=self.orbits + sum(network.total.orbits for network in networks),
-            engine_orbits=self.engine_orbits
-            + sum(network.total.engine_orbits for network in networks),
+            orbits=sum(network.total.orbits for network in networks),
+            engine_orbits=sum(network.total.engine_orbits for network in networks),
             curves=[
                 self.curve(subject, curve)
                 for subject, network in self.networks.items()
                 for curve in network.curves
             ],
-            pending=self.bifurcations("starts"),
-            doublings=self.bifurcations("doublings"),
-            missing=self.missing + sum(network.missing for network in networks),
+            pending=[
+                self.start(subject, start)
+                for subject, network in self.networks.items()
+                for start in network.starts
+            ],
+            doublings=[
+                self.start(subject, start)
+                for subject, network in self.networks.items()
+                for start in network.doublings
+            ],
+            missing=sum(network.missing for network in networks),
             versions=versions([setup.engine.name]),
         )
 
-    def bifurcations(self, name: str) -> list[dict[str, Any]]:
-        """Return what the networks have in a list, as the document has it."""
-        return [
-            {
-                "of": subject,
-                "kind": self.word(subject, start),
-                "parts": start.parts,
-                "point": self.point(subject, start.point),
-                "unknowns": start.point.z,
-                "begins": start.begins or None,
-            }
-            for subject, network in self.networks.items()
-            for start in getattr(network, name)
-        ]
+    def start(self, subject: str, start: CurveStart) -> dict[str, Any]:
+        """Return where a curve starts, as the document has it."""
+        return {
+            "of": subject,
+            "kind": self.word(subject, start),
+            "parts": start.parts,
+            "point": self.point(subject, start.point),
+            "unknowns": start.point.z,
+            "begins": start.begins or None,
+        }
 
     @property
     def units(self) -> list[str]:
@@ -271,37 +312,35 @@ class Boundary:
                 raise UsageError(
                     f"--output: the file is of another boundary ({name}): name another"
                 )
-        self.orbits, self.engine_orbits = before["orbits"], before["engine_orbits"]
-        self.missing = before["missing"]
-        looked_near = [(place["x"], place["y"]) for place in before.get("near", ())]
+        first = next(iter(self.networks.values()))
+        first.total.orbits, first.total.engine_orbits = before["orbits"], before["engine_orbits"]
+        first.missing = before["missing"]
+        looked_near = [(place["x"], place["y"]) for place in before["near"]]
         self.near = [*looked_near, *(place for place in self.near if place not in looked_near)]
         for subject, network in self.networks.items():
             network.lines, network.lines_done = self.lines, before["lines_done_of"][subject]
             network.total.has_orbits = before["orbits"] > 0
         for item in before["curves"]:
-            subject = item["of"]
-            points = [self.read_point(subject, item["kind"], stored) for stored in item["points"]]
+            points = [self.read_point(item, stored) for stored in item["points"]]
             shifts = []
             if self.asked.steps_per_period is not None:
                 away = [[stored["shift_x"], stored["shift_y"]] for stored in item["points"]]
                 shifts = list(np.array(away, dtype=float) / self.asked.size)
             ends = item["begins"], item["ends"]
-            its = kind_of(item["kind"]), item["parts"], points, ends, item.get("doubled", False)
-            self.networks[subject].curves.append(BifurcationCurve(*its, shifts))
-        for name, items in (
-            ("starts", before["pending"]),
-            ("doublings", before.get("doublings", ())),
-        ):
-            for item in items:
-                point = self.read_point(item["of"], item["kind"], item["point"])
-                if "unknowns" in item:
-                    point = replace(point, z=np.array(item["unknowns"]))
-                kind, begins = kind_of(item["kind"]), item.get("begins") or ""
-                start = CurveStart(kind, item["parts"], point, begins)
-                getattr(self.networks[item["of"]], name).append(start)
+            its = kind_of(item["kind"]), item["parts"], points, ends, item["doubled"], shifts
+            self.networks[item["of"]].curves.append(BifurcationCurve(*its))
+        for name in ("pending", "doublings"):
+            for item in before[name]:
+                point = replace(self.read_point(item, item["point"]), z=np.array(item["unknowns"]))
+                start = CurveStart(
+                    kind_of(item["kind"]), item["parts"], point, item["begins"] or ""
+                )
+                network = self.networks[item["of"]]
+                (network.starts if name == "pending" else network.doublings).append(start)
 
-    def read_point(self, subject: str, word: str, stored: Mapping[str, Any]) -> CurvePoint:
-        """Return a point from a document."""
+    def read_point(self, item: Mapping[str, Any], stored: Mapping[str, Any]) -> CurvePoint:
+        """Return a point from a document, of a curve or of where one starts."""
+        subject = item["of"]
         scale, unit = self.tracers[subject].units
         scene, size = self.asked.equations, self.asked.size
         row = section_row(scene) if subject == ORBITS else None
@@ -313,11 +352,9 @@ class Boundary:
         multipliers = np.array([complex(v["re"], v["im"]) for v in stored[name]])
         if subject == EQUILIBRIA:
             multipliers = np.exp(unit * multipliers)
-        critical, others = split(kind_of(word), multipliers, row is not None)
-        bound = (
-            np.array([stored.get(f"{a}_bound_across", stored[f"{a}_bound"]) for a in "xy"]) / size
-        )
+        critical, others = split(kind_of(item["kind"]), multipliers, row is not None)
+        bound = np.array([stored["x_bound_across"], stored["y_bound_across"]]) / size
         z = np.concatenate([state, place])
-        side = np.array(stored.get("stable_side") or (np.nan, np.nan))
+        side = np.array(stored["stable_side"] or (np.nan, np.nan))
         way = np.array(stored["direction"])
         return CurvePoint(z, way, multipliers, critical, others, bound, side)

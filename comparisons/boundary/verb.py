@@ -63,7 +63,7 @@ def boundary(
     --workers.
     """
     from ..reports import boundaries
-    from . import draw, run
+    from . import run
 
     refuse_conflicts(output, plot)
     refuse_picture(plot)
@@ -87,7 +87,7 @@ def boundary(
         if output:
             output.write(json_text(text))
     if plot:
-        draw.draw_boundary(text, plot.path)
+        draw_boundary(text, plot.path)
     print_boundary(console(output), text, to_stdout(output))
     return 0 if complete else INTERRUPTED
 
@@ -100,6 +100,21 @@ def now_and_then(write: Callable[[], None], states: Iterable[Any]) -> Iterator[A
             write()
             written = monotonic()
         yield state
+
+
+def draw_boundary(text: Mapping[str, Any], path: Path) -> None:
+    """Write a picture of the curves of a document."""
+    from ..reports.boundaries import draw_curves
+    from ..reports.drawing import finish, label, named, new_figure
+
+    figure, axes = new_figure(height=4.2)
+    panel, x, y = axes[0, 0], text["x"], text["y"]
+    handles = draw_curves(panel, text)
+    panel.set_xlim(x["low"], x["high"])
+    panel.set_ylim(y["low"], y["high"])
+    title = f"{text['scene']}: stability boundaries by {text['engine']}"
+    label(panel, named(x["name"], x["unit"]), named(y["name"], y["unit"]), title)
+    finish(figure, handles, path)
 
 
 def print_boundary(screen: Any, text: Mapping[str, Any], quiet: bool) -> None:

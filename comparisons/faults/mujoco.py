@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from copy import copy
 from dataclasses import replace
 from typing import Any
 
@@ -108,52 +107,6 @@ class WithoutEquations(MujocoAdapter):
         return replace(source, equations=None)
 
 
-class Softened(MujocoAdapter):
-    """MuJoCo with one more option: how soft the closure of a model is.
-
-    Parameters
-    ----------
-    model : str
-    make : callable ``(softness) -> Mjcf``
-    """
-
-    softness: float | None = None
-
-    def __init__(self, model: str = "", make: Callable[[float], mjcf.Mjcf] | None = None) -> None:
-        super().__init__()
-        self.softened, self.make = model, make
-
-    def source(self, case: Case, model: str) -> mjcf.Mjcf:
-        """Return the named MJCF model, closed as softly as the option says."""
-        if self.make is None or self.softness is None or model != self.softened:
-            return super().source(case, model)
-        return self.make(self.softness)
-
-    def with_option(self, name: str, value: float) -> Softened:
-        """Return the engine with its option set."""
-        other = copy(self)
-        setattr(other, name, value)
-        other.hold(self.inner)
-        return other
-
-
-class Unconstrained(MuJoCo):
-    """MuJoCo with constraints disabled."""
-
-    def load(self, system: System) -> Any:
-        """Return the compiled model of a system with the flag set."""
-        compiled = super().load(system)
-        compiled.opt.disableflags |= self.mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
-        return compiled
-
-
-class Bare(MujocoAdapter):
-    """MuJoCo with constraints disabled, for models that have none."""
-
-    def __init__(self) -> None:
-        super().__init__(Unconstrained())
-
-
 class Controlled(MujocoAdapter):
     """MuJoCo whose force comes through ``ctrl``, which is set before each step.
 
@@ -252,8 +205,8 @@ class Rebound(MujocoAdapter):
 
     def source(self, case: Case, model: str) -> mjcf.Mjcf:
         """Return the model with those values."""
-        found = super().source(case, model)
-        return replace(found, bindings={**found.bindings, **self.bindings})
+        source = super().source(case, model)
+        return replace(source, bindings={**source.bindings, **self.bindings})
 
 
 class FlippedMujoco(MujocoAdapter):
@@ -261,11 +214,11 @@ class FlippedMujoco(MujocoAdapter):
 
     def motion(self, case: Case, model: str, time: float, state: Array) -> mjcf.Motion:
         """Return the motion of the joints with the rod mirrored at the height of the pin."""
-        found = dict(super().motion(case, model, time, state))
+        motion = dict(super().motion(case, model, time, state))
         if not case.name:  # as the file opens, which is right
-            return found
-        (phi, speed), (pin, turn), (y, rate) = (found[n] for n in ("phi", "pin_angle", "y"))
+            return motion
+        (phi, speed), (pin, turn), (y, rate) = (motion[n] for n in ("phi", "pin_angle", "y"))
         r = case.parameters.crank_radius
-        found["pin_angle"] = np.pi - pin - 2 * phi, -turn - 2 * speed
-        found["y"] = 2 * r * np.sin(phi) - y, 2 * r * np.cos(phi) * speed - rate
-        return found
+        motion["pin_angle"] = np.pi - pin - 2 * phi, -turn - 2 * speed
+        motion["y"] = 2 * r * np.sin(phi) - y, 2 * r * np.cos(phi) * speed - rate
+        return motion

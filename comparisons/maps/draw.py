@@ -66,7 +66,7 @@ def draw_map(result: Map, path: Path, curves: Mapping[str, Any] | None = None) -
         colours = PALETTE if curves is None else PALE
         handles = class_map(panel, grid, values, about.classes, colours, robust)
         if not np.all(result.robust):
-            handles.append(robustness_dot())
+            handles += panel.plot([], [], "w.", markeredgecolor=INK, label="not robust")
     else:
         number_map(panel, grid, values, about.unit, named(result.main_variable, about.unit))
     if np.any(values < 0 if about.classes else np.isnan(values)):
@@ -76,16 +76,6 @@ def draw_map(result: Map, path: Path, curves: Mapping[str, Any] | None = None) -
     title = f"{settings['scene']}: {settings['quantity']} by {called(settings)}"
     label(panel, axis_label(result, result.x.name), axis_label(result, result.y.name), title)
     finish(figure, handles, path)
-
-
-def robustness_dot() -> Any:
-    """Return the legend's handle of points that are not robust."""
-    from matplotlib.lines import Line2D
-
-    return Line2D(
-        [], [], linestyle="none", marker=".", color="white", markeredgecolor=INK,
-        label="not robust",
-    )  # fmt: skip
 
 
 def white_cell(words: str) -> Any:

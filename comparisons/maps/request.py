@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from importlib.metadata import version
 from typing import Annotated, Any, Literal
@@ -17,9 +17,10 @@ from ...reference.scene import Array, Case, Scene
 from ...reference.solve import HEYOKA, takes_heyoka
 from ..documents.fields import OptionMark
 from ..engines.registry import REFERENCE, get_engine
-from ..queries.axis import ParameterRange
+from ..queries.axis import ParameterRange, refuse_axes
 from ..queries.environment import versions
-from ..queries.query import choose_engine, choose_method, known_name, valid_step
+from ..queries.query import known_name, valid_step
+from ..queries.request import MethodQuery
 from ..scenes.data import scene_data
 from ..scenes.quantity import AxisName, Points, Quantity, QuantityValues
 
@@ -78,27 +79,17 @@ def axis_names(scene: str) -> Mapping[str, AxisName]:
 
 
 @dataclass(frozen=True)
-class Request:
+class Request(MethodQuery):
     """Everything that a map depends on.
 
     Attributes
     ----------
-    scene : str
-        Name of the scene.
+    step : float or None
+        Longest step [s].
     quantity : str
         See mbcheck list SCENE.
     x, y : Axis
         A parameter, or what mbcheck list SCENE names beside them: N values from LO to HI.
-    engine : str
-        Who computes it.
-    model : str or None
-        One of the engine's models of the scene.
-    method : str or None
-        Integrator as the engine spells it; by default that of highest order.
-    step : float or None
-        Longest step [s].
-    parameters : mapping
-        Change a parameter from its default, SI units.
     refine : bool
         Compute only points near boundaries of classes.
     block : int or None
@@ -108,17 +99,9 @@ class Request:
         quantity, or NumPy.
     """
 
-    scene: Annotated[str, OptionMark(flags=())]
     quantity: Annotated[str, OptionMark("NAME")]
     x: Annotated[Axis, OptionMark("NAME=LO:HI:N", parse=Axis.parse)]
     y: Annotated[Axis, OptionMark("NAME=LO:HI:N", parse=Axis.parse)]
-    engine: Annotated[str, OptionMark("ENGINE")] = REFERENCE
-    model: Annotated[str | None, OptionMark("NAME")] = None
-    method: Annotated[str | None, OptionMark("METHOD")] = None
-    step: Annotated[float | None, OptionMark("H")] = None
-    parameters: Annotated[Mapping[str, Any], OptionMark("NAME=VALUE", ("--set",))] = field(
-        default_factory=dict
-    )
     refine: Annotated[bool, OptionMark()] = False
     block: Annotated[int | None, OptionMark("N")] = None
     backend: Annotated[Backend, OptionMark()] = "auto"
@@ -127,6 +110,11 @@ class Request:
     def shape(self) -> tuple[int, int]:
         """Rows and columns of the grid."""
         return self.y.count, self.x.count
+
+    @property
+    def case(self) -> Case:
+        """The case of the last corner."""
+        return Case(self.scene, "corner", corners_of(self).one(1))
 
     @property
     def mapped(self) -> Quantity:
@@ -155,37 +143,20 @@ def resolved(asked: Request) -> Request:
     if asked.quantity not in known:
         raise UnknownNameError(f"quantity of {asked.scene}", asked.quantity, known)
     get_engine(asked.engine)
-    check_axes(asked)
+    names = [*get_scene(asked.scene).parameters.numeric_names(), *axis_names(asked.scene)]
+    refuse_axes(f"a map of {asked.scene}", asked.x, asked.y, names, asked.parameters or {})
+    if asked.x.count * asked.y.count > MOST_POINTS:
+        raise UsageError(f"{asked.x.count} x {asked.y.count} are more points than mbcheck computes")
     if asked.block is not None and asked.block < 1:
         raise UsageError(f"a block needs 1 point or more, not {asked.block}")
     if asked.refine and not any(item.classes for item in asked.mapped.variables.values()):
         raise UsageError(
             f"--refine follows the boundaries of classes, and {asked.quantity} has none"
         )
-    if asked.step is not None:
-        asked = replace(asked, step=valid_step(asked.step))
-    corners = points_of(asked, np.array([[0, 0], [asked.x.count - 1, asked.y.count - 1]]))
-    return by_reference(asked) if asked.engine == REFERENCE else by_engine(asked, corners.one(1))
-
-
-def check_axes(asked: Request) -> None:
-    """Refuse axes that make no map.
-
-    Raises
-    ------
-    UsageError
-    """
-    x, y, parameters = asked.x, asked.y, get_scene(asked.scene).parameters
-    if x.name == y.name:
-        raise UsageError(f"both axes are {x.name}: a map needs two parameters")
-    names = [*parameters.numeric_names(), *axis_names(asked.scene)]
-    for axis in (x, y):
-        if axis.name not in names:
-            raise UnknownNameError(f"axis of {asked.scene}", axis.name, names)
-        if axis.name in asked.parameters:
-            raise UsageError(f"{axis.name} is on an axis, and so cannot be set as well")
-    if x.count * y.count > MOST_POINTS:
-        raise UsageError(f"{x.count} x {y.count} are more points than mbcheck computes")
+    step = None if asked.step is None else valid_step(asked.step)
+    asked = replace(asked, step=step, parameters=asked.parameters or {})
+    corners_of(asked)  # which refuses impossible values
+    return by_reference(asked) if asked.engine == REFERENCE else by_engine(asked)
 
 
 def by_reference(asked: Request) -> Request:
@@ -201,18 +172,16 @@ def by_reference(asked: Request) -> Request:
     return replace(asked, model=model, block=asked.block or quantity.block, backend=name)
 
 
-def by_engine(asked: Request, corner: Any) -> Request:
-    """Return a request of an engine with what was left open, by the parameters of one point."""
+def by_engine(asked: Request) -> Request:
+    """Return a request of an engine with what was left open."""
     quantity = asked.mapped
     if not quantity.engines:
         raise UsageError(f"{asked.quantity} is of the theory alone: no engine can compute it")
     if asked.backend == HEYOKA:
         raise UsageError("--backend is of the reference: an engine takes its own steps")
-    case = Case(asked.scene, "corner", corner)
-    engine, model = choose_engine(asked.engine, case, asked.model)
-    method = choose_method(engine, case, model, asked.method).name
-    block = asked.block or quantity.engine_block
-    return replace(asked, model=model, method=method, block=block, backend="numpy")
+    setup = asked.setup()
+    block, method = asked.block or quantity.engine_block, setup.integrator.name
+    return replace(asked, model=setup.model, method=method, block=block, backend="numpy")
 
 
 def on_axes(scene: str, base: Any, values: Mapping[str, Array]) -> Any:
@@ -228,6 +197,11 @@ def on_axes(scene: str, base: Any, values: Mapping[str, Array]) -> Any:
     return changed
 
 
+def corners_of(asked: Request) -> Points:
+    """Return the first and the last point of a map."""
+    return points_of(asked, np.array([[0, 0], [asked.x.count - 1, asked.y.count - 1]]))
+
+
 def points_of(asked: Request, places: NDArray[np.int_]) -> Points:
     """Return some points of a map, by their columns and rows (k, 2)."""
     scene: Scene = get_scene(asked.scene)
@@ -237,7 +211,7 @@ def points_of(asked: Request, places: NDArray[np.int_]) -> Points:
     }
     return Points(
         scene,
-        on_axes(asked.scene, scene.parameters().replace(**asked.parameters), values),
+        on_axes(asked.scene, scene.parameters().replace(**(asked.parameters or {})), values),
         places,
         values,
         asked.engine,

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import json
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
+from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -17,10 +18,11 @@ from scipy.spatial import KDTree
 from ...reference.cost import keep_budget
 from ...reference.errors import UsageError
 from ..engines.registry import REFERENCE
-from ..scenes.quantity import NO_VALUE
+from ..reports.files import write_whole
+from ..scenes.quantity import NO_VALUE, QuantityValues
 from .execute import Executor, in_turn, on_cluster, on_this_machine
 from .request import Axis, Request, evaluate, resolved
-from .store import Blocks, Map
+from .store import Map, read, to_bytes
 
 COARSE_CELLS = 32
 """Cells along an axis that refinement starts with on a large grid; a quarter of a small one."""
@@ -35,6 +37,10 @@ LOOK_BACK, LOOK_AHEAD = 4, 16
 """Passes from whose places the direction of a boundary is taken, and cells that are computed ahead
 of it, at most."""
 
+OFTEN, RARELY = 2.0, 20.0
+"""Time [s] between two times at which an unfinished map is written, or so many times as long as
+that takes."""
+
 Places = NDArray[np.int_]
 Progress = Callable[[int, int], None]
 
@@ -44,7 +50,7 @@ def compute(
     *,
     workers: int = 1,
     dask: str | None = None,
-    folder: Path | None = None,
+    unfinished: Path | None = None,
     resume: bool = False,
     progress: Progress = lambda done, total: None,
 ) -> Map:
@@ -58,16 +64,16 @@ def compute(
         Processes; 1 stays in this one. The map does not depend on it, nor on ``dask``.
     dask : str, optional
         Address of the scheduler of a Dask cluster, instead of processes here.
-    folder : Path, optional
-        Where finished blocks are kept until the map is complete.
+    unfinished : Path, optional
+        File that keeps the map while it is not complete.
     resume : bool
-        Go on with what is in ``folder``.
+        Go on with what is in ``unfinished``.
     progress : callable ``(points done, points in all)``
 
     Raises
     ------
     UsageError
-        If the folder holds another map, or one that is not to be resumed.
+        If ``unfinished`` is another map, or one that is not to be resumed.
     MbcheckError
         If workers keep dying.
     """
@@ -75,21 +81,15 @@ def compute(
         raise UsageError(f"the number of workers must be 1 or more, not {workers}")
     if dask is not None and workers > 1:
         raise UsageError("--workers and --dask contradict each other")
-    blocks = Blocks(folder, asked, resume)
-    grid = Grid(asked, blocks, progress)
+    grid = Grid(asked, progress, unfinished, resume)
     lent = on_cluster(dask) if dask is not None else nullcontext(on_this_machine(workers))
-    with lent as execute:
-        for places in refined(grid) if asked.refine else [everywhere(asked)]:
-            grid.fill(places, execute)
-    return Map(
-        asked.x,
-        asked.y,
-        grid.variables,
-        about=dict(asked.mapped.variables),
-        computed=grid.computed,
-        settings=json.loads(json.dumps(asked.as_dict())),
-        problems=tuple(sorted(grid.problems)),
-    )
+    try:
+        with lent as execute:
+            for places in refined(grid) if asked.refine else [everywhere(asked)]:
+                grid.fill(places, execute)
+    finally:
+        grid.save()
+    return grid.map()
 
 
 def compute_map(
@@ -130,13 +130,21 @@ class Grid:
 
     Attributes
     ----------
+    asked : Request
+    progress : callable
+    unfinished : Path or None
+        File that keeps the map meanwhile.
+    kept : Map or None
+        What that had before.
     variables : dict of str to array (n_y, n_x)
     computed : bool array (n_y, n_x)
     problems : list of (x, y, reason)
     """
 
-    def __init__(self, asked: Request, blocks: Blocks, progress: Progress) -> None:
-        self.asked, self.blocks, self.progress = asked, blocks, progress
+    def __init__(
+        self, asked: Request, progress: Progress, unfinished: Path | None, resume: bool
+    ) -> None:
+        self.asked, self.progress, self.unfinished = asked, progress, unfinished
         self.variables: dict[str, Any] = {
             name: np.full(asked.shape, NO_VALUE, np.int8)
             if item.classes or name == "robust"
@@ -146,34 +154,85 @@ class Grid:
         self.computed = np.zeros(asked.shape, dtype=bool)
         self.problems: list[tuple[float, float, str]] = []
         self.done = self.total = 0
+        self.saved, self.pause, self.is_new = monotonic(), OFTEN, False
+        self.settings = json.loads(json.dumps(asked.as_dict()))
+        self.kept = self.read_kept(resume)
+
+    def read_kept(self, resume: bool) -> Map | None:
+        """Return what the file of the unfinished map has, if there is one.
+
+        Raises
+        ------
+        UsageError
+            If it is not to be resumed, or of another map.
+        """
+        if self.unfinished is None or not self.unfinished.exists():
+            return None
+        if not resume:
+            raise UsageError(
+                f"{self.unfinished} is an unfinished map: go on with --resume, or delete it"
+            )
+        kept = read(self.unfinished)
+        others = [name for name, value in self.settings.items() if kept.settings.get(name) != value]
+        others += ["its variables"] if set(kept.variables) != set(self.variables) else []
+        if others:
+            raise UsageError(
+                f"--resume: {self.unfinished} is of another map ({', '.join(others)}); ask for the "
+                "same, or delete it"
+            )
+        self.problems += kept.problems
+        return kept
+
+    def map(self) -> Map:
+        """Return the map as far as it is computed."""
+        return Map(
+            self.asked.x,
+            self.asked.y,
+            self.variables,
+            about=dict(self.asked.mapped.variables),
+            computed=self.computed,
+            settings=self.settings,
+            problems=tuple(sorted(self.problems)),
+        )
+
+    def save(self) -> None:
+        """Write what is computed to the file of the unfinished map, if it lacks any of it."""
+        if self.unfinished is None or not self.is_new:
+            return
+        begin = monotonic()
+        write_whole(self.unfinished, to_bytes(self.map()))
+        self.saved, self.is_new = monotonic(), False
+        self.pause = max(OFTEN, RARELY * (self.saved - begin))
 
     def fill(self, places: Places, execute: Executor) -> None:
-        """Compute places (k, 2), columns and rows, or take them from finished blocks."""
+        """Compute places (k, 2), columns and rows, or take them from what was kept."""
         self.total += len(places)
         missing, size = [], self.asked.block or len(places)
         if self.asked.refine:  # to be shared, however many there are to share it
             size = min(size, max(FEW, -(-len(places) // SHARES)))
         for block in split(places, size):
-            if self.blocks.get(block) is None:
-                missing.append(block)
+            column, row = block.T
+            if self.kept is not None and np.all(self.kept.computed[row, column]):
+                values = {name: item[row, column] for name, item in self.kept.variables.items()}
+                self.place(block, QuantityValues(values))
             else:
-                self.place(block)
+                missing.append(block)
         if len(missing) == 1 and self.asked.engine == REFERENCE:
             execute = in_turn  # to begin a process takes longer than what it would share
         for i, block_values in execute(partial(evaluate, self.asked), missing):
-            self.blocks.put(missing[i], block_values)
-            self.place(missing[i])
+            self.place(missing[i], block_values)
+            self.is_new = True
+            if monotonic() - self.saved > self.pause:
+                self.save()
             keep_budget(self.done / self.total)
 
-    def place(self, block: Places) -> None:
+    def place(self, block: Places, found: QuantityValues) -> None:
         """Put a finished block where it belongs."""
-        block_values = self.blocks.get(block)
-        assert block_values is not None
         column, row = block.T
         for name, values in self.variables.items():
-            values[row, column] = block_values.values[name]
+            values[row, column] = found.values[name]
         self.computed[row, column] = True
-        for i, words in block_values.problems.items():
+        for i, words in found.problems.items():
             x, y = self.asked.x.values[column[i]], self.asked.y.values[row[i]]
             self.problems.append((float(x), float(y), words))
         self.done += len(block)
@@ -228,15 +287,14 @@ def refined(grid: Grid) -> Iterator[Places]:
         if spacing == 1:
             return
         spacing //= 2
-        cells, before = all_cells(asked.shape, spacing), deque[Places](maxlen=LOOK_BACK)
-        while (places := uncertain(grid.variables[key], grid.computed, spacing, cells)).size:
+        before = deque[Places](maxlen=LOOK_BACK)
+        while (places := uncertain(grid.variables[key], grid.computed, spacing)).size:
             follows = len(before) == LOOK_BACK and asked.engine == REFERENCE
             far = straight_on(before[0], places, asked.shape, spacing) if follows else places[:0]
             before.append(places)
             far = far[~grid.computed[far[:, 1], far[:, 0]]]
             places = np.unique(np.concatenate([places, far]), axis=0)
             yield places
-            cells = cells_about(places, asked.shape, spacing)
 
 
 def straight_on(before: Places, places: Places, shape: tuple[int, int], spacing: int) -> Places:
@@ -246,7 +304,10 @@ def straight_on(before: Places, places: Places, shape: tuple[int, int], spacing:
     """
     cells = min(LOOK_AHEAD, FEW // (3 * len(places)))
     lines = [lattice(count, spacing) for count in reversed(shape)]
-    old, new = numbers_on(lines, before), numbers_on(lines, places)
+    old, new = (
+        np.stack([np.searchsorted(*pair) for pair in zip(lines, some.T, strict=True)], axis=1)
+        for some in (before, places)
+    )
     far, nearest = KDTree(old).query(new, p=np.inf)
     ahead = (new - old[nearest]) / np.maximum(far, 1)[:, None]
     line = np.rint(new[:, None] + ahead[:, None] * np.arange(1, cells + 1)[:, None]).astype(int)
@@ -267,13 +328,6 @@ def lattice(count: int, spacing: int) -> Places:
     return np.union1d(np.arange(0, count, spacing), [count - 1])
 
 
-def numbers_on(lines: Sequence[Places], places: Places) -> Places:
-    """Return the numbers (k, 2) that places (k, 2) have on the lines of a lattice."""
-    return np.stack(
-        [np.searchsorted(line, at) for line, at in zip(lines, places.T, strict=True)], axis=1
-    )
-
-
 def spread(grid: Grid, spacing: int) -> None:
     """Give each place that is not computed the values of the nearest point of a lattice."""
     near_row, near_column = (
@@ -285,30 +339,15 @@ def spread(grid: Grid, spacing: int) -> None:
         values[...] = np.where(grid.computed, values, values[np.ix_(near_row, near_column)])
 
 
-def all_cells(shape: tuple[int, int], spacing: int) -> Places:
-    """Return the cells (k, 2) of a lattice by their row and column among its own."""
-    rows, columns = (len(lattice(count, spacing)) - 1 for count in shape)
-    return np.stack(np.divmod(np.arange(rows * columns), columns), axis=1)
-
-
-def cells_about(places: Places, shape: tuple[int, int], spacing: int) -> Places:
-    """Return the cells (k, 2) that have one of some places (columns and rows) as a corner.
-
-    No other can have got corners of different classes since these were computed.
-    """
-    lines = [lattice(count, spacing) for count in shape]
-    corners = numbers_on(lines, places[:, ::-1])
-    about = np.concatenate([corners - shift for shift in np.ndindex(2, 2)])
-    inside = np.all((about >= 0) & (about < [len(line) - 1 for line in lines]), axis=1)
-    return np.unique(about[inside], axis=0)
-
-
-def uncertain(classes: Any, computed: Any, spacing: int, cells: Places) -> Places:
+def uncertain(classes: Any, computed: Any, spacing: int) -> Places:
     """Return the corners (k, 2), not computed, of a lattice's cells whose classes differ."""
     rows, columns = (lattice(count, spacing) for count in classes.shape)
-    corners = cells[:, None] + np.array(list(np.ndindex(2, 2)))
-    row, column = rows[corners[..., 0]], columns[corners[..., 1]]
-    mixed = np.ptp(classes[row, column], axis=1) > 0
-    wanted = np.stack([row[mixed].ravel(), column[mixed].ravel()], axis=1)
-    wanted = np.unique(wanted[~computed[wanted[:, 0], wanted[:, 1]]], axis=0)
-    return wanted[:, ::-1]
+    values, left = classes[np.ix_(rows, columns)], ~computed[np.ix_(rows, columns)]
+    height, width = len(rows) - 1, len(columns) - 1
+    corners = [np.s_[i : i + height, j : j + width] for i, j in np.ndindex(2, 2)]
+    mixed = np.ptp([values[corner] for corner in corners], axis=0) > 0
+    wanted = np.zeros(values.shape, dtype=bool)
+    for corner in corners:
+        wanted[corner] |= mixed
+    row, column = np.nonzero(wanted & left)
+    return np.stack([columns[column], rows[row]], axis=1)

@@ -1,4 +1,4 @@
-"""Maps on disk: blocks as they are finished, and the file that they become.
+"""Maps on disk.
 
 The file is NetCDF (classic, 64-bit offsets) with the CF conventions' attributes: labelled
 arrays with units that xarray, MATLAB, Octave, R, ncdump and Panoply open. SciPy writes it, so
@@ -11,19 +11,14 @@ from __future__ import annotations
 import hashlib
 import io
 import json
-import logging
 import re
-import shutil
 import struct
-import zipfile
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.io import netcdf_file
 
 from ...reference import get_scene
@@ -31,17 +26,10 @@ from ...reference.errors import UsageError
 from ...reference.scene import Array
 from ..documents.reading import read_bytes
 from ..reports.files import write_whole
-from ..scenes.quantity import NO_VALUE, QuantityValues, Variable
-from .request import Axis, Request, axis_names
+from ..scenes.quantity import NO_VALUE, Variable
+from .request import Axis, axis_names
 
 COMPUTED = Variable("1", "1 where computed, 0 where taken from the nearest computed point")
-
-
-MOST_BYTES = 1 << 30
-"""Longer files are none of a map, or of a block."""
-
-ABOUT = "settings.json"
-"""File beside the blocks that tells what they depend on."""
 
 BLANK = b"0" * 64
 """What stands in a map for its digest, which is of all its bytes, as it is computed."""
@@ -51,11 +39,9 @@ DIGEST = re.compile(rb"digest\0\0\0\0\0\x02\0\0\0\x40([0-9a-f]{64})")
 
 BROKEN = (
     AssertionError, AttributeError, EOFError, IndexError, KeyError, MemoryError, OverflowError,
-    RecursionError, TypeError, ValueError, struct.error, zipfile.BadZipFile,
+    RecursionError, TypeError, ValueError, struct.error,
 )  # fmt: skip
-"""What NumPy and SciPy raise for a file that is none of theirs."""
-
-LOG = logging.getLogger(__name__)
+"""What SciPy raises for a file that is none of its own."""
 
 
 def sha256(*parts: bytes) -> str:
@@ -221,108 +207,3 @@ def from_bytes(data: bytes) -> Map:
         computed = variables.pop("computed") == 1
         problems = tuple((a, b, words) for a, b, words in json.loads(file.problems))
     return Map(x, y, variables, about, computed, settings, problems)
-
-
-# The blocks
-
-
-@dataclass
-class Blocks:
-    """Finished blocks of a map that is being computed, in a folder or in memory alone.
-
-    Attributes
-    ----------
-    folder : Path or None
-    resume : bool
-        Take what is there, instead of refusing it.
-    """
-
-    folder: Path | None
-    asked: Request
-    resume: bool = False
-    finished: dict[str, QuantityValues] = field(default_factory=dict)
-
-    @cached_property
-    def settings(self) -> str:
-        """What the blocks depend on, as JSON."""
-        return json.dumps(self.asked.as_dict(), sort_keys=True, indent=1)
-
-    def __post_init__(self) -> None:
-        if self.folder is None:
-            return
-        about = self.folder / ABOUT
-        if not about.exists():
-            return
-        if not self.resume:
-            raise UsageError(
-                f"{self.folder} holds an unfinished map: go on with --resume, or delete it"
-            )
-        before = read_bytes(about).decode(errors="replace")
-        if before != self.settings:
-            raise UsageError(
-                f"--resume: {self.folder} is of another map ({difference(before, self.settings)}); "
-                "ask for the same, or delete it"
-            )
-
-    def name(self, places: NDArray[np.int_]) -> str:
-        """Return the name of a block."""
-        return sha256(np.asarray(places, dtype="<i8").tobytes())[:24]
-
-    def get(self, places: NDArray[np.int_]) -> QuantityValues | None:
-        """Return a block if it is finished; one that is damaged or of other places is not."""
-        name = self.name(places)
-        if name not in self.finished and self.folder is not None:
-            file = self.folder / f"{name}.npz"
-            try:
-                with file.open("rb") as stored:
-                    digest, data = stored.read(64), stored.read(MOST_BYTES)
-                if self.digest(places, data).encode() != digest:
-                    raise ValueError("another digest")
-                with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
-                    values = {key: arrays[key] for key in arrays.files if key != "problems"}
-                    problems = json.loads(str(arrays["problems"]))
-                if set(values) != set(self.asked.mapped.variables):
-                    raise ValueError("other variables")
-            except FileNotFoundError:
-                return None
-            except (OSError, *BROKEN):
-                LOG.warning("Warning: %s is damaged, or of another block: computed again", file)
-                return None
-            self.finished[name] = QuantityValues(
-                values, {int(key): words for key, words in problems.items()}
-            )
-        return self.finished.get(name)
-
-    def digest(self, places: NDArray[np.int_], data: bytes) -> str:
-        """Return the digest of a block's places, of what it depends on, and of its content."""
-        return sha256(self.name(places).encode(), self.settings.encode(), data)
-
-    def put(self, places: NDArray[np.int_], block: QuantityValues) -> None:
-        """Keep a block: whole, or not at all; the first one makes the folder."""
-        name = self.name(places)
-        self.finished[name] = block
-        if self.folder is not None:
-            if not (self.folder / ABOUT).exists():
-                self.folder.mkdir(parents=True, exist_ok=True)
-                write_whole(self.folder / ABOUT, self.settings.encode())
-            data = io.BytesIO()
-            arrays: dict[str, Any] = {**block.values}
-            np.savez(data, problems=np.array(json.dumps(dict(block.problems))), **arrays)
-            content = data.getvalue()
-            digest = self.digest(places, content).encode()
-            write_whole(self.folder / f"{name}.npz", digest + content)
-
-
-def remove(folder: Path) -> None:
-    """Delete the blocks of a map that is complete."""
-    shutil.rmtree(folder, ignore_errors=True)
-
-
-def difference(before: str, now: str) -> str:
-    """Return which settings differ."""
-    try:
-        old, new = json.loads(before), json.loads(now)
-        names = [name for name in new if old.get(name) != new[name]]
-    except (ValueError, AttributeError):
-        return "its settings are unreadable"
-    return ", ".join(names)

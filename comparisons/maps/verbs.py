@@ -44,10 +44,10 @@ if TYPE_CHECKING:
     required=True,
     callback=destination,
     metavar="FILE.nc",
-    help="The NetCDF file to write; blocks are kept in FILE.nc.blocks until it is complete.",
+    help="The NetCDF file to write; FILE.nc.unfinished keeps what is computed meanwhile.",
 )
 @PLOT
-@click.option("--resume", is_flag=True, help="Go on with the blocks of an interrupted run.")
+@click.option("--resume", is_flag=True, help="Go on with what an interrupted run has kept.")
 @click.option("--workers", type=COUNT, default=1, show_default=True, help="Processes.")
 @click.option("--dask", metavar="ADDRESS", help="Scheduler of a Dask cluster, instead.")
 @budget_option(MAP)
@@ -68,7 +68,7 @@ def map_(
 ) -> int:
     """Map a quantity of a scene over two of its parameters.
 
-    Finished blocks are kept: an interrupted map goes on with --resume, and equals one that
+    What is computed is kept: an interrupted map goes on with --resume, and equals one that
     was not interrupted. The map does not depend on --workers or --dask. Exit code 1: no point
     has a value.
     """
@@ -79,15 +79,16 @@ def map_(
     refuse_picture(plot)
     wanted = resolved(Request(**asked))
     curves = None if boundary is None else boundaries.read_beside(boundary, wanted)
-    folder = None
+    unfinished = None
     if not output.standard_output:
-        folder = output.path.with_name(f"{output.path.name}.blocks")
+        unfinished = output.path.with_name(f"{output.path.name}.unfinished")
     with progress_bar(True, "points") as advance, within(budget):
         result = run.compute(
-            wanted, workers=workers, dask=dask, folder=folder, resume=resume, progress=advance
-        )
-    if output.write_bytes(store.to_bytes(result)) and folder is not None:
-        store.remove(folder)
+            wanted, workers=workers, dask=dask, unfinished=unfinished, resume=resume,
+            progress=advance,
+        )  # fmt: skip
+    if output.write_bytes(store.to_bytes(result)) and unfinished is not None:
+        unfinished.unlink(missing_ok=True)
     if plot:
         draw.draw_map(result, plot.path, curves)
     if not output.standard_output:

@@ -15,7 +15,7 @@ from ...reference.errors import UsageError
 from ..engines.registry import REFERENCE
 from ..maps.request import Axis, Request, resolved
 from ..maps.run import compute
-from ..maps.store import Map, read, remove
+from ..maps.store import Map, read
 
 T = TypeVar("T")
 
@@ -97,21 +97,21 @@ class Session:
     def _map(self, asked: Any, settings: str) -> Map:
         """Read a map if it is there, or else compute it."""
         name = f"{asked.scene} {asked.quantity} {asked.engine} {asked.model}"
-        blocks = None
+        unfinished = None
         if self.folder is not None:
             key = sha256(settings.encode()).hexdigest()[:12]
             file = self.folder / f"{name.replace(' ', '_')}_{key}.nc"
             if stored := self.stored_map(file, settings):
                 return stored
-            blocks = file.with_suffix(".blocks")
+            unfinished = file.with_suffix(".unfinished")
         computed = compute(
             asked,
             workers=self.workers,
-            folder=blocks,
+            unfinished=unfinished,
             resume=True,
             progress=lambda done, total: self.progress(name, done, total),
         )
-        if blocks is not None:
+        if unfinished is not None:
             computed.save(file)
-            remove(blocks)
+            unfinished.unlink(missing_ok=True)
         return computed

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, fields
 from typing import Self
 
-from ...reference.errors import UsageError
+from ...reference.errors import UnknownNameError, UsageError
 from ..documents.fields import number_from
 
 
@@ -52,3 +53,31 @@ class ParameterRange:
             raise UsageError(f"{flag} needs {form}{rule}, not {text!r}")
         ends = (number_from(word, f"{flag} {name}: a bound") for word in (low, high))
         return cls(name, *ends, *map(int, count))
+
+
+def refuse_axes(
+    what: str, x: ParameterRange, y: ParameterRange, names: Sequence[str], fixed: Collection[str]
+) -> None:
+    """Refuse axes that span no plane of parameters.
+
+    Parameters
+    ----------
+    what : str
+        For messages: of what they are the axes.
+    x, y : ParameterRange
+    names : sequence of str
+        Known parameters.
+    fixed : collection of str
+        Parameters that are set otherwise.
+
+    Raises
+    ------
+    UsageError
+    """
+    if x.name == y.name:
+        raise UsageError(f"both axes are {x.name}: {what} needs two parameters")
+    for axis in (x, y):
+        if axis.name not in names:
+            raise UnknownNameError(f"axis of {what}", axis.name, names)
+        if axis.name in fixed:
+            raise UsageError(f"{axis.name} is on an axis, and so cannot be set as well")

@@ -6,6 +6,7 @@ import copy
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
+from hashlib import sha256
 from math import inf
 from time import monotonic, thread_time
 from typing import Any, NamedTuple
@@ -18,6 +19,9 @@ from ..inspect.mujoco.facts import integrator, integrators
 from ..inspect.mujoco.model import Loaded, State
 from ..inspect.mujoco.trial import edited
 from ..inspect.views import state_views, step_limits
+from ..queries.environment import versions
+from .request import TradeoffRequest
+from .store import RunStore
 
 LONGEST, FINEST = 8, 8
 """Steps reach from so many times the file's own to its so manyth part."""
@@ -43,9 +47,6 @@ FREQUENCIES = (0.3, 1.5)
 RESOLVED = {"tolerance": 1e-15, "iterations": 200, "ls_iterations": 100}
 """Options of Newton's solver in the converged run; without a tolerance it goes on at rounding, and
 takes 30 times as long for the same digits."""
-
-ITERATIONS = (2, 8, 32, 128)
-"""Of the solver, what is tried beside the file's own number."""
 
 CLOSURE = 2.5
 """Steps that the time constant of a closure has where it is as hard as `refsafe` lets it be."""
@@ -149,6 +150,11 @@ class Bench:
     Attributes
     ----------
     loaded : Loaded
+    asked : TradeoffRequest
+    store : RunStore
+        Keeps what was run.
+    deadline : float
+        On the clock `time.monotonic`.
     period : float
         Time [s] over which controls are constant, and after which runs are compared.
     count : int
@@ -157,23 +163,25 @@ class Bench:
         Sites that are observed.
     dofs : bool array (n_v,)
         Degrees of freedom that are.
-    deadline : float
-        On the clock `time.monotonic`.
     """
 
-    def __init__(
-        self, loaded: Loaded, horizon: float, observed: tuple[str, ...], deadline: float
-    ) -> None:
-        self.loaded, self.deadline = loaded, deadline
+    def __init__(self, loaded: Loaded, asked: TradeoffRequest) -> None:
+        self.loaded, self.asked = loaded, asked
+        self.deadline = monotonic() + asked.budget
         self.period = LONGEST * float(loaded.model.opt.timestep)
-        if horizon < self.period:
+        if asked.horizon < self.period:
             raise UsageError(
-                f"--horizon {horizon:g}: runs are compared after each {LONGEST} steps of the file; "
-                f"give {self.period:g} s or more"
+                f"--horizon {asked.horizon:g}: runs are compared after each {LONGEST} steps of the "
+                f"file; give {self.period:g} s or more"
             )
-        self.count = max(1, round(horizon / self.period))
-        self.sites, self.dofs = observables(loaded, observed)
+        self.count = max(1, round(asked.horizon / self.period))
+        self.sites, self.dofs = observables(loaded, asked.observed)
         self.limits: dict[float | None, dict[str, float]] = {}
+        names = ("horizon", "seed", "exact", "observed")
+        about = {name: getattr(asked, name) for name in names} | {"target": asked.target}
+        about |= {"MuJoCo": str(loaded.mujoco.__version__), **versions(())}
+        digest = sha256(loaded.dumped(loaded.model)).hexdigest()
+        self.store = RunStore(asked.resume, model=digest, **about)
 
     @property
     def file(self) -> Setting:
@@ -196,7 +204,7 @@ class Bench:
         limit = self.limits[closure].get(setting.integrator, inf)
         return limit if limit > 0 else inf
 
-    def starts(self, seed: int, draws: Sequence[int]) -> Iterator[Start]:
+    def starts(self, draws: Sequence[int]) -> Iterator[Start]:
         """Yield the states of the file with controls of these draws; 0 is those that are held."""
         model = self.loaded.model
         limited = model.actuator_ctrllimited.astype(bool)
@@ -208,16 +216,16 @@ class Bench:
                 if not draw:
                     yield Start(state, draw, np.tile(level, (self.count, 1)))
                 elif np.any(limited):
-                    yield Start(state, draw, self.moved(level, limited, [seed, draw]))
+                    yield Start(state, draw, self.moved(level, limited, draw))
 
-    def other_starts(self, seed: int) -> Iterator[Start]:
+    def other_starts(self) -> Iterator[Start]:
         """Yield two starts inside the ranges of joints, one near a limit that a control reaches.
 
         They are at rest; controls move, or push to the limit. A start in which loops are open, or
         bodies lie deeper in each other than in the file, is left out.
         """
-        m, random = self.loaded.model, np.random.default_rng([seed, *PROVED])
-        first = [*self.starts(seed, (0,))][:2][-1]
+        m, random = self.loaded.model, np.random.default_rng([self.asked.seed, *PROVED])
+        first = [*self.starts((0,))][:2][-1]
         state, level = first.state._replace(velocity=np.zeros(m.nv)), first.controls[0]
         limited = (m.jnt_limited != 0) & self.loaded.of_kind("jnt_type", "hinge", "slide")
         joints, most = np.flatnonzero(limited), max(self.strain(state), STRAIN)
@@ -227,7 +235,7 @@ class Bench:
                 shares = random.uniform(NEAR, 1 - NEAR, len(joints))
                 drawn = self.placed(state, f"{name} inside the ranges", joints, shares)
                 if self.strain(drawn) <= most:
-                    moved = self.moved(level, ranged, [seed, draw])
+                    moved = self.moved(level, ranged, draw)
                     yield Start(drawn, draw * bool(np.any(ranged)), moved)
                     break
         drives = (m.actuator_ctrllimited != 0) & self.loaded.of_kind("actuator_trntype", "joint")
@@ -265,9 +273,9 @@ class Bench:
         self.loaded.mujoco.mj_forward(model, data)
         return np.array(data.qacc)
 
-    def moved(self, level: Array, limited: Any, seed: list[int]) -> Array:
+    def moved(self, level: Array, limited: Any, draw: int) -> Array:
         """Return smooth controls (n_periods, n_u) that begin at a level (n_u,)."""
-        random = np.random.default_rng(seed)
+        random = np.random.default_rng([self.asked.seed, draw])
         low, high = self.loaded.model.actuator_ctrlrange.T
         omega = 2 * np.pi * random.uniform(*FREQUENCIES, size=(2, len(level)))
         phase = random.uniform(0, 2 * np.pi, size=(2, len(level)))
@@ -276,10 +284,10 @@ class Bench:
         moved = level + SHARE * (high - low) / 2 * waves
         return np.where(limited, np.clip(moved, low, high), level)
 
-    def settings(self, hardened: bool) -> Iterator[Setting]:
+    def settings(self) -> Iterator[Setting]:
         """Yield what is tried: the file's own first, then each integrator, long steps first.
 
-        ``hardened`` adds closures as hard as each step lets them be, where that is harder.
+        Where closures count as exact, those as hard as each step lets them be, too.
         """
         file = self.file
         softest = np.max(time_constants(self.loaded.model), initial=0.0)
@@ -289,15 +297,8 @@ class Bench:
                 one = Setting(name, file.step * 2.0**power)
                 if one != file:
                     yield one
-                if hardened and CLOSURE * one.step < softest:
+                if self.asked.exact and CLOSURE * one.step < softest:
                     yield one._replace(closure=CLOSURE * one.step)
-
-    def iterated(self, setting: Setting) -> Iterator[Setting]:
-        """Yield a setting with other numbers of iterations of the solver, few first."""
-        own = int(self.loaded.model.opt.iterations)
-        for count in ITERATIONS:
-            if count != own:
-                yield setting._replace(iterations=count)
 
     def compiled(self, setting: Setting, sharp: bool) -> Any:
         """Return a copy of the model with a setting; it does not reset itself."""
@@ -407,21 +408,16 @@ class Bench:
         for position in run.positions:
             self.loaded.mujoco.mj_differentiatePos(model, moved, 1.0, run.positions[0], position)
             largest = np.maximum(largest, np.abs(moved))
-        turns = self.turning()
+        slide, free = (
+            self.loaded.of_kind("jnt_type", kind)[model.dof_jntid] for kind in ("slide", "free")
+        )
+        first = np.arange(model.nv) - model.jnt_dofadr[model.dof_jntid] < 3
+        turns = ~(slide | (free & first))
         for kind in (turns, ~turns):
             largest[kind] = np.max(largest[kind], initial=0.0)
         shifts = run.points - run.points[:1]
         reach = np.max(np.linalg.norm(shifts, axis=2), axis=0, initial=0.0)
         return np.concatenate([largest[self.dofs], reach])
-
-    def turning(self) -> Any:
-        """Return which degrees of freedom (n_v,) are rotations."""
-        model = self.loaded.model
-        kinds, lib = model.jnt_type[model.dof_jntid], self.loaded.mujoco.mjtJoint
-        first = model.jnt_dofadr[model.dof_jntid]
-        of_free = np.arange(model.nv) - first >= 3
-        free = kinds == int(lib.mjJNT_FREE)
-        return np.where(free, of_free, kinds != int(lib.mjJNT_SLIDE))
 
 
 def observables(loaded: Loaded, names: tuple[str, ...]) -> tuple[Any, Any]:
@@ -462,9 +458,8 @@ def time_constants(model: Any) -> Array:
 
 def harden(model: Any, constant: float) -> None:
     """Give all equalities that are softer this time constant [s]; damping ratios stay."""
-    for number in np.flatnonzero(model.eq_active0):
-        own = float(time_constants(model)[np.sum(model.eq_active0[:number])])
-        factor = own / constant
+    factors = time_constants(model) / constant
+    for number, factor in zip(np.flatnonzero(model.eq_active0), factors, strict=True):
         if factor > 1 and model.eq_solref[number, 0] > 0:
             model.eq_solref[number, 0] = constant
         elif factor > 1:

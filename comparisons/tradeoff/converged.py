@@ -8,7 +8,7 @@ from time import monotonic
 import numpy as np
 
 from ...reference.scene import Array
-from .bench import CONVERGED, Bench, SampledRun, Setting, Start, time_constants
+from .bench import CONVERGED, Bench, SampledRun, Setting, Start, TimeUpError, time_constants
 from .table import percent
 
 SHARPEST = ("RK4", "implicitfast")
@@ -33,6 +33,8 @@ LEAST = 5
 HARD = 16
 """Parts of the file's time constants that closures have which count as exact."""
 
+TIME_UP = "the time was up before its converged run"
+"""Why there is no converged run, if nothing else is known."""
 
 WORK = 5.0
 """Times as long as before that runs take whose steps are a quarter."""
@@ -106,26 +108,42 @@ class Converged:
         return f"{words} ({tried} steps, {what} change it by {percent(float(np.max(self.error)))})"
 
 
-def converge(bench: Bench, start: Start, target: float, exact: bool) -> Converged | str:
+def converge(bench: Bench, start: Start, late: bool = False) -> Converged | str:
     """Return the converged run from a start, or why there is none.
-
-    Its steps are refined where the motion is smooth and they are too long: one that no time is left
-    for is told, with what it would take.
 
     Parameters
     ----------
     bench : Bench
+        Keeps it.
     start : Start
-    target : float
-        Relative error that settings are to meet.
-    exact : bool
-        Whether closures count as exact, not as soft as the file has them.
+    late : bool
+        Whether there is no time to compute it.
+    """
+    key = f"converged run, {start.name}"
+    truth: Converged | str | None = bench.store.get(key, Converged | str)
+    if truth is not None:
+        return truth
+    try:
+        truth = TIME_UP if late else refined(bench, start)
+    except TimeUpError:
+        return TIME_UP
+    if isinstance(truth, Converged) or (truth != TIME_UP and "--budget" not in truth):
+        bench.store.put(key, truth)
+    return truth
+
+
+def refined(bench: Bench, start: Start) -> Converged | str:
+    """Compute the converged run from a start, or why there is none.
+
+    Its steps are refined where the motion is smooth and they are too long: one that no time is left
+    for is told, with what it would take.
 
     Raises
     ------
     TimeUpError
         If there was no time.
     """
+    target, exact = bench.asked.target, bench.asked.exact
     constants = time_constants(bench.loaded.model)
     closure = float(np.min(constants)) / HARD if exact and len(constants) else None
     best: Converged | None = None

@@ -5,66 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from .table import Choice, StepSeries
-
-
-@dataclass(frozen=True)
-class SettingRun:
-    """One setting, run.
-
-    Attributes
-    ----------
-    engine : str
-        engine
-    model : str
-        model; empty of a file
-    method : str
-        integrator
-    settings : mapping of str to float
-        as of a series
-    step : float
-        [s]
-    error : float or None
-        error; null if the run failed
-    seconds : float
-        time per simulated second [s/s]
-    """
-
-    engine: str
-    model: str
-    method: str
-    settings: Mapping[str, float]
-    step: float
-    error: float | None
-    seconds: float
-
-
-@dataclass(frozen=True)
-class TradeoffDocument:
-    """What accuracy costs of scenes.
-
-    Attributes
-    ----------
-    targets : sequence of float
-        relative errors that settings are recommended for [1]
-    series : sequence of StepSeries
-        a method of an engine on a model over steps; models from small to large; and by how
-        much a method shifts where a periodic orbit loses its stability
-    pareto : mapping of str to sequences of SettingRun
-        by scene: settings that none beats in both error and time, the cheapest first
-    recommendations : sequence of Choice
-        for each scene, engine and target: the cheapest setting, and the smallest models, or
-        why there is none
-    failures : sequence of str
-        what came to nothing, and why
-    """
-
-    versions: Mapping[str, str]
-    targets: Sequence[float]
-    series: Sequence[StepSeries]
-    pareto: Mapping[str, Sequence[SettingRun]]
-    recommendations: Sequence[Choice]
-    failures: Sequence[str]
+from .table import SettingRun, StepSeries
 
 
 @dataclass(frozen=True)

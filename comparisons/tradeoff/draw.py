@@ -1,31 +1,32 @@
-"""Pictures of the trade-off: error over cost, and what a step costs in stability."""
+"""Pictures of the trade-off: error over cost."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..reports.drawing import FAINT, INK, PALETTE, EngineLook, label, look, named, new_figure
+from ..reports.drawing import INK, PALETTE, label, look, new_figure
 from .model import ModelTradeoff, setting_of
-from .pages import LIMITS, SHIFTS
+from .pages import LIMITS
 from .report import Tradeoff
-from .stability import AXIS
-from .sweep import SMALL
-from .table import STEP, Point, StepSeries, Trial, pareto, percent, trials_of
+from .table import Point, StepSeries, Trial, pareto, percent, trials_of
 
-METHOD_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "h", "p", "d")
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "h", "p", "d")
+"""Markers of methods, in order."""
 
 LINES: tuple[Any, ...] = ("solid", (0, (5, 1.5)), (0, (1.5, 1)), (0, (6, 1, 1, 1)))
-"""Of an engine's models, in order."""
+"""Lines of an engine's models, in order."""
 
-FRONT = "#000000"
+LEGEND = {"loc": "outside lower center", "ncols": 4, "fontsize": 7, "frameon": False}
 
 USELESS, TOP = 2.0, 8.0
 """Relative errors above the first are as good as a failure, and stand at the second."""
+
+APART = 0.03
+"""Share of a panel's height by which names of plateaus are apart at least."""
 
 Measure = Callable[[Point], float | None]
 """What of a point is its cost, per simulated second."""
@@ -38,7 +39,7 @@ def seconds(point: Point) -> float | None:
 
 def steps(point: Point) -> float | None:
     """Return the steps per simulated second: known of a failed run, too."""
-    return point.cost.steps if point.cost else 1 / (point.step or np.inf)
+    return point.cost.steps if point.cost else 1 / point.step
 
 
 def pictures(result: Tradeoff | ModelTradeoff, path: Path) -> Iterator[tuple[str, Path, Any]]:
@@ -47,13 +48,11 @@ def pictures(result: Tradeoff | ModelTradeoff, path: Path) -> Iterator[tuple[str
         if result.trials:
             yield "", path, figure_of_model(result)
         return
-    for scene in result.scenes:
-        name = path if len(result.scenes) == 1 else path.with_stem(f"{path.stem}_{scene}")
-        if series := result.of(scene):
-            front = [trial.point for trial in pareto(trials_of(series))]
-            yield LIMITS, name, figure_work_precision(series, front)
-        if shifts := result.of(scene, AXIS):
-            yield SHIFTS, name.with_stem(f"{name.stem}_stability"), figure_stability(shifts)
+    scenes = [scene for scene in result.scenes if result.of(scene)]
+    for scene in scenes:
+        name = path if len(scenes) == 1 else path.with_stem(f"{path.stem}_{scene}")
+        front = [trial.point for trial in pareto(trials_of(result.of(scene)))]
+        yield LIMITS, name, figure_work_precision(result.of(scene), front)
 
 
 def figure_of_model(result: ModelTradeoff) -> Any:
@@ -78,10 +77,9 @@ def figure_work_precision(
 ) -> Any:
     """Draw the error of series of one scene or file over their cost.
 
-    Above over time, below over steps, both per simulated second. Colour and face tell the engine,
-    or of one engine the method; the marker tells the method, the line the model. Small hollow
-    points are wasted, crosses at the top failed or have an error above `USELESS`, and what is on
-    the front is ringed and joined. Series with other settings are thin lines.
+    Above over time, below over steps, both per simulated second. Crosses at the top failed or
+    have an error above `USELESS`, and what is on the front is ringed. Series with other settings
+    are thin lines.
 
     Parameters
     ----------
@@ -100,19 +98,15 @@ def figure_work_precision(
     matplotlib.figure.Figure
     """
     figure, panels = new_figure(2, 1, height=3.5)
-    markers, lines, looks = marker_of(series), line_of(series), looks_of(series)
     for axes, measure in zip(panels[:, 0], (seconds, steps), strict=True):
         axes.set_xscale("log")
         axes.set_yscale("log")
-        for one in series:
-            how = looks[one.method], markers[one.method], lines[one.engine, one.model]
-            draw_series(axes, one, measure, *how)
+        for one, style in zip(series, styles_of(series), strict=True):
+            draw_series(axes, one, measure, style)
         for words, (trial, marker) in (marks or {}).items():
             axes.plot(measure(trial.point), trial.error, marker, color=INK, label=words, zorder=5)
         low, _ = axes.get_ylim()
         axes.set_ylim(low, 3 * TOP)
-    guides(panels[1, 0], series)
-    for axes in panels[:, 0]:
         mark_plateaus(axes, series)
         if target is not None:
             axes.axhline(target, color=INK, linewidth=0.8, linestyle=(0, (4, 2)))
@@ -120,67 +114,58 @@ def figure_work_precision(
                 f"target {percent(target)}", (1, target), (-2, 3), ha="right", fontsize=8,
                 xycoords=axes.get_yaxis_transform(), textcoords="offset points", color=INK,
             )  # fmt: skip
-    draw_front(panels[0, 0], front)
+    above, below = panels[:, 0]
+    at = sorted((seconds(p) or np.nan, p.error or np.nan) for p in front)
+    rings = {"marker": "o", "markersize": 9, "markerfacecolor": "none", "color": "#000000"}
+    above.plot(*np.reshape(at, (-1, 2)).T, linestyle="none", label="front", **rings)
     title = title or f"{series[0].scene}: {series[0].case}"
-    label(panels[0, 0], "time per simulated second [s/s]", "largest relative error", title)
-    label(panels[1, 0], "steps per simulated second [1/s]", "largest relative error")
-    legend(figure, series, (markers, lines, looks), bool(front))
+    label(above, "time per simulated second [s/s]", "largest relative error", title)
+    label(below, "steps per simulated second [1/s]", "largest relative error")
+    figure.legend(*above.get_legend_handles_labels(), **LEGEND)
     return figure
 
 
-def marker_of(series: Sequence[StepSeries]) -> dict[str, str]:
-    """Return a marker for each method."""
-    names = dict.fromkeys(one.method for one in series)
-    return {name: METHOD_MARKERS[i % len(METHOD_MARKERS)] for i, name in enumerate(names)}
+def styles_of(series: Sequence[StepSeries]) -> list[dict[str, Any]]:
+    """Return how each series looks.
 
-
-def looks_of(series: Sequence[StepSeries]) -> dict[str, EngineLook]:
-    """Return the look of each method: that of its engine, or a colour of its own of one engine."""
-    methods = {one.method: look(one.engine) for one in reversed(series)}
-    if len({one.engine for one in series}) > 1:
-        return methods
-    return {
-        name: replace(one, colour=PALETTE[i % len(PALETTE)])
-        for i, (name, one) in enumerate(methods.items())
-    }
-
-
-def line_of(series: Sequence[StepSeries]) -> dict[tuple[str, str], Any]:
-    """Return a line for each model of each engine."""
-    lines: dict[tuple[str, str], Any] = {}
+    The colour tells the engine, or of one engine the method; the marker the method, the line the
+    model.
+    """
+    methods = list(dict.fromkeys(one.method for one in series))
+    models: dict[str, list[str]] = {}
     for one in series:
-        if (one.engine, one.model) not in lines:
-            count = sum(engine == one.engine for engine, _ in lines)
-            lines[one.engine, one.model] = LINES[count % len(LINES)]
-    return lines
+        models.setdefault(one.engine, []).append(one.model)
+    styles = []
+    for one in series:
+        its, place = look(one.engine), methods.index(one.method)
+        colour = its.colour if len(models) > 1 else PALETTE[place % len(PALETTE)]
+        line = list(dict.fromkeys(models[one.engine])).index(one.model)
+        styles.append(
+            {
+                "color": colour,
+                "linestyle": LINES[line % len(LINES)],
+                "marker": MARKERS[place % len(MARKERS)],
+                "markerfacecolor": colour if its.filled else "white",
+            }
+        )
+    return styles
 
 
-def draw_series(
-    axes: Any, one: StepSeries, measure: Measure, its: EngineLook, marker: str, line: Any
-) -> None:
+def draw_series(axes: Any, one: StepSeries, measure: Measure, style: Mapping[str, Any]) -> None:
     """Draw the points of a series and the line through those that ran."""
-    colour, face = its.colour, its.face
-    ran = [(measure(p), p.error, p.wasted) for p in one.points if useful(p) and measure(p)]
-    if ran:
-        x, y, wasted = (np.array(column) for column in zip(*ran, strict=True))
-        thin = 0.6 if one.settings else 1.1
-        axes.plot(x, y, color=colour, linestyle=line, linewidth=thin, alpha=0.8, zorder=2)
-        if one.settings:
-            return
-        how = {"linestyle": "none", "marker": marker, "markeredgecolor": colour, "zorder": 3}
-        axes.plot(x[~wasted], y[~wasted], markersize=5.0, markerfacecolor=face, **how)
-        axes.plot(x[wasted], y[wasted], markersize=2.6, markerfacecolor="white", alpha=0.6, **how)
+    ran = [(measure(p), p.error) for p in one.points if useful(p) and measure(p)]
+    if ran and one.settings:
+        axes.plot(*zip(*ran, strict=True), **{**style, "marker": ""}, linewidth=0.6)
+    elif ran:
+        words = " ".join(filter(None, [one.engine, one.setting]))
+        axes.plot(*zip(*ran, strict=True), **style, linewidth=1.1, markersize=5.0, label=words)
     failed = [measure(p) for p in one.points if not useful(p) and measure(p)]
-    axes.plot(failed, [TOP] * len(failed), "x", color=colour, markersize=4, zorder=3)
+    axes.plot(failed, [TOP] * len(failed), "x", color=style["color"], markersize=4, zorder=3)
 
 
 def useful(point: Point) -> bool:
     """Return whether a run came to its end with an error that means something."""
     return point.error is not None and 0 < point.error <= USELESS
-
-
-APART = 0.03
-"""Of the height of a panel: names of plateaus are not nearer to each other."""
 
 
 def mark_plateaus(axes: Any, series: Sequence[StepSeries]) -> None:
@@ -196,141 +181,8 @@ def mark_plateaus(axes: Any, series: Sequence[StepSeries]) -> None:
         if place > written + APART:
             values = ", ".join(f"{value:g}" for value in one.settings.values())
             axes.annotate(
-                f"{one.plateau_name} {values}".strip(),
-                (1.0, one.plateau),
-                xycoords=("axes fraction", "data"),
-                xytext=(3, 0),
-                textcoords="offset points",
-                fontsize=6.5,
-                va="center",
-                color=colour,
-                annotation_clip=False,
-            )
+                f"{one.plateau_name} {values}".strip(), (1.0, one.plateau), (3, 0), color=colour,
+                xycoords=("axes fraction", "data"), textcoords="offset points", fontsize=6.5,
+                va="center", annotation_clip=False,
+            )  # fmt: skip
             written = place
-
-
-def draw_front(axes: Any, front: Sequence[Point]) -> None:
-    """Ring the points of the front and join them."""
-    at = sorted((seconds(p) or np.nan, p.error or np.nan) for p in front)
-    if at:
-        x, y = zip(*at, strict=True)
-        axes.step(x, y, where="post", color=FRONT, linewidth=2.4, alpha=0.25, zorder=1)
-        axes.plot(x, y, "o", markersize=9, markerfacecolor="none", markeredgecolor=FRONT, zorder=4)
-
-
-def guides(axes: Any, series: Sequence[StepSeries]) -> None:
-    """Draw thin slopes of the declared orders, left of the best series of each."""
-    limits = axes.get_xlim(), axes.get_ylim()
-    for order in sorted({one.order for one in series} - {0}):
-        slopes = [
-            [
-                (1 / p.step, p.error)
-                for p in one.points
-                if p.step and p.error and p.label == STEP and p.error < SMALL and not p.wasted
-            ]
-            for one in series
-            if one.order == order and not one.settings
-        ]
-        points = min(
-            (points for points in slopes if len(points) > 1),
-            key=lambda points: points[0][1] * points[0][0] ** order,
-            default=None,
-        )
-        if points is None:
-            continue
-        x, y = min(points, key=lambda at: at[1] * at[0] ** order)
-        ends = np.array([points[0][1], points[-1][1]])
-        run = x * (y / ends) ** (1 / order) / AWAY
-        axes.plot(run, ends, color=FAINT, linewidth=0.8, zorder=0)
-        axes.annotate(
-            f"{order}",
-            (run[1], ends[1]),
-            fontsize=6.5,
-            color=INK,
-            ha="center",
-            va="center",
-            bbox={"boxstyle": "circle,pad=0.15", "facecolor": "white", "edgecolor": FAINT},
-            zorder=4,
-        )
-    axes.set_xlim(limits[0][0] / AWAY, limits[0][1])
-    axes.set_ylim(limits[1])
-
-
-AWAY = 1.5
-"""Factor in steps between a guide and its series."""
-
-
-def legend(
-    figure: Any, series: Sequence[StepSeries], styles: tuple[Any, Any, Any], front: bool
-) -> None:
-    """Name engines with their models, methods, and what marks mean, below the panels."""
-    from matplotlib.lines import Line2D
-
-    markers, lines, looks = styles
-    models = [
-        Line2D(
-            [], [], color=look(engine).colour, linestyle=line, linewidth=1.6,
-            label=f"{engine} {model}",
-        )
-        for (engine, model), line in lines.items()
-    ]  # fmt: skip
-    methods = [
-        Line2D(
-            [], [], linestyle="none", marker=marker, color=looks[name].colour,
-            markerfacecolor=looks[name].face, markersize=5, label=name,
-        )
-        for name, marker in markers.items()
-    ]  # fmt: skip
-    other = [
-        Line2D([], [], linestyle="none", marker="o", color=INK, markerfacecolor="white",
-               markersize=2.6, label="wasted"),
-        Line2D([], [], linestyle="none", marker="x", color=INK, markersize=4, label="failed"),
-        Line2D([], [], color=FAINT, linewidth=0.8, label="slope of an order"),
-        Line2D([], [], color=INK, linewidth=0.6, label="other settings"),
-    ]  # fmt: skip
-    if front:
-        other.append(
-            Line2D([], [], color="#BBBBBB", linewidth=2.4, marker="o", markersize=8,
-                   markerfacecolor="none", markeredgecolor=FRONT, label="Pareto front")
-        )  # fmt: skip
-    marked = figure.axes[0].get_legend_handles_labels()[0]
-    figure.legend(
-        handles=[*marked, *models, *methods, *other],
-        loc="outside lower center",
-        ncols=4,
-        fontsize=7,
-        frameon=False,
-    )
-
-
-# Stability ----------------------------------------------------------------------------------
-
-
-def figure_stability(shifts: Sequence[StepSeries]) -> Any:
-    """Draw by how much methods shift one boundary point, over steps in a period.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
-    figure, axes = new_figure(height=3.6)
-    panel, markers, first = axes[0, 0], marker_of(shifts), shifts[0]
-    counts = [point.value for point in first.points]
-    for one in shifts:
-        its = look(one.engine)
-        sizes = np.array([point.error for point in one.points], dtype=float)
-        panel.loglog(
-            counts, sizes, color=its.colour, linestyle=its.line, linewidth=1.0,
-            marker=markers[one.method], markersize=4.5, markerfacecolor=its.face,
-            label=f"{one.engine} {one.method}",
-        )  # fmt: skip
-    bounds = np.array([[point.bound for point in one.points] for one in shifts], dtype=float)
-    panel.loglog(
-        counts, np.fmax.reduce(bounds), color=FAINT, linewidth=3, label="round-off, differences"
-    )
-    panel.set_xticks(counts, [str(count) for count in counts])
-    panel.minorticks_off()
-    words = f"shift of {named(first.quantity, first.unit)}"
-    label(panel, "steps in a period", words, f"{first.scene}: {first.case}")
-    figure.legend(loc="outside lower center", ncols=4, fontsize=7, frameon=False)
-    return figure

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from hashlib import sha256
 from math import inf
 from pathlib import Path
-from statistics import median
 from time import monotonic
 from typing import Any
 
@@ -19,21 +17,9 @@ from ..engines.mujoco.library import quiet
 from ..inspect.mujoco.model import ENGINE, load
 from ..inspect.rules.remedies import PREFERRED
 from ..queries.environment import versions
-from ..reports.words import plural
-from .bench import (
-    CLOSURE,
-    CONVERGED,
-    PROVED,
-    TRIED,
-    Bench,
-    SampledRun,
-    Setting,
-    Start,
-    TimeUpError,
-)
-from .converged import DEPARTURE, SHARPEST, Converged, converge
-from .report import trial_document
-from .store import RunStore
+from .bench import CLOSURE, PROVED, TRIED, Bench, SampledRun, Setting, TimeUpError
+from .converged import DEPARTURE, TIME_UP, Converged, converge
+from .request import TradeoffRequest
 from .table import (
     FAILED,
     STABLE,
@@ -57,58 +43,17 @@ CHEAPEST = ("Euler", *PREFERRED)
 MARGIN = 0.5
 """Share of the target that a recommended setting may use: with other controls its error differs."""
 
-ALIKE = 1e-3
-"""Errors that differ by a smaller share are the same."""
-
 ENOUGH = 0.1
 """Share of the target below which no shorter steps of an integrator are tried."""
 
 MEASURED, BRIEF = 3, 0.1
 """Times that a run is repeated while they take less than this [s]; the median time counts."""
 
+ITERATIONS = (8, 32, 128)
+"""Iterations of the solver that are tried where nothing meets the target with the file's own."""
+
 SOFT = 0.1
 """Share of the target above which the softness of closures is reported."""
-
-
-@dataclass(frozen=True)
-class Question:
-    """Options of the trade-off of a model.
-
-    Attributes
-    ----------
-    target, horizon, budget : float
-        Relative error, and times [s].
-    seed : int
-        Seed of the moving controls.
-    observed : tuple of str
-        Joints and sites; all joints if there are none.
-    exact : bool
-        Whether runs are compared with closures that are closed exactly.
-    resume : str or None
-        File that keeps runs.
-    """
-
-    target: float = 0.01
-    horizon: float = 1.0
-    budget: float = 120.0
-    seed: int = 1
-    observed: tuple[str, ...] = ()
-    exact: bool = False
-    resume: str | None = None
-
-    def refuse_nonsense(self) -> None:
-        """Refuse numbers that make no sense.
-
-        Raises
-        ------
-        UsageError
-        """
-        for name in ("target", "horizon", "budget"):
-            value = vars(self)[name]
-            if not 0 < value < inf:
-                raise UsageError(f"--{name} must be a positive number, not {value:g}")
-        if self.target >= 1:
-            raise UsageError(f"--target is a relative error below 1, not {self.target:g}")
 
 
 @dataclass
@@ -117,8 +62,7 @@ class ModelTradeoff:
 
     Attributes
     ----------
-    file : str
-    asked : Question
+    asked : TradeoffRequest
     truths : list of Converged
     trials : list of Trial
         Settings that were run, the file's own first.
@@ -128,10 +72,9 @@ class ModelTradeoff:
         Whether the time was enough.
     missed : mapping of Setting to float
         Settings that miss the target from other starts or with other controls: the error there.
-    proved : bool
-        Whether the choice met the target from other starts and with other controls.
-    elsewhere : float
-        Its error there.
+    elsewhere : float or None
+        Error of the choice from other starts and with other controls, 0 if there are none; None if
+        it was not proved there.
     unproved : list of str
         Of these, the starts without a converged run, each with its reason.
     period : float
@@ -140,18 +83,21 @@ class ModelTradeoff:
         MuJoCo's.
     """
 
-    file: str
-    asked: Question = field(default_factory=Question)
+    asked: TradeoffRequest
     truths: list[Converged] = field(default_factory=list)
     trials: list[Trial] = field(default_factory=list)
     unknown: list[str] = field(default_factory=list)
     complete: bool = True
     missed: dict[Setting, float] = field(default_factory=dict)
-    proved: bool = False
-    elsewhere: float = 0.0
+    elsewhere: float | None = None
     unproved: list[str] = field(default_factory=list)
     period: float = 0.0
     version: str = ""
+
+    @property
+    def file(self) -> str:
+        """The path of the file."""
+        return self.asked.scenes[0]
 
     # Runs -------------------------------------------------------------------------------------
 
@@ -161,83 +107,56 @@ class ModelTradeoff:
         Raises
         ------
         UsageError
-            If the file cannot be read, nothing moves in it, a number makes no sense, or what is to
-            be resumed is of something else.
+            If the file cannot be read, nothing moves in it, or what is to be resumed is of
+            something else.
         """
-        asked = self.asked
-        asked.refuse_nonsense()
         loaded = load(self.file)
         if loaded.model.nv == 0:
             raise UsageError(f"{loaded.path.name}: nothing moves in it")
-        if asked.exact and not np.any(loaded.model.eq_active0):
+        if self.asked.exact and not np.any(loaded.model.eq_active0):
             raise UsageError(f"--exact-closures: {loaded.path.name} has no equality")
         with quiet(loaded.mujoco):
-            deadline = monotonic() + asked.budget
-            bench = Bench(loaded, asked.horizon, asked.observed, deadline)
-            self.period, self.version = bench.period, str(loaded.mujoco.__version__)
-            about = {name: vars(asked)[name] for name in ("target", "horizon", "seed", "exact")}
-            about |= {"observed": asked.observed, "MuJoCo": self.version, **versions(())}
-            digest = sha256(loaded.dumped(loaded.model)).hexdigest()
-            store = RunStore(asked.resume, model=digest, **about)
+            self.version = str(loaded.mujoco.__version__)
+            bench = Bench(loaded, self.asked)
+            self.period = bench.period
             try:
-                yield from self.runs(bench, store)
+                yield from self.runs(bench)
             finally:
-                store.write()
+                bench.store.write()
 
-    def runs(self, bench: Bench, store: RunStore) -> Iterator[tuple[int, int, str]]:
+    def runs(self, bench: Bench) -> Iterator[tuple[int, int, str]]:
         """Run all that there is time for, see `work`; the converged runs have half of it."""
-        asked = self.asked
-        settings = list(bench.settings(asked.exact))
-        starts = list(bench.starts(asked.seed, TRIED))
-        total = len(starts) + len(settings)
-        half = monotonic() + asked.budget / 2
+        settings, starts = list(bench.settings()), list(bench.starts(TRIED))
+        total, half = len(starts) + len(settings), monotonic() + self.asked.budget / 2
         for i, start in enumerate(starts):
             yield i, total, f"converged run, {start.name}"
-            truth = self.converge(bench, start, store, late=monotonic() > half)
+            truth = converge(bench, start, late=monotonic() > half)
             if isinstance(truth, Converged):
                 self.truths.append(truth)
             else:
                 self.unknown.append(f"{start.name}: {truth}")
+                self.complete = self.complete and truth != TIME_UP
         good: list[Setting] = []
         try:
             for i, setting in enumerate(settings if self.truths else ()):
                 yield len(starts) + i, total, setting.name
                 if sum(map(setting.alike, good)) < 2:
-                    trial = self.tried(bench, setting, store)
-                    good += [setting] if trial.error < ENOUGH * asked.target else []
-            for setting in self.iterated(bench):
-                yield total, total, setting.name
-                self.tried(bench, setting, store)
+                    trial = self.tried(bench, setting)
+                    good += [setting] if trial.error < ENOUGH * self.asked.target else []
+            solves = np.any(bench.loaded.model.eq_active0) or any(not x.smooth for x in self.truths)
+            if self.trials and solves and self.choice is None:
+                best = setting_of(min(self.trials, key=lambda row: row.error))
+                for count in ITERATIONS:
+                    yield total, total, best.name
+                    self.tried(bench, best._replace(iterations=count))
         except TimeUpError:
             self.complete = False
         yield total, total, "the choice, from other starts"
-        self.prove(bench, store)
+        self.prove(bench)
 
-    def converge(
-        self, bench: Bench, start: Start, store: RunStore, late: bool = False
-    ) -> Converged | str:
-        """Return the converged run from a start, or why there is none."""
-        key = f"converged run, {start.name}"
-        known: Converged | str | None = store.get(key, Converged | str)
-        if known is not None:
-            return known
-        try:
-            if late:
-                raise TimeUpError
-            truth = converge(bench, start, self.asked.target, self.asked.exact)
-        except TimeUpError:
-            self.complete = False
-            return "the time was up before its converged run"
-        if isinstance(truth, Converged) or "--budget" not in truth:
-            store.put(key, truth)
-        return truth
-
-    def tried(self, bench: Bench, setting: Setting, store: RunStore) -> Trial:
+    def tried(self, bench: Bench, setting: Setting) -> Trial:
         """Add a setting's run to the trials, and return it."""
-        point = self.point(bench, setting, self.truths, store)
-        settings: dict[str, float] = {}
-        if setting.closure:
-            settings["closure_steps"] = CLOSURE
+        settings: dict[str, float] = {"closure_steps": CLOSURE} if setting.closure else {}
         if setting.iterations:
             settings["iterations"] = setting.iterations
         limit = bench.limit(setting)
@@ -245,37 +164,22 @@ class ModelTradeoff:
             Path(self.file).name, "", ENGINE, "", setting.integrator, 0, settings,
             stable_step=limit if limit < inf else None,
         )  # fmt: skip
-        self.trials.append(Trial(series, point))
+        self.trials.append(Trial(series, self.point(bench, setting, self.truths)))
         return self.trials[-1]
 
-    def point(
-        self, bench: Bench, setting: Setting, truths: Sequence[Converged], store: RunStore
-    ) -> Point:
-        """Return error and cost of a setting over all starts."""
+    def point(self, bench: Bench, setting: Setting, truths: Sequence[Converged]) -> Point:
+        """Return error and cost of a setting over some starts."""
         every = list[Point]()
         for truth in truths:
             key = f"{setting.integrator} {setting[1:]!r}, {truth.start.name}"
-            point: Point | None = store.get(key, Point)
+            point: Point | None = bench.store.get(key, Point)
             if point is None:
                 point = point_of(bench, setting, truth, truth.count(self.asked.target))
-                store.put(key, point)
+                bench.store.put(key, point)
             every.append(point)
         return worst_of(every)
 
-    def iterated(self, bench: Bench) -> Iterator[Setting]:
-        """Yield the best settings with other numbers of iterations of the solver, if it has any.
-
-        Where nothing meets the target: the file's own and the one of the least error.
-        """
-        active = np.any(bench.loaded.model.eq_active0)
-        if not self.trials or not (active or any(not one.smooth for one in self.truths)):
-            return
-        least = min(self.trials, key=lambda row: row.error)
-        bases = [self.choice] if self.choice else [self.trials[0], least]
-        for base in dict.fromkeys(setting_of(row) for row in bases if row.error < inf):
-            yield from bench.iterated(base)
-
-    def prove(self, bench: Bench, store: RunStore) -> None:
+    def prove(self, bench: Bench) -> None:
         """Run the choice from other starts and with other controls.
 
         What misses the target there is dropped, and the next shorter step tried if it was not.
@@ -283,30 +187,27 @@ class ModelTradeoff:
         if self.choice is None:
             return
         bench.deadline = max(bench.deadline, monotonic() + self.asked.budget / 4)
-        complete = self.complete
-        starts = [*bench.starts(self.asked.seed, PROVED), *bench.other_starts(self.asked.seed)]
-        others = [self.converge(bench, one, store) for one in starts]
-        self.complete = complete
-        truths = [one for one in others if isinstance(one, Converged)]
-        both = zip(starts, others, strict=True)
-        self.unproved = [f"{a.name}: {b}" for a, b in both if not isinstance(b, Converged)]
-        self.proved = not truths  # there is nothing to try it with
+        starts = [*bench.starts(PROVED), *bench.other_starts()]
+        others = [(start, converge(bench, start)) for start in starts]
+        truths = [one for _, one in others if isinstance(one, Converged)]
+        self.unproved = [f"{a.name}: {b}" for a, b in others if not isinstance(b, Converged)]
         try:
-            while truths and not self.proved and (choice := self.choice) is not None:
+            while (choice := self.choice) is not None:
                 setting = setting_of(choice)
-                error = Trial(choice.series, self.point(bench, setting, truths, store)).error
-                self.proved = error <= self.asked.target
-                if self.proved:
+                point = self.point(bench, setting, truths) if truths else Point(setting.step, 0.0)
+                error = Trial(choice.series, point).error
+                if error <= self.asked.target:
                     self.elsewhere = error
                     return
                 self.missed[setting] = error
                 known = {setting_of(trial) for trial in self.trials}
-                every = bench.settings(self.asked.exact)
-                shorter = (one for one in every if one.alike(setting) and one.step < setting.step)
-                if (one := next((one for one in shorter if one not in known), None)) is not None:
-                    self.tried(bench, one, store)
+                shorter = (one for one in bench.settings() if one.alike(setting))
+                for one in shorter:
+                    if one.step < setting.step and one not in known:
+                        self.tried(bench, one)
+                        break
         except TimeUpError:
-            self.proved = False
+            pass
 
     # Results ----------------------------------------------------------------------------------
 
@@ -319,7 +220,7 @@ class ModelTradeoff:
         return [
             replace(
                 rows[0].series,
-                points=tuple(sorted((row.point for row in rows), key=lambda p: -(p.step or 0.0))),
+                points=tuple(sorted((row.point for row in rows), key=lambda p: -p.step)),
             )
             for rows in kinds.values()
         ]
@@ -340,12 +241,10 @@ class ModelTradeoff:
 
         Evaluations of forces decide: times scatter, and these do not.
         """
-        rows = [
-            row
-            for row in steady(self.series, self.asked.target, MARGIN)
-            if not {one := setting_of(row), one._replace(iterations=None)} & self.missed.keys()
-        ]
-        return cheapest(rows, work_of, self.preference)
+        rows = steady(self.series, self.asked.target, MARGIN)
+        return cheapest(
+            (row for row in rows if setting_of(row) not in self.missed), work_of, self.preference
+        )
 
     def preference(self, row: Trial) -> tuple[float, ...]:
         """Return the key that orders settings of the same work, the best first."""
@@ -383,17 +282,20 @@ class ModelTradeoff:
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``tradeoff_model`` document of docs/json.md."""
-        recommended = self.choice
+        asked, own, choice = self.asked, self.own, self.choice
         return document(
             "tradeoff_model",
-            self.asked,
-            **vars(self)
-            | {"file": Path(self.file).name, "asked": self.asked.horizon}
-            | {"exact_closures": self.asked.exact, "horizon": self.compared},
+            self,
+            file=Path(self.file).name,
+            target=asked.target,
+            asked=asked.horizon,
+            horizon=self.compared,
+            budget=asked.budget,
+            seed=asked.seed,
+            observed=asked.observed,
+            exact_closures=asked.exact,
             softness=self.largest("softness") if self.softens else None,
-            met=recommended is not None,
-            sentence=self.sentence,
-            notes=self.notes,
+            met=choice is not None,
             starts=[
                 {
                     "name": one.start.name,
@@ -406,10 +308,9 @@ class ModelTradeoff:
                 }
                 for one, n in zip(self.truths, self.counts, strict=True)
             ],
-            series=self.series,
-            front=[trial_document(row) for row in self.front],
-            own=trial_document(self.own) if self.own else None,
-            recommendation=trial_document(recommended) if recommended else None,
+            front=[row.as_run for row in self.front],
+            own=own and own.as_run,
+            recommendation=choice and choice.as_run,
             versions={**versions(()), ENGINE: self.version},
         )
 
@@ -436,7 +337,7 @@ class ModelTradeoff:
                 f"no setting meets {percent(asked.target)} {where} {over}; the smallest error is "
                 f"{percent(errors[best])}, of {best.name}"
             )
-        error = percent(max(choice.error, self.elsewhere))
+        error = percent(max(choice.error, self.elsewhere or 0.0))
         said = f"{setting_of(choice).name}: {error} {over}"
         if choice.point is own.point:
             return f"{said}, the file's own setting"
@@ -452,19 +353,13 @@ class ModelTradeoff:
     @property
     def notes(self) -> list[str]:
         """Cautions, and what was left out."""
-        target, trials = self.asked.target, self.trials
+        target = self.asked.target
         said = [f"left out: {one}" for one in self.unknown if self.truths]
-        usual = (trials[0].point.step or 0.0) / CONVERGED if trials else 0.0
-        for truth, count in zip(self.truths, self.counts, strict=True):
-            if count < len(truth.error):
-                over = f"compared over {count * self.period:.3g} s"
-                said.append(f"{truth.start.name}: {truth.reason(target)}; {over}")
-            by, step = truth.setting.integrator, truth.setting.step
-            if by != SHARPEST[0] or (usual and step < 0.99 * usual):
-                said.append(
-                    f"{truth.start.name}: the converged run is by {by} at {1e3 * step:.3g} ms; "
-                    f"longer steps, or {SHARPEST[0]}, are not enough"
-                )
+        said += [
+            f"{truth.start.name}: {truth.reason(target)}; compared over {n * self.period:.3g} s"
+            for truth, n in zip(self.truths, self.counts, strict=True)
+            if n < len(truth.error)
+        ]
         if any(not truth.smooth for truth in self.truths):
             said.append(
                 "contacts, limits or friction act: errors have no order, and no bound; a start "
@@ -477,13 +372,12 @@ class ModelTradeoff:
                 f"closures as soft as in the file change the motion by {percent(soft)} against "
                 f"hard ones{more}"
             )
-        said += self.least_iterations()
         said += [
             f"{setting.name} has an error of {percent(error)} from other starts or with other "
             "controls, and is not recommended"
             for setting, error in self.missed.items()
         ]
-        if self.choice is not None and not self.proved:
+        if self.choice is not None and self.elsewhere is None:
             said.append(
                 "there was no time to try the choice from other starts and with other controls"
             )
@@ -496,22 +390,6 @@ class ModelTradeoff:
             )
         return said
 
-    def least_iterations(self) -> list[str]:
-        """Return the fewest iterations of the solver that leave the error of a setting as it is."""
-        for base in self.trials:
-            name = setting_of(base)
-            same = [
-                int(row.series.settings["iterations"])
-                for row in self.trials
-                if row.series.settings.get("iterations")
-                and setting_of(row)._replace(iterations=None) == name
-                and abs(row.error - base.error) <= ALIKE * base.error
-            ]
-            if same:
-                words = f"{plural(min(same), 'iteration')} of the solver"
-                return [f"{words} leave the error of {name.name} as it is"]
-        return []
-
     @property
     def observed(self) -> str:
         """The joints and sites that are compared, in words."""
@@ -520,7 +398,7 @@ class ModelTradeoff:
 
 def setting_of(row: Trial) -> Setting:
     """Return the setting that made a run."""
-    options, step = row.series.settings, row.point.step or 0.0
+    options, step = row.series.settings, row.point.step
     iterations = int(options["iterations"]) if "iterations" in options else None
     closure = CLOSURE * step if "closure_steps" in options else None
     return Setting(row.series.method, step, iterations, closure)
@@ -533,25 +411,17 @@ def work_of(row: Trial) -> float:
 
 
 def point_of(bench: Bench, setting: Setting, truth: Converged, count: int) -> Point:
-    """Return error and cost of a setting from a start.
+    """Return error and cost of a setting from a start, compared over so many periods.
 
     A run that takes no more than `BRIEF` is made `MEASURED` times, for its time.
-
-    Parameters
-    ----------
-    bench : Bench
-    setting : Setting
-    truth : Converged
-    count : int
-        Periods over which it is compared.
     """
     runs, began = list[SampledRun](), monotonic()
     while len(runs) < MEASURED and (not runs or monotonic() - began < BRIEF):
         runs.append(bench.run(truth.start, setting))
-    run, n, times = runs[0], min(count, len(runs[0].positions)), [one.seconds for one in runs]
+    run, n = runs[0], min(count, len(runs[0].positions))
     steps = 1 / setting.step
     work = steps * EVALUATIONS.get(setting.integrator, 1)
-    cost = Cost(median(times), min(times), max(times), steps, work)
+    cost = Cost.of([one.seconds for one in runs], steps, work)
     if run.failed is not None and not truth.run.failed:
         reason = f"{truth.start.name}, before t = {run.failed:.3g} s"
         return Point(setting.step, None, cost=cost, label=FAILED, reason=reason)
@@ -569,9 +439,8 @@ def point_of(bench: Bench, setting: Setting, truth: Converged, count: int) -> Po
 def worst_of(points: Sequence[Point]) -> Point:
     """Return the largest errors of a setting over all starts, with the median time."""
     costs = [point.cost for point in points if point.cost]
-    times = [cost.seconds for cost in costs]
-    fastest, slowest = min(x.fastest for x in costs), max(x.slowest for x in costs)
-    cost = replace(costs[0], seconds=median(times), fastest=fastest, slowest=slowest)
+    steps, work = costs[0].steps, costs[0].rhs_evaluations
+    cost = Cost.of([one.seconds for one in costs], steps, work)
     failed = [point for point in points if point.error is None]
     if failed:
         return replace(failed[0], cost=cost)
@@ -584,7 +453,7 @@ def worst_of(points: Sequence[Point]) -> Point:
 def disagreements(series: StepSeries) -> Iterator[str]:
     """Yield where the largest stable step of small motions and runs disagree."""
     name, limit = series.method, series.stable_step or inf
-    runs = [(point.step or 0.0, point.error) for point in series.points]
+    runs = [(point.step, point.error) for point in series.points]
     lost = [step for step, error in runs if error is None and step < limit / STABLE]
     harmless = [
         step for step, error in runs if error is not None and error < 0.1 and step > STABLE * limit

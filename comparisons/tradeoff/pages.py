@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 from rich.console import Console
 
-from ..reports.drawing import named
-from ..reports.text import markdown_table, print_line, print_table, print_wrapped
+from ..reports.sections import Section, print_sections
+from ..reports.text import markdown_table
 from ..reports.words import number, plain, plural, with_unit
+from .left_out import LeftOut
 from .model import ModelTradeoff
 from .report import Tradeoff
-from .stability import AXIS, STEPS
+from .stability import StabilityShift
 from .table import Choice, StepSeries, Trial, percent, settings_text
 
 DIGITS = 2
 """Significant digits of errors and times."""
 
-LIMITS, SHIFTS = "What limits the methods", "What a step costs in stability"
-"""Titles under which a page shows pictures."""
+LIMITS = "What limits the methods"
+"""Title under which a page shows pictures."""
 
 CHOICE = (
     "scene", "engine", "target", "setting", "step [s]", "error", "time [s/s]", "margin",
@@ -28,60 +28,55 @@ CHOICE = (
 LIMIT = (
     "scene", "engine, model", "method", "order", "fitted", "floor", "from step [s]", "named",
 )  # fmt: skip
-STABILITY = (
-    "scene", "shift of", "engine, model", "method", "order", *map(str, STEPS), "fitted", "floor",
-)  # fmt: skip
 RUNS = (
     "", "integrator", "step [ms]", "error", "energy", "violation", "time [s/s]", "limit [ms]", "",
 )  # fmt: skip
 
-Cells = tuple[object, ...]
-Table = tuple[str, tuple[str, ...], list[Cells]]
+LEFT_OUT = (
+    "scene", "engine", "left out", "model with it", "model without", "error", "error without",
+    "leaving it out",
+)  # fmt: skip
+
+Row = tuple[object, ...]
 
 
-class Page(NamedTuple):
-    """A page: a heading, one sentence, notes, tables with their titles, and a legend."""
-
-    heading: str
-    sentence: str
-    notes: Sequence[str]
-    tables: Sequence[Table]
-    legend: str
-
-
-def page_of(result: Tradeoff | ModelTradeoff) -> Page:
-    """Return the page of a result; tables without rows are left out."""
+def sections(result: Tradeoff | ModelTradeoff) -> list[Section]:
+    """Return the parts of a report; tables without rows are left out."""
+    tables: list[tuple[str, Sequence[str], list[Row]]]
     if isinstance(result, ModelTradeoff):
         ordered = sorted(result.trials, key=lambda trial: trial.seconds)
-        tables: list[Table] = [("", RUNS, [run_cells(result, trial) for trial in ordered])]
-        page = Page(result.file, result.sentence, result.notes, tables, legend(result))
+        tables = [("", RUNS, [run_cells(result, trial) for trial in ordered])]
+        lines = [result.sentence, *(f"note: {note}" for note in result.notes)]
+        last = [legend(result)] if ordered else []
     else:
-        choices = [(item.axis == "step", choice_cells(item)) for item in result.choices]
+        steps = [one for one in result.recommendations if one.axis == "step"]
+        models = [one for one in result.recommendations if one.axis != "step"]
         tables = [
-            ("Cheapest settings", CHOICE, [cells for of_step, cells in choices if of_step]),
-            ("Smallest models", CHOICE, [cells for of_step, cells in choices if not of_step]),
-            (LIMITS, LIMIT, [limit_cells(one) for one in result.series if one.axis == "step"]),
-            (SHIFTS, STABILITY, [shift_cells(one) for one in result.series if one.axis == AXIS]),
+            ("Cheapest settings", CHOICE, [choice_cells(one) for one in steps]),
+            ("Smallest models", CHOICE, [choice_cells(one) for one in models]),
+            (
+                "What may be left out",
+                LEFT_OUT,
+                [left_out_cells(one) for one in result.left_out],
+            ),
+            (LIMITS, LIMIT, [limit_cells(one) for one in result.series]),
+            ("What a step costs in stability", *stability_table(result.stability)),
         ]
-        page = Page("", "", result.failures, tables, "")
-    return page._replace(tables=[table for table in page.tables if table[2]])
+        lines, last = [f"note: {note}" for note in result.failures], []
+    shown = [Section(*table, digits=DIGITS) for table in tables if table[2]]
+    parts = [Section(lines=lines), *shown, Section(lines=last)]
+    return [part for part in parts if part.rows or part.lines]
 
 
-def choice_cells(item: Choice) -> Cells:
+def choice_cells(item: Choice) -> Row:
     """Return a recommendation: the cheapest setting, or the smallest model."""
-    if not item.met:
-        setting = "none"
-    elif item.axis == "step":
-        setting = " ".join(
-            filter(None, [item.model, item.method, settings_text(item.settings or {})])
-        )
-    else:
-        setting = f"{item.model} {item.method}".strip() + f": {model_text(item)}"
-    note = item.limit
-    if item.axis != "step" and item.quantity:
-        note = f"{item.case}, {item.quantity.replace('_', ' ')}: {note}"
-    if item.smaller is not None and item.axis not in ("step", ""):
-        note = f"{note}; the next smaller has an error of {item.smaller:.2g}"
+    words, note = [item.model, item.method, settings_text(item.settings or {})], item.limit
+    if item.axis != "step":
+        words = [item.model, f"{item.method}:", item.axis, with_unit(item.value, item.unit, 6)]
+        note = note if item.met else f"{item.axis}: {note}"
+    setting = " ".join(filter(None, words)) if item.met else "none"
+    if item.smaller is not None:
+        note += f"; the next smaller has an error of {item.smaller:.2g}"
     return (
         item.scene, item.engine, number(item.target, 6), setting,
         "" if item.step is None else number(item.step, 3), item.error,
@@ -89,17 +84,7 @@ def choice_cells(item: Choice) -> Cells:
     )  # fmt: skip
 
 
-def model_text(item: Choice) -> str:
-    """Return the smallest model on its axis in words."""
-    if item.unit == "1" and item.value in (0.0, 1.0):
-        return f"{'with' if item.value else 'without'} {item.axis}"
-    words = f"{number(item.value, 6)} {item.axis}"
-    if item.unit not in ("1", ""):
-        words = f"{item.axis} {with_unit(item.value, item.unit)}"
-    return f"{words} (extrapolated)" if item.extrapolated else words
-
-
-def limit_cells(one: StepSeries) -> Cells:
+def limit_cells(one: StepSeries) -> Row:
     """Return what limits a method: its order, its floor, and from where on halving is wasted."""
     useful = [point.step for point in one.points if point.error is not None and not point.wasted]
     return (
@@ -114,16 +99,35 @@ def limit_cells(one: StepSeries) -> Cells:
     )
 
 
-def shift_cells(one: StepSeries) -> Cells:
-    """Return by how much a method shifts a boundary point."""
+def left_out_cells(one: LeftOut) -> Row:
+    """Return a model with something and one without it."""
     return (
-        one.scene, named(one.quantity, one.unit), f"{one.engine} {one.model}", one.method,
-        one.order, *(point.errors.get(one.quantity) for point in one.points),
-        number(one.slope, 3, missing="-"), one.plateau,
+        one.scene, one.engine, one.left_out, one.whole, one.without, one.error, one.error_without,
+        one.saving,
     )  # fmt: skip
 
 
-def run_cells(result: ModelTradeoff, trial: Trial) -> Cells:
+def stability_table(shifts: Sequence[StabilityShift]) -> tuple[Sequence[str], list[Row]]:
+    """Return heads and rows of the shifts of boundaries, over steps in a period."""
+    counts = list(shifts[0].shifts) if shifts else []
+    heads = ("scene", "shift of", "engine, model", "method", "order", *counts, "fitted", "floor")
+    rows: list[Row] = [
+        (
+            one.scene,
+            f"{one.parameter.replace('_', ' ')} [{one.unit}]",
+            f"{one.engine} {one.model}",
+            one.method,
+            one.order,
+            *(number(one.shifts[count], DIGITS, missing="-") for count in counts),
+            number(one.slope, 3, missing="-"),
+            one.floor,
+        )
+        for one in shifts
+    ]
+    return heads, rows
+
+
+def run_cells(result: ModelTradeoff, trial: Trial) -> Row:
     """Return a run of a file; ``>`` is the choice, ``*`` the front, ``=`` the file's setting."""
     point, limit = trial.point, trial.series.stable_step
     marks: dict[str, list[Trial | None]] = {
@@ -134,7 +138,7 @@ def run_cells(result: ModelTradeoff, trial: Trial) -> Cells:
     return (
         "".join(mark for mark, of in marks.items() if point in [one and one.point for one in of]),
         trial.series.setting,
-        1e3 * (point.step or 0.0),
+        1e3 * point.step,
         percent(point.error),
         percent(point.errors["energy"]) if point.errors else None,
         point.errors.get("violation") or None,
@@ -167,39 +171,38 @@ simulated second on one machine; take it as a ratio.
 *Cheapest settings*: of all that were run, the cheapest whose error meets the target, as with all
 shorter steps; the shortest step of all only at its floor. *limited by*: what has the largest share
 in the error: the step, or what no step removes. *margin*: largest stable step by theory over this
-step. *Smallest models*: the fewest rods or elements, the softest closure, and what may be left out,
-from which on all larger models meet the target, with the longest step that does. *What limits the
-methods*: the order fitted above the floor, the floor and its name, and from which step on halving
-is wasted. *What a step costs in stability*: by how much the parameter at which a periodic orbit
-loses its stability is shifted with so many steps in a period; the order of the last halving above
-the floor, which is round-off.
+step. *Smallest models*: the fewest segments and the coarsest option of an engine from which on all
+that were run meet the target, with the cheapest step that does. *What may be left out*: the errors
+of a model with something and without it, by the same short step, and the cost of both; of theories
+the errors are against the one that has it. *What limits the methods*: the order fitted above the
+floor, the floor and its name, and from which step on halving is wasted. *What a step costs in
+stability*: by how much the parameter at which a periodic orbit loses its stability is shifted with
+so many steps in a period; the order of the last halving above the floor, which is round-off.
 """
 
 
-def markdown(result: Tradeoff | ModelTradeoff) -> str:
-    """Return the page as Markdown: of scenes what `docs/tradeoff.md` is."""
-    page = page_of(result)
-    parts = [f"## {plain(page.heading)}", f"**{plain(page.sentence)}**"]
-    if not page.heading:
-        parts = [INTRODUCTION.strip()]
-    if page.heading and page.notes:
-        parts.append("\n".join(f"* {plain(note)}" for note in page.notes))
-    for title, heads, rows in page.tables:
-        parts += [f"## {title}"] if title else []
-        parts.append(markdown_table(heads, rows, DIGITS))
-    parts += [plain(page.legend)] if page.legend and page.tables else []
+def markdown(result: Tradeoff | ModelTradeoff, pictures: Sequence[tuple[str, str]] = ()) -> str:
+    """Return the page as Markdown: of scenes what `docs/tradeoff.md` is.
+
+    Parameters
+    ----------
+    result : Tradeoff or ModelTradeoff
+    pictures : sequence of (title, file)
+        Pictures, and the titles below which they are shown.
+    """
+    parts = [INTRODUCTION.strip()]
+    if isinstance(result, ModelTradeoff):
+        parts = [f"## {plain(result.file)}"]
+    for section in sections(result):
+        parts += [f"## {section.title}"] if section.title else []
+        parts += [f"![{title}]({file})" for title, file in pictures if title == section.title]
+        if section.rows:
+            parts.append(markdown_table(section.heads, section.rows, DIGITS))
+        else:
+            parts.append("\n".join(f"* {plain(line)}" for line in section.lines))
     return "\n\n".join(parts) + "\n"
 
 
 def show(console: Console, result: Tradeoff | ModelTradeoff) -> None:
-    """Print the page."""
-    page = page_of(result)
-    if page.sentence:
-        print_wrapped(console, page.sentence)
-    for note in page.notes:
-        print_wrapped(console, f"note: {note}", "  ")
-    for title, heads, rows in page.tables:
-        print_line(console, title, "bold")
-        print_table(console, heads, rows, DIGITS)
-    if page.legend and page.tables:
-        print_wrapped(console, page.legend)
+    """Print the report."""
+    print_sections(console, sections(result))

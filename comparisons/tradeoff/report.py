@@ -2,142 +2,90 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
-from ...reference import SCENES
-from ...reference.errors import EngineError, UsageError
+from ...reference.errors import EngineError
 from ..documents import document
+from ..documents.fields import HIDDEN, documented
 from ..engines.isolation import MEMORY, isolated
 from ..engines.registry import resolve_selection
-from ..queries.environment import versions
-from . import smallest, stability
+from ..queries import environment
+from .left_out import LeftOut, compare, pairs_of
+from .request import TARGETS, TradeoffRequest
+from .stability import StabilityShift, boundaries_of, shift
 from .store import RunStore
-from .sweep import beside, sweeps, swept
-from .table import (
-    MODEL,
-    ROUND_OFF,
-    TARGETS,
-    Choice,
-    StepSeries,
-    Swept,
-    Trial,
-    cheapest,
-    pareto,
-    steady,
-    trials_of,
-)
-
-NOISE = 1.2
-"""Median times that differ by no more than this factor cost about the same."""
+from .sweep import beside, smallest, sweeps, swept
+from .table import Choice, SettingRun, StepSeries, choose, pareto, trials_of
 
 LIMIT = 300.0
-"""Time limit of a series, or of one piece of the smallest models [s]."""
+"""Time limit of a series [s]."""
+
+Result = StepSeries | LeftOut | StabilityShift
 
 Progress = Callable[[int, int, str], None]
 
 
-def choose(series: Sequence[StepSeries], target: float) -> list[Choice]:
-    """Return the cheapest setting of each engine for each scene, or why there is none.
-
-    Of settings that cost about the same, the one with the fewest options set, then the most
-    accurate: noise of a clock is no reason to prefer one. The shortest step of a series has to be
-    at its floor: the error with half of it is not known.
-    """
-    choices = []
-    for scene, engine in dict.fromkeys((one.scene, one.engine) for one in series):
-        mine = [one for one in series if (one.scene, one.engine) == (scene, engine)]
-        good = [
-            row
-            for row in steady(mine, target)
-            if row.point is not row.series.points[-1] or row.point.label in (MODEL, ROUND_OFF)
-        ]
-        best = cheapest(
-            good, lambda row: row.seconds, lambda row: (len(row.series.settings), row.error), NOISE
-        )
-        choices.append(choice_from(best, mine, target))
-    return choices
-
-
-def choice_from(best: Trial | None, series: Sequence[StepSeries], target: float) -> Choice:
-    """Return the choice of the best run of some series, or of none with the least error."""
-    if best is None:
-        one, least = min(trials_of(series), key=lambda trial: trial.error)
-        words = "no run came to an end"
-        words = words if least.error is None else f"{least.limit} of {one.setting}"
-        return Choice(one.scene, one.case, one.engine, target, error=least.error, limit=words)
-    one, point = best
-    assert point.step is not None
-    longest = max(trial.point.step or 0.0 for trial in trials_of([one]) if trial.error < 1)
-    return one.choice(
-        target,
-        step=point.step,
-        error=point.error,
-        cost=point.cost,
-        limit=point.limit,
-        margin=None if one.stable_step is None else one.stable_step / point.step,
-        longest=longest / point.step,
-        met=True,
-    )
-
-
 @dataclass
 class Tradeoff:
-    """What accuracy costs; filled by `work`.
+    """What accuracy costs of scenes; filled by `work`.
 
     Attributes
     ----------
     targets : tuple of float
-    asked_scenes, engines : tuple of str
+        relative errors that settings are recommended for [1]
+    scenes, engines : tuple of str
+        Names.
     resume : str or None
         File that keeps results.
     series : list of StepSeries
-    smallest : list of Choice
-        Smallest models.
+        a method of an engine on a model over steps
+    left_out : list of LeftOut
+        what models may leave out
+    stability : list of StabilityShift
+        what a step costs in stability
     failures : list of str
-        What came to nothing, and why.
+        what came to nothing, and why
     """
 
     targets: tuple[float, ...]
-    asked_scenes: tuple[str, ...]
-    engines: tuple[str, ...]
-    resume: str | None = None
+    scenes: tuple[str, ...] = field(metadata=HIDDEN)
+    engines: tuple[str, ...] = field(metadata=HIDDEN)
+    resume: str | None = field(default=None, metadata=HIDDEN)
     series: list[StepSeries] = field(default_factory=list)
-    smallest: list[Choice] = field(default_factory=list)
+    left_out: list[LeftOut] = field(default_factory=list)
+    stability: list[StabilityShift] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
 
     @classmethod
-    def asked(
-        cls,
-        scenes: Sequence[str],
-        engines: Sequence[str],
-        targets: Sequence[float],
-        resume: str | None = None,
-    ) -> Tradeoff:
-        """Return what is asked for, to be filled by `work`; see `tradeoff`."""
-        return cls(valid_targets(targets), *resolve_selection(scenes, engines), resume)
+    def asked(cls, request: TradeoffRequest) -> Tradeoff:
+        """Return the trade-off of a request, to be filled by `work`.
+
+        Raises
+        ------
+        UsageError
+            For unknown names, or an engine that cannot be imported.
+        """
+        targets = tuple(sorted(set(request.targets or TARGETS), reverse=True))
+        return cls(targets, *resolve_selection(request.scenes, request.engines), request.resume)
 
     def work(self) -> Iterator[tuple[int, int, str]]:
-        """Measure one piece after the other, each in a process of its own; tell how far it is.
+        """Measure one series after the other, each in a process of its own; yields progress.
 
         One at a time: they are timed.
         """
-        store = RunStore(self.resume, target=self.targets, versions=versions(self.engines))
-        asked = self.asked_scenes, self.engines
-        pieces: dict[str, Callable[[], Swept]] = {
-            **{one.name: partial(swept, one) for one in sweeps(*asked)},
-            **dict(smallest.tasks(*asked, self.targets)),
-            **dict(stability.tasks(*asked)),
-        }
-        known = {name: store.get(name, Swept) for name in pieces}
-        for result in filter(None, known.values()):
-            self.add(result)
+        store = RunStore(self.resume, versions=self.versions)
+        pieces = self.pieces()
+        known = {name: store.get(name, kind) for name, (kind, _) in pieces.items()}
+        for one in filter(None, known.values()):
+            self.add(one)
         names = [name for name in pieces if known[name] is None]
         done = len(pieces) - len(names)
+        calls = [pieces[name][1] for name in names]
         try:
-            for place, result in isolated([pieces[name] for name in names], 1, LIMIT, MEMORY):
+            for place, result in isolated(calls, 1, LIMIT, MEMORY):
                 if isinstance(result, EngineError):
                     self.failures.append(f"{names[place]}: {result.kind}: {result.message}")
                 else:
@@ -147,51 +95,67 @@ class Tradeoff:
         finally:
             store.write()
 
-    def add(self, result: Swept) -> None:
-        """Add a piece; a series with an option set stands beside that with nothing set."""
-        same = ("scene", "engine", "model", "method", "axis")
-        for one in result.series:
-            for other in self.series:
-                alike = all(getattr(one, key) == getattr(other, key) for key in same)
-                if alike and one.settings and not other.settings:
-                    one = beside(one, other)
-            self.series.append(one)
-        self.smallest += result.choices
+    def pieces(self) -> dict[str, tuple[type, Callable[[], Result]]]:
+        """Return what is measured, by name: the type of the result, and the call."""
+        pieces: dict[str, tuple[type, Callable[[], Result]]] = {
+            one.name: (StepSeries, partial(swept, one)) for one in sweeps(self.scenes, self.engines)
+        }
+        for name, pair in pairs_of(self.scenes, self.engines):
+            pieces[name] = LeftOut, partial(compare, pair)
+        for name, setup in boundaries_of(self.scenes, self.engines):
+            case, method = setup.case, setup.integrator.name
+            names = case.scene, case.name, setup.engine.name, setup.model, method
+            pieces[name] = StabilityShift, partial(shift, *names)
+        return pieces
+
+    def add(self, result: Result) -> None:
+        """Take a result, where its kind stands."""
+        if isinstance(result, StepSeries):
+            self.series.append(beside(result, self.series))
+        elif isinstance(result, LeftOut):
+            self.left_out.append(result)
+        else:
+            self.stability.append(result)
 
     @property
     def failed(self) -> bool:
         """Whether something came to nothing."""
         return bool(self.failures)
 
-    @property
-    def choices(self) -> list[Choice]:
-        """The cheapest setting of each engine for each scene and target, then the smallest."""
-        swept = [one for one in self.series if one.axis == "step"]
-        choices = [choice for target in self.targets for choice in choose(swept, target)]
-        return sorted(choices, key=lambda one: list(SCENES).index(one.scene)) + self.smallest
-
-    def of(self, scene: str, axis: str = "step") -> list[StepSeries]:
-        """Return the series of one scene on one axis."""
-        return [one for one in self.series if (one.scene, one.axis) == (scene, axis)]
+    def of(self, scene: str) -> list[StepSeries]:
+        """Return the series of one scene."""
+        return [one for one in self.series if one.scene == scene]
 
     @property
-    def scenes(self) -> tuple[str, ...]:
-        """Names of the scenes that there are series of."""
-        return tuple(dict.fromkeys(one.scene for one in self.series))
+    @documented
+    def versions(self) -> Mapping[str, str]:
+        """Versions of mbcheck, numpy, scipy and of the engines that took part, by name."""
+        return environment.versions(self.engines)
+
+    @property
+    @documented
+    def pareto(self) -> Mapping[str, Sequence[SettingRun]]:
+        """By scene: settings that none beats in both error and time, the cheapest first."""
+        fronts = {scene: pareto(trials_of(self.of(scene))) for scene in self.scenes}
+        return {scene: [row.as_run for row in front] for scene, front in fronts.items()}
+
+    @property
+    @documented
+    def recommendations(self) -> Sequence[Choice]:
+        """For each scene, target and engine the cheapest setting; then the smallest models."""
+        best, least = list[Choice](), list[Choice]()
+        for scene in self.scenes:
+            every = self.of(scene)
+            engines = dict.fromkeys(one.engine for one in every)
+            for target in self.targets:
+                for engine in engines:
+                    best.append(choose([one for one in every if one.engine == engine], target))
+                least += smallest(every, target)
+        return best + least
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``tradeoff`` document of docs/json.md."""
-        fronts = {
-            scene: [trial_document(row) for row in pareto(trials_of(self.of(scene)))]
-            for scene in self.scenes
-        }
-        parts = {"pareto": fronts, "recommendations": self.choices}
-        return document("tradeoff", self, versions=versions(self.engines), **parts)
-
-
-def trial_document(row: Trial) -> dict[str, Any]:
-    """Return a run as a document has it."""
-    return {**vars(row.series), **vars(row.point), "seconds": row.seconds}
+        return document("tradeoff", self)
 
 
 def tradeoff(
@@ -216,22 +180,9 @@ def tradeoff(
         For unknown names, an engine that cannot be imported, or targets that are no
         numbers between 0 and 1.
     """
-    result = Tradeoff.asked(scenes, engines, targets)
-    for done, total, what in result.work():
+    request = TradeoffRequest(tuple(scenes), tuple(engines), tuple(targets))
+    result = Tradeoff.asked(request)
+    for state in result.work():
         if progress:
-            progress(done, total, what)
+            progress(*state)
     return result
-
-
-def valid_targets(targets: Sequence[float]) -> tuple[float, ...]:
-    """Return the targets, the largest first.
-
-    Raises
-    ------
-    UsageError
-        If one is no number between 0 and 1.
-    """
-    for target in targets:
-        if not 0 < target < 1:
-            raise UsageError(f"a target is a relative error between 0 and 1, not {target!r}")
-    return tuple(sorted(set(targets), reverse=True))

@@ -6,99 +6,114 @@ their stability at another parameter than that of the reference.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
-from functools import partial
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import product
+from math import log2
 
 from ...reference import get_scene
 from ...reference.continuation.bifurcations import KINDS
 from ...reference.errors import EngineError
-from ...reference.scene import Case
 from ..checks.kinds import boundary
 from ..engines.registry import get_engine
 from ..engines.run import EPS
 from ..engines.setup import Setup
-from .table import ROUND_OFF, STEP, Point, StepSeries, Swept, slope_of
-
-AXIS = "steps in a period"
 
 STEPS = (40, 80, 160, 320, 640)
-"""In a period."""
+"""Numbers of steps in a period."""
 
 CLEAR = 10
 """Bounds above which a shift tells the order."""
 
 
-def tasks(
-    scenes: Sequence[str], engines: Sequence[str]
-) -> Iterator[tuple[str, Callable[[], Swept]]]:
-    """Yield methods of the engines' default models, each ready for a process of its own."""
+@dataclass(frozen=True)
+class StabilityShift:
+    """A method, and where an orbit loses its stability by it.
+
+    Attributes
+    ----------
+    scene : str
+        Scene.
+    case : str
+        Case with the boundary.
+    engine : str
+        Engine.
+    model : str
+        The engine's model of the scene.
+    method : str
+        Integrator.
+    order : int
+        Declared order.
+    parameter : str
+        Parameter that is shifted.
+    unit : str
+        Unit of the parameter.
+    shifts : mapping of str to float or None
+        By the number of steps in a period: shift of the parameter; null where the engine has no
+        such orbit.
+    slope : float or None
+        Order of the last halving whose shifts are above the floor; null if fewer than two are.
+    floor : float or None
+        Largest shift that round-off may make with the most steps; null without any.
+    """
+
+    scene: str
+    case: str
+    engine: str
+    model: str
+    method: str
+    order: int
+    parameter: str
+    unit: str
+    shifts: Mapping[str, float | None]
+    slope: float | None
+    floor: float | None
+
+
+def boundaries_of(scenes: Sequence[str], engines: Sequence[str]) -> Iterator[tuple[str, Setup]]:
+    """Yield the methods that can find a boundary of a case, by each engine's default model."""
     cases = [
         case
         for scene in scenes
         for case in get_scene(scene).cases
         if case.boundary and case.boundary.kind in KINDS
     ]
-    for case in cases:
-        for engine in engines:
-            its = get_engine(engine)
-            for model, method in product(its.models(case.scene)[:1], its.methods):
-                if is_measurable(Setup(its, case, model, method)):
-                    name = f"{case.scene} {engine} {method.name}, {case.name}"
-                    yield name, partial(swept, case, engine, model, method.name)
+    for case, name in product(cases, engines):
+        engine = get_engine(name)
+        for model, method in product(engine.models(case.scene)[:1], engine.methods):
+            setup = Setup(engine, case, model, method)
+            if not setup.why_not and boundary.quantities(setup) and setup.epsilon <= EPS:
+                yield f"{case.scene} {name} {method.name}, {case.name}", setup
 
 
-def swept(case: Case, engine: str, model: str, method: str) -> Swept:
-    """Return the shifts of one method as a piece of work."""
-    return Swept((boundary_shift(case, engine, model, method),))
-
-
-def is_measurable(setup: Setup) -> bool:
-    """Return whether a method can run a case, with the scene's equations and all 64 bits."""
-    if setup.engine.why_not(setup.case, setup.model, setup.integrator) is not None:
-        return False
-    return bool(boundary.quantities(setup)) and setup.epsilon <= EPS
-
-
-def boundary_shift(
-    case: Case, engine: str, model: str, method: str, steps: Sequence[int] = STEPS
-) -> StepSeries:
+def shift(
+    scene: str, case_name: str, name: str, model: str, method: str, steps: Sequence[int] = STEPS
+) -> StabilityShift:
     """Return by how much a method shifts the boundary of a case, over steps in a period.
-
-    The errors are shifts of the parameter; under its name in ``errors`` they have a sign.
 
     Raises
     ------
     NoOrbitError
         If the reference has no such point.
     """
+    case, engine = get_scene(scene).case(case_name), get_engine(name)
     assert case.boundary is not None
-    sought = boundary.true_boundary(case.scene, case.parameters, case.boundary)
-    its = get_engine(engine)
-    integrator = next(one for one in its.methods if one.name == method)
-    setup, true = Setup(its, case, model, integrator), sought.solution[1]
-    points = []
+    sought = boundary.true_boundary(scene, case.parameters, case.boundary)
+    integrator = next(one for one in engine.methods if one.name == method)
+    setup, true = Setup(engine, case, model, integrator), sought.solution[1]
+    shifts, clear, floor = dict[str, float | None](), list[float](), None
     for count in steps:
-        one = Point(None, None, value=count)
+        shifts[str(count)] = None
         try:
             point = boundary.engine_point(setup, sought, count, true.z)
-            if point.is_solved:
-                shift = sought.unit * float(point.z[-1] - true.z[-1])
-                bound = sought.unit * point.bound
-                label = STEP if abs(shift) > CLEAR * bound else ROUND_OFF
-                signed = {sought.parameter: shift}
-                one = Point(None, abs(shift), signed, label=label, value=count, bound=bound)
-        except EngineError as failure:
-            one = replace(one, reason=failure.message)
-        points.append(one)
-    clear = [one for one in points if one.label == STEP]
-    return StepSeries(
-        case.scene, case.name, engine, model, method, integrator.order, {}, tuple(points),
-        slope=slope_of(clear[-2:]),
-        plateau=next((one.bound for one in reversed(points) if one.bound is not None), None),
-        plateau_name="round-off",
-        axis=AXIS,
-        unit=case.parameters.unit_of(sought.parameter),
-        quantity=sought.parameter,
+        except EngineError:
+            continue
+        if point.is_solved:
+            moved = sought.unit * float(point.z[-1] - true.z[-1])
+            shifts[str(count)], floor = moved, sought.unit * point.bound
+            clear += [abs(moved)] if abs(moved) > CLEAR * floor else []
+    return StabilityShift(
+        scene, case.name, name, model, method, integrator.order, sought.parameter,
+        case.parameters.unit_of(sought.parameter), shifts,
+        log2(clear[-2] / clear[-1]) if len(clear) > 1 else None, floor,
     )  # fmt: skip

@@ -10,8 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import pairwise
-from statistics import median
+from itertools import pairwise, takewhile
 
 import numpy as np
 
@@ -19,24 +18,27 @@ from ...reference import SCENES, get_scene
 from ...reference.errors import EngineError
 from ...reference.scene import Array, Case
 from ..checks.free_vibrations import stable_step
+from ..checks.kinds.order import relative_error
 from ..checks.suite import best_method
 from ..checks.tolerances import rounding
 from ..checks.truth import Truth, permitted_horizon, roundoff_reference
 from ..engines.equations import ModelEquations, scene_equations
+from ..engines.protocol import Option
 from ..engines.registry import get_engine
 from ..engines.run import Trajectory
 from ..engines.setup import Setup, power_of_two, run, shortest_period
-from ..scenes.tradeoff import relative_error
 from .table import (
     MODEL,
     ROUND_OFF,
     STEP,
     UNEXPLAINED,
+    Choice,
     Cost,
     Point,
     StepSeries,
-    Swept,
-    slope_of,
+    cheapest_run,
+    choose,
+    trials_of,
 )
 
 COARSEST = 4
@@ -63,8 +65,8 @@ SMALL = 0.1
 PERIODS = 100
 """Periods of the scene over which a stable step bounds free vibrations; runs may be shorter."""
 
-SEGMENTS = (6, 12, 24, 48, 64)
-"""Segments of a continuum, where they are the second axis."""
+SEGMENTS, SEGMENT_AXIS = (6.0, 12.0, 24.0, 48.0, 64.0), "segments"
+"""Numbers of segments of a continuum, and the name of this axis."""
 
 
 def sweeps(scenes: Sequence[str], engines: Sequence[str]) -> list[StepSeries]:
@@ -84,13 +86,20 @@ def of_scene(scene: str, name: str) -> Iterator[StepSeries]:
         top = best_method(setup)
         if top is None:
             continue
-        for option in engine.options(case, model, top):
+        for option in second_axes(replace(setup, method=top)):
             for value in option.values:
                 if value != option.default:
                     yield series(top.name, top.order, {option.name: value})
-        for count in SEGMENTS if setup.element_order else ():
-            if count != case.parameters.segments:
-                yield series(top.name, top.order, {"segments": float(count)})
+
+
+def second_axes(setup: Setup) -> tuple[Option, ...]:
+    """Return what limits the accuracy of a method beside its step, the parts of a continuum too."""
+    options = setup.engine.options(setup.case, setup.model, setup.integrator)
+    if not setup.element_order:
+        return options
+    own = float(setup.case.parameters.segments)
+    counts = tuple(sorted({*SEGMENTS, own}))
+    return (*options, Option(SEGMENT_AXIS, "1", own, counts, "spatial discretisation"))
 
 
 def case_of(scene: str) -> Case:
@@ -104,7 +113,7 @@ def setup_of(series: StepSeries) -> Setup:
     engine, case = get_engine(series.engine), case_of(series.scene)
     method = next(item for item in engine.methods if item.name == series.method)
     for name, value in series.settings.items():
-        if name == "segments":
+        if name == SEGMENT_AXIS:
             case = replace(case, parameters=case.parameters.replace(segments=value))
         else:
             engine = engine.with_option(name, value)
@@ -162,7 +171,7 @@ def reference_of(setup: Setup, span: Horizon, equations: ModelEquations) -> Trut
     return roundoff_reference(equations, setup.case, times, setup.scene.observables)
 
 
-def swept(series: StepSeries, repeats: int = REPEATS) -> Swept:
+def swept(series: StepSeries, repeats: int = REPEATS) -> StepSeries:
     """Run a series from its coarsest step to where halving no longer pays."""
     setup = setup_of(series)
     case, names, span = setup.case, setup.scene.observables, horizon_of(setup.case)
@@ -190,21 +199,22 @@ def swept(series: StepSeries, repeats: int = REPEATS) -> Swept:
         points.append(Point(step, max(errors), dict(zip(names, errors, strict=True)), cost))
         if finished(points) or min(one.seconds for one in trajectories) > LONGEST:
             break
-    floor = floor_of(setup, span, exact, resized=case != case_of(series.scene))
     parts = changes(runs, exact.size[:, None], setup.integrator.order)
     limit = stable_step(setup, max(span.length, PERIODS * setup.scene.period(case.parameters)))
-    series = replace(series, points=tuple(label(points, parts, floor)))
-    return Swept((summed(replace(series, stable_step=limit and limit.step)),))
+    labelled = label(points, parts, setup, exact, resized=case != case_of(series.scene))
+    series = replace(series, points=tuple(labelled))
+    return summed(replace(series, stable_step=limit and limit.step))
 
 
 def cost_of(trajectories: Sequence[Trajectory], span: float) -> Cost:
     """Return the cost of repeated runs over a span [s]."""
-    seconds, first = [one.seconds / span for one in trajectories], trajectories[0]
-    counts = (first.rhs_evaluations, first.newton_iterations)
-    return Cost(
-        median(seconds), min(seconds), max(seconds), first.steps / span,
+    first = trajectories[0]
+    counts = [first.rhs_evaluations, first.newton_iterations]
+    return Cost.of(
+        [one.seconds / span for one in trajectories],
+        first.steps / span,
         *(None if count is None else count / span for count in counts),
-    )  # fmt: skip
+    )
 
 
 def finished(points: Sequence[Point]) -> bool:
@@ -232,87 +242,54 @@ def changes(runs: Sequence[Array | None], size: Array, order: int) -> list[float
     return [*parts, None if not parts or parts[-1] is None else parts[-1] / gain]
 
 
-@dataclass(frozen=True)
-class Floor:
-    """The error that no step takes away.
+def floor_name(setup: Setup) -> str:
+    """Return the name of the error that the model's equations leave."""
+    if setup.approximates_continuum:
+        return "continuum"
+    if setup.element_order:
+        return "spatial discretisation"
+    if setup.has_constraints:
+        return "closure softness"
+    return "" if setup.is_exact else "inertia floor"
 
-    Attributes
-    ----------
-    model_error : float
-        Error of the model's equations against the scene's.
-    name : str
-        Name of that error, see `StepSeries.plateau_name`.
-    trust : float
-        Bound of the reference's error.
-    elements : bool
-        Whether elements limit it beside the model's equations.
-    growth : float
-        Growth factor of an initial error.
-    solver : bool
-        Whether a solver, of an implicit method or of constraints, may stop early.
+
+def label(
+    points: Sequence[Point],
+    parts: Sequence[float | None],
+    setup: Setup,
+    exact: Truth,
+    resized: bool,
+) -> list[Point]:
+    """Return the points with what limits each, and whether its step is wasted.
+
+    The step limits a point if its part is half of the error or more. Where that part is not
+    known, the model limits it if its equations explain half of the error. Where a continuum has
+    other segments than the case, solving a long chain takes longer than all that it tells: halved
+    steps tell it too.
     """
-
-    model_error: float
-    name: str
-    trust: float
-    elements: bool
-    growth: float
-    solver: bool
-
-    def limit(self, point: Point, part: float | None) -> tuple[str, str]:
-        """Return label and name of what limits a point, whose step has a part in the error.
-
-        Where that is not known, the model limits it if its equations explain half of it.
-        """
-        assert point.error is not None
-        assert point.cost is not None
-        by_model = self.model_error > point.error / 2
-        by_step = not (self.elements or by_model) if part is None else part >= point.error / 2
-        if by_step:
-            return STEP, "step"
-        if by_model and self.model_error > self.trust:
-            return MODEL, self.name
-        if self.elements:
-            return MODEL, "spatial discretisation"
-        if point.error < max(rounding(round(point.cost.steps), self.growth), 2 * self.trust):
-            return ROUND_OFF, "round-off"
-        return MODEL, "solver tolerance" if self.solver else UNEXPLAINED
-
-
-def floor_of(setup: Setup, span: Horizon, exact: Truth, resized: bool) -> Floor:
-    """Return what no step takes away from the errors of a setup.
-
-    Where it has other segments than the case, solving a long chain takes longer than all that it
-    tells: halved steps tell it too.
-    """
-    continuum, model, name = setup.approximates_continuum, exact, ""
+    span, model, continuum = horizon_of(setup.case), exact, setup.approximates_continuum
     if not (setup.is_exact or (resized and not continuum)):
         model = reference_of(setup, span, setup.equations)
-    if continuum:
-        name = "continuum"
-    elif setup.element_order:
-        name = "spatial discretisation"
-    elif setup.has_constraints:
-        name = "closure softness"
-    elif not setup.is_exact:
-        name = "inertia floor"
-    return Floor(
-        model_error=relative_error(model.values, exact),
-        name=name,
-        trust=float(np.max(exact.bound / exact.size)),
-        elements=resized or continuum,
-        growth=span.growth,
-        solver=setup.integrator.scheme is None or setup.has_constraints,
-    )
-
-
-def label(points: Sequence[Point], parts: Sequence[float | None], floor: Floor) -> list[Point]:
-    """Return the points with what limits each, and whether its step is wasted."""
+    model_error, elements = relative_error(model.values, exact), resized or continuum
+    trust = float(np.max(exact.bound / exact.size))
+    solves = setup.integrator.scheme is None or setup.has_constraints
     labelled: list[Point] = []
     least = np.inf
     for point, part in zip(points, parts, strict=True):
-        if point.error is not None:
-            kind, name = floor.limit(point, part)
+        if point.error is not None and point.cost is not None:
+            by_model = model_error > point.error / 2
+            by_step = not (elements or by_model) if part is None else part >= point.error / 2
+            roundoff = rounding(round(point.cost.steps), span.growth)
+            if by_step:
+                kind, name = STEP, "step"
+            elif by_model and model_error > trust:
+                kind, name = MODEL, floor_name(setup)
+            elif elements:
+                kind, name = MODEL, "spatial discretisation"
+            elif point.error < max(roundoff, 2 * trust):
+                kind, name = ROUND_OFF, "round-off"
+            else:
+                kind, name = MODEL, "solver tolerance" if solves else UNEXPLAINED
             at_floor = any(one.label in (MODEL, ROUND_OFF) for one in labelled)
             wasted = at_floor or point.error > GAIN * least
             least = min(least, point.error)
@@ -324,26 +301,63 @@ def label(points: Sequence[Point], parts: Sequence[float | None], floor: Floor) 
 def summed(series: StepSeries) -> StepSeries:
     """Return a series with the order that its points show and the floor that it meets."""
     good = [(point, point.error) for point in series.points if point.error is not None]
-    slope = [p for p, error in good if p.label == STEP and error < SMALL and not p.wasted]
+    clear = [(p.step, e) for p, e in good if p.label == STEP and e < SMALL and not p.wasted]
+    steps, errors = np.log(np.reshape(clear, (-1, 2))).T
+    slope = float(np.polyfit(steps, errors, 1)[0]) if len(clear) > 1 else None
     floor, name = min(
         ((error, p.limit) for p, error in good if p.label != STEP), default=(None, "")
     )
-    return replace(series, slope=slope_of(slope), plateau=floor, plateau_name=name)
+    return replace(series, slope=slope, plateau=floor, plateau_name=name)
 
 
-def beside(series: StepSeries, default: StepSeries) -> StepSeries:
-    """Return a series with an option set, its floors named by comparison with the default's.
+def beside(series: StepSeries, others: Sequence[StepSeries]) -> StepSeries:
+    """Return a series, its floors named by comparison with that with no option set, if it has one.
 
     What is more than twice the least error of the default is the option's doing.
     """
+    names = series.engine, series.model, series.method, series.scene
+    default = [
+        one
+        for one in others
+        if (one.engine, one.model, one.method, one.scene) == names and not one.settings
+    ]
+    if not (default and series.settings) or series.plateau is None:
+        return series
     setup = setup_of(series)
     options = setup.engine.options(setup.case, series.model, setup.integrator)
-    names = [option.limits for option in options if option.name in series.settings]
-    least = min((point.error for point in default.points if point.error is not None), default=0.0)
-    if not names or series.plateau is None or series.plateau < 2 * least:
+    limits = [option.limits for option in options if option.name in series.settings]
+    if not limits or series.plateau < 2 * min(trial.error for trial in trials_of(default)):
         return series
     points = [
-        point if point.label == STEP or point.error is None else replace(point, limit=names[0])
+        point if point.label == STEP or point.error is None else replace(point, limit=limits[0])
         for point in series.points
     ]
-    return replace(series, points=tuple(points), plateau_name=names[0])
+    return replace(series, points=tuple(points), plateau_name=limits[0])
+
+
+def smallest(series: Sequence[StepSeries], target: float) -> Iterator[Choice]:
+    """Yield the smallest models that meet a target, one for each axis beside the step.
+
+    Models stand in a row from few parts, or a coarse option, on: the first one is chosen from
+    which on all meet the target, with its cheapest step.
+    """
+    for default in (one for one in series if not one.settings):
+        names = default.engine, default.model, default.method
+        mine = [one for one in series if (one.engine, one.model, one.method) == names]
+        for option in second_axes(setup_of(default)):
+            row = [
+                (value, one)
+                for value in option.values
+                for one in mine
+                if one.settings == ({} if value == option.default else {option.name: value})
+            ]
+            if len(row) < 2:
+                continue
+            meets = [cheapest_run([one], target) is not None for _, one in row]
+            first = len(row) - len([*takewhile(bool, reversed(meets))])
+            value, one = row[first] if first < len(row) else (None, row[-1][1])
+            smaller = None
+            if 0 < first < len(row):
+                smaller = min(trial.error for trial in trials_of([row[first - 1][1]]))
+            axis = {"axis": option.name, "unit": option.unit}
+            yield choose([one], target, **axis, value=value, smaller=smaller)

@@ -8,17 +8,19 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf
+from statistics import median
 from typing import Any, NamedTuple
-
-import numpy as np
 
 STEP, MODEL, ROUND_OFF, FAILED = "step-limited", "model-limited", "round-off", "failed"
 
 UNEXPLAINED = "unexplained"
 """Name of a plateau that a right model by a method without a solver has no reason for."""
 
-TARGETS = (1e-2, 1e-3, 1e-4)
-"""Relative errors that settings are recommended for by default."""
+NOISE = 1.2
+"""Median times that differ by no more than this factor cost about the same."""
+
+STABLE = 1.02
+"""A step above this many times the largest stable one is unstable."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,11 @@ class Cost:
     rhs_evaluations: float | None = None
     newton_iterations: float | None = None
 
+    @classmethod
+    def of(cls, seconds: Sequence[float], steps: float, *counts: float | None) -> Cost:
+        """Return the cost of repeated runs, from their times [s/s] and counts [1/s]."""
+        return cls(median(seconds), min(seconds), max(seconds), steps, *counts)
+
 
 @dataclass(frozen=True)
 class Point:
@@ -57,8 +64,8 @@ class Point:
 
     Attributes
     ----------
-    step : float or None
-        Step of the run [s]; None where the error is that of equations.
+    step : float
+        Step of the run [s].
     error : float or None
         Largest error, relative to the size of the motion; None if the run failed.
     errors : mapping of str to float
@@ -75,13 +82,11 @@ class Point:
         A longer step has the same error.
     reason : str
         Why the run failed.
-    value : float or None
-        Value on an axis that is not the step.
     bound : float or None
         Uncertainty of the error.
     """
 
-    step: float | None
+    step: float
     error: float | None
     errors: Mapping[str, float] = field(default_factory=dict)
     cost: Cost | None = None
@@ -89,13 +94,12 @@ class Point:
     limit: str = ""
     wasted: bool = False
     reason: str = ""
-    value: float | None = None
     bound: float | None = None
 
 
 @dataclass(frozen=True)
 class StepSeries:
-    """A model and a method over steps or, on another axis, over models from small to large.
+    """A model and a method over steps.
 
     Attributes
     ----------
@@ -116,14 +120,7 @@ class StepSeries:
         ``iterations`` of the solver, and ``closure_steps``, the largest time constant of an
         equality over the step.
     points : tuple of Point
-        Runs, the longest step or the smallest model first.
-    axis : str
-        What varies: ``step``, parts of a continuum, an option that closes a loop, what is left
-        out (0: it is left out, 1: it is there), or ``steps in a period``.
-    unit : str
-        Unit of the axis; of a shift that of the parameter.
-    quantity : str
-        What the error is of; empty for all observables.
+        Runs, the longest step first.
     slope : float or None
         Order fitted to the points that are step-limited; None if fewer than two are.
     plateau : float or None
@@ -149,20 +146,11 @@ class StepSeries:
     plateau: float | None = None
     plateau_name: str = ""
     stable_step: float | None = None
-    axis: str = "step"
-    unit: str = "s"
-    quantity: str = ""
 
     @property
     def name(self) -> str:
-        """All of it in words."""
+        """The scene, the engine and the setting in words."""
         return f"{self.scene} {self.engine} {self.setting}"
-
-    def choice(self, target: float, **values: Any) -> Choice:
-        """Return a choice from this series."""
-        names = ("scene", "case", "engine", "model", "method", "settings", "axis", "unit")
-        own = {name: getattr(self, name) for name in (*names, "quantity")}
-        return Choice(target=target, **own, **values)
 
     @property
     def setting(self) -> str:
@@ -186,6 +174,44 @@ class Trial(NamedTuple):
     def error(self) -> float:
         """Error of the run; infinite if it failed."""
         return inf if self.point.error is None else self.point.error
+
+    @property
+    def as_run(self) -> SettingRun:
+        """The run as documents have it."""
+        one, point = self
+        names = one.engine, one.model, one.method, one.settings
+        return SettingRun(*names, point.step, point.error, self.seconds)
+
+
+@dataclass(frozen=True)
+class SettingRun:
+    """One setting, run.
+
+    Attributes
+    ----------
+    engine : str
+        engine
+    model : str
+        model; empty of a file
+    method : str
+        integrator
+    settings : mapping of str to float
+        as of a series
+    step : float
+        [s]
+    error : float or None
+        error; null if the run failed
+    seconds : float
+        time per simulated second [s/s]
+    """
+
+    engine: str
+    model: str
+    method: str
+    settings: Mapping[str, float]
+    step: float
+    error: float | None
+    seconds: float
 
 
 @dataclass(frozen=True)
@@ -219,20 +245,15 @@ class Choice:
     margin : float or None
         Largest stable step by theory over the step; None where no step is unstable, or no
         theory is known.
-    longest : float or None
-        Longest step of the sweep that this method survived with an error below 1, over the step.
     axis : str
-        ``step`` for the cheapest setting; otherwise the axis of the smallest model.
+        ``step`` for the cheapest setting; of the smallest model its axis: parts of a continuum, or
+        an option of the engine.
     unit : str
         Unit of the axis.
-    quantity : str
-        What the error is of; empty for all observables.
     value : float or None
         Smallest model from which on all meet the target, on its axis; None if there is none.
     smaller : float or None
-        Error of the next smaller model, which misses the target.
-    extrapolated : bool
-        The value follows from the declared order; the model was not run.
+        Least error of the next smaller model, which misses the target.
     met : bool
         Whether the target is met.
     """
@@ -249,29 +270,17 @@ class Choice:
     cost: Cost | None = None
     limit: str = ""
     margin: float | None = None
-    longest: float | None = None
     axis: str = "step"
     unit: str = "s"
-    quantity: str = ""
     value: float | None = None
     smaller: float | None = None
-    extrapolated: bool = False
     met: bool = False
 
 
-@dataclass(frozen=True)
-class Swept:
-    """Result of one piece of work."""
-
-    series: tuple[StepSeries, ...] = ()
-    choices: tuple[Choice, ...] = ()
-
-
 def trials_of(series: Iterable[StepSeries]) -> Iterator[Trial]:
-    """Yield all runs over steps."""
+    """Yield all runs of some series."""
     for one in series:
-        if one.axis == "step":
-            yield from (Trial(one, point) for point in one.points)
+        yield from (Trial(one, point) for point in one.points)
 
 
 def pareto(rows: Iterable[Trial]) -> list[Trial]:
@@ -292,13 +301,9 @@ def steady(series: Iterable[StepSeries], target: float, share: float = 1.0) -> I
         for point in reversed(one.points):
             if point.error is None or point.error > target:
                 break
-            stable = one.stable_step is None or (point.step or inf) <= STABLE * one.stable_step
+            stable = one.stable_step is None or point.step <= STABLE * one.stable_step
             if point.error <= share * target and stable:
                 yield Trial(one, point)
-
-
-STABLE = 1.02
-"""A step above this many times the largest stable one is unstable."""
 
 
 def cheapest(
@@ -314,12 +319,53 @@ def cheapest(
     return min(alike, key=preference, default=None)  # type: ignore[arg-type]
 
 
-def slope_of(points: Sequence[Point]) -> float | None:
-    """Return the slope of errors over steps, or over counts; None of fewer than two points."""
-    if len(points) < 2:
-        return None
-    steps = np.log([point.step or 1 / (point.value or np.nan) for point in points])
-    return float(np.polyfit(steps, np.log([point.error or np.nan for point in points]), 1)[0])
+def cheapest_run(series: Sequence[StepSeries], target: float) -> Trial | None:
+    """Return the cheapest run of some series that meets a target.
+
+    Of settings that cost about the same, the one with the fewest options set, then the most
+    accurate: noise of a clock is no reason to prefer one. The shortest step of a series has to be
+    at its floor: the error with half of it is not known.
+    """
+    good = [
+        row
+        for row in steady(series, target)
+        if row.point is not row.series.points[-1] or row.point.label in (MODEL, ROUND_OFF)
+    ]
+    return cheapest(
+        good, lambda row: row.seconds, lambda row: (len(row.series.settings), row.error), NOISE
+    )
+
+
+def choose(series: Sequence[StepSeries], target: float, **axis: Any) -> Choice:
+    """Return the cheapest setting of one engine for one scene, or why there is none.
+
+    Parameters
+    ----------
+    series : sequence of StepSeries
+        All of one engine and one scene.
+    target : float
+    **axis
+        Fields of the choice about the axis of a smallest model.
+    """
+    best = cheapest_run(series, target)
+    if best is None:
+        one, least = min(trials_of(series), key=lambda trial: trial.error)
+        words = "no run came to an end"
+        words = words if least.error is None else f"{least.limit} of {one.setting}"
+        return Choice(
+            one.scene, one.case, one.engine, target, error=least.error, limit=words, **axis
+        )
+    one, point = best
+    return Choice(
+        one.scene, one.case, one.engine, target, one.model, one.method, one.settings,
+        step=point.step,
+        error=point.error,
+        cost=point.cost,
+        limit=point.limit,
+        margin=None if one.stable_step is None else one.stable_step / point.step,
+        met=True,
+        **axis,
+    )  # fmt: skip
 
 
 def settings_text(settings: Mapping[str, float]) -> str:

@@ -19,7 +19,8 @@ from mbcheck.comparisons.inspect.console import print_inspection
 from mbcheck.comparisons.inspect.inspection import Inspection, inspect
 from mbcheck.comparisons.inspect.subject import View
 from mbcheck.comparisons.inspect.views import step_limit_of
-from mbcheck.comparisons.tradeoff.model import ModelTradeoff, Question, setting_of
+from mbcheck.comparisons.tradeoff.model import ModelTradeoff, setting_of
+from mbcheck.comparisons.tradeoff.request import TradeoffRequest
 from mbcheck.reference.errors import UsageError
 
 PACKAGES = ("gymnasium", "playground")
@@ -98,7 +99,7 @@ def test_limits_are_those_of_runs(inspected: list[Inspection]) -> None:
         m, view = one.loaded.model, one.views[0]
         rough = one.loaded.of_kind("jnt_type", "free", "ball").any() or m.dof_frictionloss.any()
         rough |= bool(m.na or one.loaded.at_limits(view.state))
-        if rough or view.linear is None or view.linear.contacts or view.linear.limits:
+        if rough or view.linear is None or view.linear.rows.contacts or view.linear.rows.limits:
             continue
         if "unstable" in {mode.kind for mode in view.modes}:
             continue
@@ -122,7 +123,9 @@ def test_what_is_recommended_meets_its_target_again(inspected: list[Inspection])
     answers = []
     for one in moving[:16]:
         first, second = (
-            ModelTradeoff(str(one.loaded.path), Question(horizon=0.2, budget=1e4, seed=seed))
+            ModelTradeoff(
+                TradeoffRequest((str(one.loaded.path),), horizon=0.2, budget=1e4, seed=seed)
+            )
             for seed in SEEDS
         )
         for advice in (first, second):

@@ -16,13 +16,12 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from mbcheck.comparisons.boundary.ahead import Crew, executor
 from mbcheck.comparisons.boundary.request import BoundaryRequest
-from mbcheck.comparisons.boundary.run import Boundary
+from mbcheck.comparisons.boundary.run import Boundary, executor
 from mbcheck.comparisons.boundary.verb import print_boundary
 from mbcheck.comparisons.queries.axis import ParameterRange
 from mbcheck.reference.continuation.bifurcations import DOUBLING, BifurcationCurve, CurvePoint
-from mbcheck.reference.continuation.network import CurveSearch, CurveStart, SearchOutcome
+from mbcheck.reference.continuation.network import CurveStart
 from mbcheck.reference.cost import within
 from mbcheck.reference.errors import EngineError, UsageError
 from mbcheck.reference.scene import Array
@@ -64,23 +63,6 @@ def test_a_finished_file_stays_as_it_is(folder: Path, small: dict[str, Any]) -> 
     assert (folder / "small.json").read_bytes() == before
 
 
-def test_an_interrupted_run_is_gone_on_with(small: dict[str, Any]) -> None:
-    asked = request(lines=2)
-    first = Boundary(asked)
-    for _ in first.work():
-        break
-    before = validated("boundary", first.as_json())
-    assert before["pending"]
-    assert not before["curves"]
-    second = Boundary(asked)
-    second.restore(before)
-    assert second.as_json()["pending"] == before["pending"]
-    for item in (first, second):  # the other line, then a curve
-        assert len([*islice(item.work(), 2)]) == 2
-    one, other = (item.as_json()["curves"][0] for item in (first, second))
-    assert [p["x"] for p in one["points"]] == pytest.approx([p["x"] for p in other["points"]])
-
-
 def test_a_file_does_not_depend_on_the_number_of_processes(
     folder: Path, small: dict[str, Any]
 ) -> None:
@@ -96,23 +78,6 @@ def test_processes_do_first_what_is_asked_for_first() -> None:
         assert [work(operator.index, numbers[place:]) for place in (0, 1, 3)] == [0, 1, 2]
         with pytest.raises(EngineError, match="integer"):
             work(operator.index, ["none"])
-
-
-def test_what_tasks_done_ahead_lead_to_is_begun_ahead() -> None:
-    """After the tasks themselves, and only if it may bound stability."""
-    points = [
-        CurvePoint(np.zeros(6), np.zeros(6), np.zeros(4), 0j, np.full(3, size), np.zeros(2))
-        for size in (0.5, 2.0)
-    ]
-    starts = [CurveStart(DOUBLING, 1, point) for point in points]
-    crew = Crew(2)
-    crew.outcomes = {b"ahead": SearchOutcome(starts=starts), b"failed": EngineError("a", "b")}
-    work: Any = crew.calls
-    first, then = work(operator.index, [0, 1, 0]).values(), work(operator.index, [0]).values()
-    assert [call.args[0] for call in first][:2] == [0, 1]
-    (task,) = (call.args[0] for call in [*then][1:])
-    assert task.func is CurveSearch.follow
-    assert task.keywords["start"].point.unstable == 0
 
 
 ISLAND = "boundary hula_hoop --x force_frequency=6:7.75 --y force_amplitude=10:120 --lines 2"
@@ -312,7 +277,7 @@ def test_the_lower_bound_of_figure_6_is_followed_by_engines(
     pytest.importorskip(engine, exc_type=ImportError)
     x, y = ("force_frequency", 9.0, 10.0), ("force_amplitude", 15.0, 60.0)
     asked = BoundaryRequest(
-        "hula_hoop", ParameterRange(*x), ParameterRange(*y), engine, step=1 / 9 / 200,
+        "hula_hoop", ParameterRange(*x), ParameterRange(*y), engine=engine, step=1 / 9 / 200,
         parameters={"inertia_ratio": 1.7758262}, lines=2,
     )  # fmt: skip
     assert asked.steps_per_period == 200
@@ -353,8 +318,10 @@ def test_all_of_an_engines_curve_converges_with_its_order(
 def stretch(kind: str, x: Pair, y: Pair, near: tuple[Pair, ...], steps: int) -> tuple[Array, Array]:
     """Return x along a curve by RK4 with so many steps in the longest period, and shifts of y."""
     axes = ParameterRange("force_frequency", *x), ParameterRange("force_amplitude", *y)
-    asked = BoundaryRequest("hula_hoop", *axes, "mujoco", step=1 / x[0] / steps, lines=2, near=near)
-    assert asked.setup.integrator.name == "RK4"
+    asked = BoundaryRequest(
+        "hula_hoop", *axes, engine="mujoco", step=1 / x[0] / steps, lines=2, near=near
+    )
+    assert asked.middle.integrator.name == "RK4"
     assert asked.steps_per_period == steps
     result = Boundary(asked)
     assert [*result.work()]

@@ -12,7 +12,6 @@ from scipy.integrate import solve_ivp
 import mbcheck
 from mbcheck.comparisons.scenes.hula_hoop import motion as motion_module
 from mbcheck.comparisons.scenes.hula_hoop.floquet import (
-    FLOQUET_STEPS,
     FLOQUET_VARIABLES,
     SOLUTIONS,
     STABILITY,
@@ -30,20 +29,13 @@ from mbcheck.comparisons.scenes.hula_hoop.motion import (
     described,
     motion,
 )
-from mbcheck.comparisons.scenes.hula_hoop.rotations import (
-    COARSER,
-    PeriodFlow,
-    Rotations,
-    follow,
-    search,
-)
-from mbcheck.comparisons.scenes.hula_hoop.steps import fastest_rate, step_counts
-from mbcheck.comparisons.scenes.quantity import NO_VALUE, Flow, Points, QuantityValues
+from mbcheck.comparisons.scenes.hula_hoop.steps import fastest_rate
+from mbcheck.comparisons.scenes.quantity import NO_VALUE, Points, QuantityValues
 from mbcheck.reference import get_scene
 from mbcheck.reference.hula_hoop.equations import SEMICIRCLE, HulaHoop
 from mbcheck.reference.hula_hoop.floquet import floquet_multipliers
 from mbcheck.reference.hula_hoop.theory import corrected_solution, paper_solution
-from mbcheck.reference.orbits import find_orbit, shoot, state_scale
+from mbcheck.reference.orbits import find_orbit, shoot
 
 SCENE = get_scene("hula_hoop")
 STABLE, UNSTABLE, NONE = range(3)
@@ -140,33 +132,6 @@ def test_each_point_alone_finds_its_stable_rotation() -> None:
         assert found.values["robust"][i] == 1, name
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["a twin at 5.5 Hz", "swings by more than its mean"])
-def test_what_it_finds_is_a_rotation(name: str) -> None:
-    """`mbcheck orbit`, which starts from settled motions, has the same multiplier."""
-    frequency, amplitude, inertia = MISSED[name]
-    found = floquet(points([frequency], [amplitude], inertia_ratio=inertia))
-    parameters = dict(force_frequency=frequency, force_amplitude=amplitude, inertia_ratio=inertia)
-    leading = mbcheck.orbit("hula_hoop", parameters=parameters).floquet_multipliers[0].modulus
-    assert found.values["multiplier"][0] == pytest.approx(leading, abs=1e-8)
-
-
-def test_neighbours_are_the_last_resort() -> None:
-    """Without its own search a point starts from what its neighbour has."""
-    block = points([7.0, 7.05], [120.0, 120.0])
-    period = SCENE.period(block.parameters)
-    guess = SCENE.orbit.guesses(block.parameters)[0]
-    scale = state_scale(SCENE, guess, 2 * np.pi / period)
-    period_map = PeriodFlow(Flow(block, SCENE), period, scale)
-    steps = step_counts(block, period, FLOQUET_STEPS, COARSER)
-    known = search(block, period_map, SCENE.orbit.guesses(block.parameters), steps)
-    best = Rotations.unknown(2)
-    best.take(np.array([1]), known.states[:, 1:], known.matrices[1:])
-    follow(best, block, period_map, steps)
-    assert best.stable.all()
-    np.testing.assert_allclose(best.multiplier, known.multiplier, rtol=1e-6)
-
-
 @pytest.mark.parametrize(
     "every", [pytest.param(11, marks=pytest.mark.slow), pytest.param(1, marks=pytest.mark.campaign)]
 )
@@ -187,20 +152,6 @@ def test_a_block_has_what_each_point_has_alone(inertia: float, every: int) -> No
     for name in ("stability", "zone"):
         same = together[name][::every] == np.concatenate([v[name] for v in alone])
         assert np.mean(same) >= 0.995
-
-
-def test_same_block_same_bits() -> None:
-    block = points([3.0, 3.1], [60.0, 40.0])
-    first, second = floquet(block), floquet(block)
-    for name in FLOQUET_VARIABLES:
-        np.testing.assert_array_equal(first.values[name], second.values[name])
-
-
-@pytest.mark.slow
-def test_a_shorter_step_changes_no_digit_that_is_promised() -> None:
-    usual = floquet(points([3.0, 8.2581], [60.0, 28.387]))
-    finer = floquet(points([3.0, 8.2581], [60.0, 28.387], step=1 / 1000))
-    np.testing.assert_allclose(usual.values["multiplier"], finer.values["multiplier"], atol=1e-7)
 
 
 @pytest.mark.parametrize("model", ["paper", "refined", "corrected"])
@@ -368,14 +319,6 @@ def test_what_the_check_leads_elsewhere_is_not_robust(monkeypatch: pytest.Monkey
     assert found.values["motion"].tolist() == [0, 0, 4]
     assert np.isfinite(found.values["turns_bound"]).tolist() == [True, False, False]
     assert asked == [(0.0, 1), (OFF, 2)]
-
-
-@pytest.mark.slow
-def test_the_rotator_from_rest_is_the_rotation(from_rest: QuantityValues) -> None:
-    rotation = floquet(points([3.0, 9.0], [60.0, 40.0]))
-    np.testing.assert_allclose(
-        from_rest.values["min_speed"][:2], rotation.values["min_speed"], atol=2e-3
-    )
 
 
 @pytest.mark.slow

@@ -12,8 +12,7 @@ import pytest
 from mpmath import mp
 
 from mbcheck.comparisons.engines.registry import REFERENCE
-from mbcheck.comparisons.maps.request import Axis, Request, quantities, resolved
-from mbcheck.comparisons.maps.store import Blocks
+from mbcheck.comparisons.maps.request import quantities
 from mbcheck.comparisons.scenes.bounds import refined_steps
 from mbcheck.comparisons.scenes.hula_hoop.floquet import rotation_values, two_searches
 from mbcheck.comparisons.scenes.quantity import Flow, Points, QuantityValues
@@ -245,17 +244,6 @@ def test_real_variables_have_bounds() -> None:
     assert {key: names for key, names in without.items() if names} == {
         ("hula_hoop", "class"): {"periods"}
     }
-
-
-def test_a_block_with_other_variables_is_computed_again(
-    tmp_path: Any, caplog: pytest.LogCaptureFixture
-) -> None:
-    axes = Axis("n_x", 1.0, 2.0, 3), Axis("n_phi", 1.0, 2.0, 3)
-    asked = resolved(Request("rotor_pendulum", "coupling", *axes))
-    places, values = np.array([[0, 0], [1, 0]]), {"mu_1": np.zeros(2)}
-    Blocks(tmp_path / "a", asked).put(places, QuantityValues(values))
-    assert Blocks(tmp_path / "a", asked, resume=True).get(places) is None
-    assert "computed again" in caplog.text
 
 
 def test_engines_have_no_bounds() -> None:

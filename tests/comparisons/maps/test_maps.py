@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator
 from importlib.util import find_spec
@@ -17,8 +16,8 @@ import numpy as np
 import pytest
 
 import mbcheck
-from mbcheck.comparisons.maps import compare, draw, execute, run, store
-from mbcheck.comparisons.maps.request import Axis, Request, evaluate, quantities, resolved
+from mbcheck.comparisons.maps import compare, execute, run, store
+from mbcheck.comparisons.maps.request import Axis, Request, quantities, resolved
 from mbcheck.comparisons.maps.store import Map
 from mbcheck.comparisons.scenes.quantity import Quantity, QuantityValues, Variable
 from mbcheck.reference import solve as backends
@@ -44,24 +43,6 @@ def misused(line: str) -> str:
     assert done.exit_code == 2, done.output
     assert "Traceback" not in done.output
     return " ".join(done.stderr.split())
-
-
-# Blocks
-
-
-@pytest.mark.parametrize(("shape", "size"), [((30, 30), 256), ((7, 13), 9), ((2, 2), 1)])
-def test_blocks_cover_the_grid_in_small_patches(shape: tuple[int, int], size: int) -> None:
-    row, column = np.indices(shape)
-    places = np.stack([column.ravel(), row.ravel()], axis=1)
-    blocks = list(run.split(places, size))
-    assert sorted(map(tuple, np.concatenate(blocks))) == sorted(map(tuple, places))
-    assert max(map(len, blocks)) <= size
-    assert len(blocks) <= 2 * np.ceil(len(places) / size) + shape[0]
-
-
-def test_sparse_places_share_blocks() -> None:
-    places = 4 * np.stack(np.meshgrid(np.arange(8), np.arange(8)), axis=-1).reshape(-1, 2)
-    assert [len(block) for block in run.split(places, 64)] == [64]
 
 
 # Executors
@@ -180,15 +161,43 @@ def wait_for(condition: Callable[[], bool]) -> None:
         time.sleep(0.02)
 
 
-@pytest.mark.parametrize(
-    "kill", [pytest.param(signal.SIGKILL, marks=pytest.mark.slow), signal.SIGINT]
-)
+def interrupted(asked: Request, unfinished: Path, points: int) -> Map:
+    """Return what a map has kept that was interrupted after so many points."""
+
+    def interrupt(done: int, total: int) -> None:
+        if done > points:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run.compute(asked, unfinished=unfinished, progress=interrupt)
+    return store.read(unfinished)
+
+
 def test_interrupted_map_is_resumed(
-    kill: signal.Signals, serial: Map, tmp_path: Path, caplog: pytest.LogCaptureFixture
+    serial: Map, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    path = tmp_path / "map.nc"
-    blocks = tmp_path / "map.nc.blocks"
+    path, unfinished = tmp_path / "map.nc", tmp_path / "map.nc.unfinished"
+    kept = interrupted(FLOQUET, unfinished, 50)
+    assert 40 < kept.computed.sum() < 60
     line = f"{LINE} -o {path}"
+    assert "--resume" in misused(line)
+    assert "of another map (y)" in misused(line.replace("=5:150", "=6:150") + " --resume")
+    assert "of another map (parameters)" in misused(f"{line} --set inertia_ratio=1 --resume")
+    done = invoke(line, "--resume")
+    assert done.exit_code == 0, done.output
+    assert path.read_bytes() == store.to_bytes(serial)
+    assert not unfinished.exists()
+    run.compute(FLOQUET, unfinished=unfinished)
+    monkeypatch.setattr(run, "evaluate", lambda *_: pytest.fail("computed again"))
+    again = run.compute(FLOQUET, unfinished=unfinished, resume=True)
+    assert store.to_bytes(again) == store.to_bytes(serial)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kill", [signal.SIGKILL, signal.SIGINT])
+def test_a_killed_map_is_resumed(kill: signal.Signals, tmp_path: Path) -> None:
+    path, unfinished = tmp_path / "map.nc", tmp_path / "map.nc.unfinished"
+    line = f"{LINE} -o {path}".replace("--model paper", "--engine mujoco").replace(":12", ":6")
     begun = subprocess.Popen(
         [*MAIN, *line.split()],
         stdout=subprocess.DEVNULL,
@@ -196,40 +205,18 @@ def test_interrupted_map_is_resumed(
         text=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a job may ignore it
     )
-    wait_for(lambda: len(list(blocks.glob("*.npz"))) >= 2)
+    wait_for(unfinished.exists)
     begun.send_signal(kill)
     _, words = begun.communicate(timeout=60)
     assert begun.returncode == (130 if kill == signal.SIGINT else -signal.SIGKILL)
     assert "Traceback" not in words
     assert not path.exists()
-    kept = {file: file.stat().st_mtime_ns for file in blocks.glob("[!.]*.npz")}
-    assert 2 <= len(kept) < 16
-    assert "--resume" in misused(line)
-    assert "of another map (y)" in misused(line.replace("=5:150", "=6:150") + " --resume")
-    broken = next(iter(kept))
-    broken.write_bytes(b"PK broken")
-    done = invoke(line, "--resume")
-    assert done.exit_code == 0, done.output
-    assert f"{broken} is damaged, or of another block: computed again" in caplog.text
-    assert path.read_bytes() == store.to_bytes(serial)
-    assert not blocks.exists()
-
-
-def test_resuming_takes_finished_blocks_and_refuses_another_map(
-    serial: Map, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    folder = tmp_path / "blocks"
-    run.compute(FLOQUET, folder=folder)
-    monkeypatch.setattr(run, "evaluate", lambda *_: pytest.fail("computed again"))
-    again = run.compute(FLOQUET, folder=folder, resume=True)
-    assert store.to_bytes(again) == store.to_bytes(serial)
-    other = resolved(
-        Request(
-            "hula_hoop", "floquet", X, Y, model="paper", block=9, parameters={"inertia_ratio": 1.0}
-        )
-    )
-    with pytest.raises(UsageError, match="another map \\(parameters\\)"):
-        run.compute(other, folder=folder, resume=True)
+    assert 0 < store.read(unfinished).computed.sum() < 36
+    whole = tmp_path / "whole.nc"
+    for words in (f"{line} --resume", line.replace(str(path), str(whole))):
+        assert invoke(words).exit_code == 0
+    assert path.read_bytes() == whole.read_bytes()
+    assert not unfinished.exists()
 
 
 # Refinement
@@ -277,6 +264,17 @@ def test_refined_map_equals_the_whole_one(count: int, disc: Callable[..., Reques
     )
     assert np.mean(shown) < {30: 0.45, 64: 0.25, 129: 0.15, 257: 0.08}[count]
     assert refined.shares() != whole.shares()  # of the computed points alone
+
+
+def test_an_interrupted_refinement_goes_on_to_the_same(
+    disc: Callable[..., Request], tmp_path: Path
+) -> None:
+    asked = disc(129, refine=True)
+    whole = run.compute(asked)
+    kept = interrupted(asked, tmp_path / "a", 1300)
+    assert 1000 < kept.computed.sum() < whole.computed.sum()
+    again = run.compute(asked, unfinished=tmp_path / "a", resume=True)
+    assert store.to_bytes(again) == store.to_bytes(whole)
 
 
 def test_a_thin_arm_is_followed_by_many_cells_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -376,14 +374,6 @@ def test_maps_of_other_things_are_refused(serial: Map, disc: Callable[..., Reque
         compare.compare(serial, serial, "multiplyer")
 
 
-def test_pictures_are_drawn(serial: Map, tmp_path: Path) -> None:
-    draw.draw_map(serial, tmp_path / "a.png")
-    found = compare.compare(serial, serial, "multiplier")
-    draw.draw_comparison(found, serial, tmp_path / "b.svg")
-    draw.draw_comparison(compare.compare(serial, serial), serial, tmp_path / "c.png")
-    assert all((tmp_path / name).stat().st_size > 5000 for name in ("a.png", "b.svg", "c.png"))
-
-
 # Engines' failures
 
 
@@ -444,22 +434,6 @@ def test_misuse_is_told_in_one_line(
         line = line.replace("hula_hoop", changed)
     assert words in misused(line)
     assert not list(tmp_path.iterdir())
-
-
-def test_evaluating_a_block_depends_on_its_points_alone() -> None:
-    places = next(run.split(run.everywhere(FLOQUET), 9))
-    one, other = evaluate(FLOQUET, places), evaluate(FLOQUET, places)
-    for name, values in one.values.items():
-        np.testing.assert_array_equal(values, other.values[name])
-
-
-def test_help_names_every_option() -> None:
-    done = subprocess.run(
-        [*MAIN, "map", "--help"], capture_output=True, text=True, check=True
-    ).stdout
-    for option in ("--x", "--quantity", "--resume", "--workers", "--dask", "--refine", "--plot"):
-        assert option in done
-    assert sys.executable not in done
 
 
 def test_a_backend_that_is_not_there_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,7 +14,6 @@ from mbcheck.comparisons.maps.request import Axis, Request, resolved
 from mbcheck.comparisons.maps.run import compute
 from mbcheck.comparisons.scenes.quantity import NO_VALUE, Points, QuantityValues
 from mbcheck.comparisons.scenes.rotating_beam import maps
-from mbcheck.reference.errors import UnknownNameError
 from mbcheck.reference.rotating_beam import SCENE, critical_speed
 from mbcheck.reference.rotating_beam.chain import chain_frequencies
 from mbcheck.reference.rotating_beam.frequencies.numbers import numbers, time_unit
@@ -136,12 +135,6 @@ def test_drive_and_ramp_do_not_matter() -> None:
     assert steady.values["stable"].tolist() == [0]
 
 
-def test_unknown_models_are_refused() -> None:
-    for engine in ("reference", "mujoco"):
-        with pytest.raises(UnknownNameError, match="nonsense"):
-            evaluated("frequency", {"mass": [0.0]}, engine, "nonsense")
-
-
 # Stability ----------------------------------------------------------------------------------
 
 
@@ -220,22 +213,3 @@ def test_a_map_has_these_values() -> None:
     assert found.variables["frequency_1"][1, 2] == alone.values["frequency_1"][0]
     assert found.problems == ()
     assert np.ptp(found.variables["frequency_1"][0]) < 1e-12  # no mass: no place
-
-
-def test_refinement_finds_the_boundary() -> None:
-    asked = resolved(
-        Request(
-            "rotating_beam",
-            "stability",
-            Axis("angular_speed", 1.0, 5.0, 17),
-            Axis("mass", 0.0, 1.2, 5),
-            model="zero_order",
-            refine=True,
-        )
-    )
-    found = compute(asked)
-    for row, mass in enumerate(found.y.values):
-        limit = critical_speed(RotatingBeam(mass=float(mass)))
-        right = (found.x.values < limit).astype(int)
-        assert found.variables["stable"][row].tolist() == right.tolist()
-    assert not np.all(found.computed)

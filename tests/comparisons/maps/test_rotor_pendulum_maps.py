@@ -22,7 +22,6 @@ from mbcheck.comparisons.scenes.rotor_pendulum.phase import (
     orbits_of,
     steps_per_turn,
 )
-from mbcheck.comparisons.scenes.rotor_pendulum.steps import fastest_rate
 from mbcheck.comparisons.scenes.rotor_pendulum.synchronism import OUTCOMES
 from mbcheck.reference.errors import ParameterError
 from mbcheck.reference.orbits import shoot
@@ -230,17 +229,6 @@ def test_a_failing_engine_leaves_no_value(monkeypatch: pytest.MonkeyPatch) -> No
     assert found.values["class"][0] == SYNPHASE
 
 
-def test_steps_follow_the_fastest_rate() -> None:
-    where = points([CASE_2, at(CASE_2, n_x=0.02), CASE_2.replace(motor_slope=20.0)])
-    steps = steps_per_turn(where)
-    assert steps[0] == 32
-    assert np.all(steps[1:] > 32)
-    assert np.all(steps % SAMPLES == 0)
-    turns = 2 * np.pi / operating_speed(where.parameters)
-    assert np.all(turns / steps * fastest_rate(where.parameters) <= 4.0 + 1e-9)
-    assert np.all(turns / steps_per_turn(replace(where, step=1e-4)) <= 1e-4)
-
-
 STRONG = at(CASE_2, n_x=3.0, n_phi=4.0)
 RESONANT = at(CASE_2, n_x=3.0, n_phi=1.1)
 SLOW = at(CASE_1, n_x=0.1)
@@ -279,12 +267,6 @@ def test_sync_by_engines(engine: str) -> None:
     truth = evaluate("sync", points(several))
     np.testing.assert_array_equal(found.values["class"], truth.values["class"])
     assert abs(found.values["phase_difference"][0] - truth.values["phase_difference"][0]) < 1e-3
-
-
-def test_the_same_points_give_the_same_bits() -> None:
-    one, two = (evaluate("phase", points([CASE_1, CASE_2])).values for _ in range(2))
-    for name in one:
-        np.testing.assert_array_equal(one[name], two[name])
 
 
 @pytest.mark.parametrize("model", phase.THEORIES)

@@ -14,7 +14,7 @@ from mbcheck.comparisons.maps.request import Axis, Request, resolved
 from mbcheck.comparisons.maps.store import Map
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.comparisons.reports import files
-from mbcheck.reference.errors import MbcheckError
+from mbcheck.reference.errors import MbcheckError, UsageError
 from mbcheck.tests.support.command import refusal
 
 X, Y = ("force_frequency", 1.0, 10.0, 6), ("force_amplitude", 5.0, 150.0, 6)
@@ -58,22 +58,18 @@ def test_a_header_with_absurd_sizes_takes_no_memory(serial: Map) -> None:
     tracemalloc.stop()
 
 
-def test_exchanged_and_changed_blocks_are_computed_again(
-    serial: Map, tmp_path: Path, caplog: pytest.LogCaptureFixture
+def test_what_is_unfinished_is_refused_if_it_is_damaged_or_lacks_a_variable(
+    serial: Map, tmp_path: Path
 ) -> None:
-    folder = tmp_path / "blocks"
-    run.compute(FLOQUET, folder=folder)
-    one, other, third, *_ = sorted(folder.glob("*.npz"))
-    swapped = one.read_bytes(), other.read_bytes()
-    other.write_bytes(swapped[0])
-    one.write_bytes(swapped[1])
-    changed = bytearray(third.read_bytes())
-    changed[len(changed) // 2] ^= 1
-    third.write_bytes(changed)
-    again = run.compute(FLOQUET, folder=folder, resume=True)
-    assert store.to_bytes(again) == store.to_bytes(serial)
-    assert len(caplog.messages) == 3
-    assert all("computed again" in line for line in caplog.messages)
+    file = tmp_path / "unfinished"
+    fewer = {name: serial.variables[name] for name in ("stability", "robust")}
+    about = {name: serial.about[name] for name in fewer}
+    dataclasses.replace(serial, variables=fewer, about=about).save(file)
+    with pytest.raises(UsageError, match=r"another map \(its variables\)"):
+        run.compute(FLOQUET, unfinished=file, resume=True)
+    file.write_bytes(file.read_bytes()[:-9])
+    with pytest.raises(UsageError, match="or a broken one"):
+        run.compute(FLOQUET, unfinished=file, resume=True)
 
 
 def test_a_file_that_is_written_follows_no_link(

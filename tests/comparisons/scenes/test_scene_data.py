@@ -41,9 +41,9 @@ def test_a_module_or_a_table_that_is_missing_is_empty(newcomer: Path) -> None:
 
 
 def test_a_module_that_cannot_be_imported_is_no_empty_one(newcomer: Path) -> None:
-    (newcomer / "tradeoff.py").write_text("import no_such_module\n")
+    (newcomer / "extremes.py").write_text("import no_such_module\n")
     with pytest.raises(ModuleNotFoundError, match="no_such_module"):
-        scene_data("newcomer", "tradeoff", "LOOP", None)
+        scene_data("newcomer", "extremes", "STARTS", None)
 
 
 def test_a_scene_that_is_none_is_refused() -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -12,20 +11,23 @@ from typing import Any
 import numpy as np
 import pytest
 
+from mbcheck.comparisons.checks.kinds.order import relative_error
 from mbcheck.comparisons.checks.truth import roundoff_reference
 from mbcheck.comparisons.cli.group import program
-from mbcheck.comparisons.engines import registry as engines
 from mbcheck.comparisons.engines.equations import scene_equations
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import run
-from mbcheck.comparisons.scenes.tradeoff import relative_error
-from mbcheck.comparisons.tradeoff.report import Tradeoff, choose, tradeoff
+from mbcheck.comparisons.faults.variants import Misread
+from mbcheck.comparisons.reports.files import Destination
+from mbcheck.comparisons.tradeoff.report import Tradeoff, tradeoff
+from mbcheck.comparisons.tradeoff.request import TradeoffRequest
 from mbcheck.comparisons.tradeoff.sweep import (
     SMALL,
     beside,
     case_of,
     horizon_of,
     setup_of,
+    smallest,
     sweeps,
     thinned,
 )
@@ -39,11 +41,14 @@ from mbcheck.comparisons.tradeoff.table import (
     Cost,
     Point,
     StepSeries,
+    choose,
     pareto,
     trials_of,
 )
+from mbcheck.comparisons.tradeoff.verb import write
 from mbcheck.reference import SCENES
 from mbcheck.reference.errors import UsageError
+from mbcheck.tests.support.command import refusal
 from mbcheck.tests.support.documents import validated
 
 
@@ -56,7 +61,7 @@ def header(scene: str, engine: str, model: str, method: str, **settings: float) 
 def swept(*words: str, **settings: float) -> StepSeries:
     """Return a series, each run made once."""
     scene, engine, model, method = words
-    return sweep(header(scene, engine, model, method, **settings), repeats=1).series[0]
+    return sweep(header(scene, engine, model, method, **settings), repeats=1)
 
 
 def series(*points: tuple[float, float, float], engine: str = "mujoco", **words: Any) -> StepSeries:
@@ -122,7 +127,7 @@ def test_what_limits_a_beam() -> None:
     default = swept(*words)
     assert default.plateau_name == "spatial discretisation"
     assert swept(*words, segments=24).plateau_name == "continuum"
-    loose = beside(swept(*words, newton_tolerance=1e-4), default)
+    loose = beside(swept(*words, newton_tolerance=1e-4), [default])
     assert loose.plateau_name == "solver tolerance"
     chain = swept("rotating_beam", "mujoco", "chain", "RK4")
     assert chain.plateau_name == "spatial discretisation"
@@ -131,19 +136,8 @@ def test_what_limits_a_beam() -> None:
 
 def test_a_wrong_engine_meets_a_floor(monkeypatch: pytest.MonkeyPatch) -> None:
     """A mass that is off by 0.1 % leaves an error that no step removes, and no name explains."""
-    right = get_engine("exudyn")
-
-    class Heavier:
-        def __getattr__(self, name: str) -> Any:
-            return getattr(right, name)
-
-        def simulate(self, case: Any, *rest: Any) -> Any:
-            p = case.parameters
-            return right.simulate(
-                replace(case, parameters=p.replace(free_mass=1.001 * p.free_mass)), *rest
-            )
-
-    monkeypatch.setattr("mbcheck.comparisons.tradeoff.sweep.get_engine", lambda name: Heavier())
+    heavier = Misread(get_engine("exudyn"), lambda p: p.replace(free_mass=1.001 * p.free_mass))
+    monkeypatch.setattr("mbcheck.comparisons.tradeoff.sweep.get_engine", lambda name: heavier)
     found = swept("hula_hoop", "exudyn", "kinematic_tree", "RK67")
     assert found.plateau is not None
     assert found.plateau > 1e-5
@@ -156,17 +150,15 @@ def test_a_limit_longer_than_the_run_is_a_margin() -> None:
     """RK67 is unstable at 2.1 s over many periods; a run of 2 s alone would not tell."""
     found = swept("speed_regulator", "exudyn", "one_dof", "RK67")
     assert found.stable_step == pytest.approx(2.1, rel=0.05)
-    margin = choose([found], 1e-2)[0].margin
+    margin = choose([found], 1e-2).margin
     assert margin is not None
     assert margin > 1
 
 
 def test_second_axes_are_swept() -> None:
-    settings = {
-        (one.scene, one.engine, name)
-        for one in sweeps((), ("mujoco", "exudyn"))
-        for name in one.settings
-    }
+    every = sweeps((), ("mujoco", "exudyn"))
+    assert len({one.name for one in every}) == len(every)
+    settings = {(one.scene, one.engine, name) for one in every for name in one.settings}
     assert {
         ("speed_regulator", "mujoco", "closure_time"),
         ("speed_regulator", "mujoco", "solver_tolerance"),
@@ -211,10 +203,10 @@ def test_pareto_front() -> None:
 
 def test_the_cheapest_that_meets_the_target() -> None:
     one = series((0.1, 1e-2, 1.0), (0.05, 1e-3, 2.0), (0.02, 1e-5, 3.0))
-    assert choose([one], 1e-2)[0].step == 0.1
-    assert choose([one], 2e-3)[0].step == 0.05
+    assert choose([one], 1e-2).step == 0.1
+    assert choose([one], 2e-3).step == 0.05
     one = replace(one, points=(*one.points, replace(one.points[-1], error=9e-6, step=0.01)))
-    none = choose([one], 1e-6)[0]
+    none = choose([one], 1e-6)
     assert not none.met
     assert none.error == 9e-6
     assert "RK4" in none.limit
@@ -222,7 +214,7 @@ def test_the_cheapest_that_meets_the_target() -> None:
 
 def test_an_error_that_is_small_by_chance_is_not_chosen() -> None:
     one = series((0.1, 1e-4, 1.0), (0.05, 1e-2, 2.0), (0.02, 1e-5, 3.0), (0.01, 1e-6, 6.0))
-    assert choose([one], 1e-3)[0].step == 0.02
+    assert choose([one], 1e-3).step == 0.02
 
 
 @pytest.mark.parametrize(("label", "met"), [(STEP, False), (MODEL, True), (ROUND_OFF, True)])
@@ -230,20 +222,20 @@ def test_the_last_point_is_chosen_only_at_its_floor(label: str, met: bool) -> No
     """What half of the shortest step gives is not known: by chance, where the step limits."""
     one = series((0.1, 1e-2, 1.0), (0.05, 1e-5, 2.0))
     one = replace(one, points=(one.points[0], replace(one.points[1], label=label)))
-    assert choose([one], 1e-3)[0].met is met
+    assert choose([one], 1e-3).met is met
 
 
 def test_noise_of_the_clock_turns_no_knob() -> None:
     plain = series((0.1, 1e-4, 1.1), (0.05, 1e-4, 2.0))
     turned = series((0.1, 2e-4, 1.0), (0.05, 2e-4, 2.0), newton_tolerance=1e-4)
     dearer = series((0.1, 1e-4, 1.3), (0.05, 1e-4, 2.0))
-    assert choose([plain, turned], 1e-3)[0].settings == {}
-    assert choose([dearer, turned], 1e-3)[0].settings == {"newton_tolerance": 1e-4}
+    assert choose([plain, turned], 1e-3).settings == {}
+    assert choose([dearer, turned], 1e-3).settings == {"newton_tolerance": 1e-4}
 
 
 def test_margin_to_instability() -> None:
     one = replace(series((0.1, 1e-3, 1.0), (0.05, 1e-4, 2.0)), stable_step=0.25)
-    assert choose([one], 1e-2)[0].margin == pytest.approx(2.5)
+    assert choose([one], 1e-2).margin == pytest.approx(2.5)
 
 
 def fresh_error(series: StepSeries, step: float) -> float:
@@ -276,9 +268,9 @@ def series_of(choice: Choice) -> StepSeries:
 def test_recommendations_hold_when_run_afresh(
     engine: str, model: str, methods: tuple[str, ...]
 ) -> None:
-    found = Tradeoff.asked(["hula_hoop"], [engine], [1e-2, 1e-3, 1e-4])
+    found = Tradeoff.asked(TradeoffRequest(("hula_hoop",), (engine,)))
     found.series = [swept("hula_hoop", engine, model, name) for name in methods]
-    choices = found.choices
+    choices = [one for one in found.recommendations if one.axis == "step"]
     assert len(choices) == 3
     for choice in choices:
         assert choice.step is not None
@@ -291,85 +283,124 @@ def test_recommendations_hold_when_run_afresh(
 def test_every_recommendation_holds_when_run_afresh() -> None:
     found = tradeoff()
     assert not found.failures
-    assert {choice.scene for choice in found.choices if choice.met} == set(found.scenes)
-    for choice in found.choices:
-        if choice.step is not None and choice.axis == "step":
+    assert {choice.scene for choice in found.recommendations if choice.met} == set(found.scenes)
+    for choice in found.recommendations:
+        if choice.step is not None:
             assert fresh_error(series_of(choice), choice.step) <= choice.target, choice
+
+
+# The smallest models
+
+
+def closures(*rows: tuple[float, float]) -> list[StepSeries]:
+    """Return a hard closure by its time constant [s]; each floor is met with two steps."""
+    every = []
+    for value, floor in rows:
+        words = {} if value == 0.002 else {"closure_time": value}
+        one = header("speed_regulator", "mujoco", "connect_hard", "RK4", **words)
+        points = [
+            Point(step, floor, {}, Cost(time, time, time, 1.0), MODEL, "closure softness")
+            for step, time in ((0.02, 1.0), (0.01, 2.0))
+        ]
+        every.append(replace(one, points=tuple(points)))
+    return every
+
+
+def test_the_softest_closure_from_which_on_all_meet_the_target() -> None:
+    """One that is softer may do so by chance."""
+    rows = ((0.02, 1e-4), (0.01, 2e-3), (0.005, 4e-4), (0.002, 3e-5), (0.001, 8e-6))
+    for target, value, error, smaller in (
+        (1e-3, 0.005, 4e-4, 2e-3),
+        (1e-4, 0.002, 3e-5, 4e-4),
+        (1e-2, 0.02, 1e-4, None),
+    ):
+        (choice,) = smallest(closures(*rows), target)
+        assert (choice.axis, choice.unit, choice.model) == ("closure_time", "s", "connect_hard")
+        assert choice.met
+        assert (choice.value, choice.error, choice.smaller) == (value, error, smaller)
+        assert choice.step == 0.02
+    (none,) = smallest(closures(*rows), 1e-6)
+    assert not none.met
+    assert (none.value, none.error) == (None, 8e-6)
+    assert not list(smallest(closures((0.002, 1e-5)), 1e-2))
+
+
+@pytest.mark.slow
+def test_the_fewest_rods_of_a_chain() -> None:
+    """So many meet the target, and the next fewer that were run do not."""
+    words = ("rotating_beam", "mujoco", "chain", "RK4")
+    every = [swept(*words), swept(*words, segments=6), swept(*words, segments=24)]
+    (choice,) = smallest(every, 1e-2)
+    assert (choice.axis, choice.value, choice.met) == ("segments", 24, True)
+    assert choice.error is not None
+    assert choice.smaller is not None
+    assert choice.error <= 1e-2 < choice.smaller
 
 
 # The verb
 
 
-def test_settings_are_in_the_name_of_a_series() -> None:
-    names = [one.name for one in sweeps(("speed_regulator",), ("exudyn",))]
-    assert len(set(names)) == len(names)
-    assert "speed_regulator exudyn redundant GeneralizedAlpha newton_tolerance 0.0001" in names
-
-
-@pytest.fixture
-def one_method(monkeypatch: pytest.MonkeyPatch) -> pytest.MonkeyPatch:
-    """Only one method is swept."""
-    report = "mbcheck.comparisons.tradeoff.report"
-    only = header("speed_regulator", "exudyn", "one_dof", "RK67")
-    monkeypatch.setattr(f"{report}.sweeps", lambda scenes, who: [only])
-    monkeypatch.setattr(f"{report}.smallest.tasks", lambda *asked: [])
-    return monkeypatch
-
-
-@pytest.mark.usefixtures("one_method")
-def test_document_and_order_of_targets() -> None:
-    states: list[tuple[int, int, str]] = []
-    found = tradeoff(["speed_regulator"], ["exudyn"], [1e-4, 1e-2], lambda *it: states.append(it))
-    assert states[-1][:2] == (1, 1)
+def test_document_page_and_picture(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    found = Tradeoff.asked(TradeoffRequest(("hula_hoop",), ("mujoco",), (1e-4, 1e-2)))
+    found.series = [series((0.1, 1e-2, 1.0), (0.05, 1e-5, 2.0), (0.02, 1e-7, 3.0))]
     document = validated("tradeoff", found.as_json())
     assert document["targets"] == [1e-2, 1e-4]
-    assert len(document["recommendations"]) == 2
-    assert document["pareto"]["speed_regulator"]
+    assert [one["step"] for one in document["recommendations"]] == [0.1, 0.05]
+    assert [one["step"] for one in document["pareto"]["hula_hoop"]] == [0.1, 0.05, 0.02]
+    page, plot = tmp_path / "page.md", tmp_path / "one.png"
+    write(found, None, Destination("--markdown", str(page)), Destination("--plot", str(plot)))
+    assert plot.read_bytes().startswith(b"\x89PNG")
+    title = "What limits the methods"
+    assert f"## {title}\n\n![{title}](one.png)\n\n| scene |" in page.read_text()
+    assert "| hula_hoop | mujoco | 0.0001 | tree RK4 | 0.05 |" in page.read_text()
 
 
-def test_what_was_done_is_kept_and_resumed(one_method: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """An engine that dies costs one piece; the others are not run again."""
-    tasks = "mbcheck.comparisons.tradeoff.report.smallest.tasks"
-    one_method.setattr(tasks, lambda *asked: [("a beam", os.abort)])
+def test_what_was_done_is_kept_and_resumed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """A series that fails costs no other, and these are not run again."""
+    only = header("speed_regulator", "exudyn", "one_dof", "RK67")
+    lost = replace(only, method="lost")
+    report = "mbcheck.comparisons.tradeoff.report"
+    monkeypatch.setattr(f"{report}.sweeps", lambda scenes, who: [only, lost])
+    monkeypatch.setattr(f"{report}.pairs_of", lambda scenes, who: [])
     file = str(tmp_path / "runs.json")
 
-    def found(**more: Any) -> Tradeoff:
-        words: dict[str, Any] = {"targets": [1e-2], "resume": file} | more
-        result = Tradeoff.asked(["speed_regulator"], ["exudyn"], **words)
+    def found(*targets: float) -> Tradeoff:
+        names = ("speed_regulator",), ("exudyn",)
+        result = Tradeoff.asked(TradeoffRequest(*names, targets, resume=file))
         result.done = [what for _, _, what in result.work()]  # type: ignore[attr-defined]
         return result
 
-    first, again = found(), found()
+    first, again = found(1e-2), found(1e-2)
     for one in (first, again):
         assert len(one.failures) == 1
-        assert one.failures[0].startswith("a beam: ")
-        assert "crashed" in one.failures[0]
-        assert one.choices[0].method == "RK67"
+        assert one.failures[0].startswith(f"{lost.name}: raised")
+        assert one.recommendations[0].method == "RK67"
     assert len(first.done) == 2  # type: ignore[attr-defined]
-    assert again.done == ["a beam"]  # type: ignore[attr-defined]
+    assert again.done == [lost.name]  # type: ignore[attr-defined]
     assert again.as_json() == first.as_json()
-    with pytest.raises(UsageError, match="is of another target"):
-        found(targets=[1e-3])
+    assert found(1e-3).done == [lost.name]  # type: ignore[attr-defined]
     broken = json.loads(Path(file).read_text())
     broken["entries"] = {key: {"series": 1} for key in broken["entries"]}
     Path(file).write_text(json.dumps(broken))
     with pytest.raises(UsageError, match="holds no runs"):
-        found()
+        found(1e-2)
 
 
-@pytest.mark.parametrize("target", [0.0, 1.0, -1e-3, float("nan")])
-def test_targets_are_errors(target: float) -> None:
-    with pytest.raises(UsageError, match="between 0 and 1"):
-        Tradeoff.asked([], [], [target])
-
-
-def test_unknown_names() -> None:
-    with pytest.raises(UsageError, match="speed_regulator"):
-        Tradeoff.asked(["speed_regulatr"], [], [1e-2])
-    with pytest.raises(UsageError, match="checked against"):
-        Tradeoff.asked([], ["reference"], [1e-2])
-    scenes, _ = engines.resolve_selection()
-    assert scenes == tuple(sorted(scenes, key=list(SCENES).index))
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("--target 0", "between 0 and 1"),
+        ("--target 1", "between 0 and 1"),
+        ("--target nan", "between 0 and 1, not nan"),
+        ("speed_regulatr", "did you mean 'speed_regulator'"),
+        ("--engine reference", "checked against"),
+        ("hula_hoop --horizon 2", "are of a model"),
+        ("no_such.xml", "no_such.xml"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(line: str, words: str) -> None:
+    assert words in refusal(f"tradeoff {line}")
 
 
 def test_an_interrupted_run_keeps_what_it_has(

@@ -1,0 +1,92 @@
+"""What ``mbcheck tradeoff`` is asked for: scenes, or an MJCF file."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass, fields
+from typing import Annotated
+
+from ...reference.errors import UsageError
+from ..documents.fields import OptionMark, number_from
+
+TARGETS = (1e-2, 1e-3, 1e-4)
+"""Relative errors that settings of scenes are recommended for by default."""
+
+OF_MODELS = ("horizon", "budget", "observed", "seed", "exact")
+"""Fields that serve an MJCF file alone."""
+
+
+@dataclass(frozen=True)
+class TradeoffRequest:
+    """Everything that a trade-off depends on.
+
+    Attributes
+    ----------
+    scenes : tuple of str
+        Names of scenes, all if there are none; or one MJCF file.
+    engines : tuple of str
+        Only this engine.
+    targets : tuple of float
+        Relative error to recommend settings for. Of scenes by default 0.01, 0.001 and 0.0001; of a
+        model one, by default 0.01
+    horizon : float
+        Of a model: how long runs last [s], to the nearest 8 steps of the file.
+    budget : float
+        Of a model: time to try settings in [s].
+    observed : tuple of str
+        Of a model: judge by this joint or site, not by all joints.
+    seed : int
+        Of a model: seed of the controls that move.
+    exact : bool
+        Of a model: compare with loops that are closed exactly, and try how hard they are to be.
+    resume : str or None
+        Keep runs in FILE, and go on from those that an earlier call kept there.
+
+    Raises
+    ------
+    UsageError
+        If a number makes no sense, or an option does not go with what is traded off.
+    """
+
+    scenes: Annotated[tuple[str, ...], OptionMark("[SCENE|MODEL.xml]...", ())] = ()
+    engines: Annotated[tuple[str, ...], OptionMark("ENGINE")] = ()
+    targets: Annotated[tuple[float, ...], OptionMark("ERR", parse=number_from)] = ()
+    horizon: Annotated[float, OptionMark("T")] = 1.0
+    budget: Annotated[float, OptionMark("SECONDS")] = 120.0
+    observed: Annotated[tuple[str, ...], OptionMark("NAME", ("--observe",))] = ()
+    seed: Annotated[int, OptionMark("N", least=0)] = 1
+    exact: Annotated[bool, OptionMark(flags=("--exact-closures",))] = False
+    resume: Annotated[str | None, OptionMark("FILE")] = None
+
+    def __post_init__(self) -> None:
+        for target in self.targets:
+            if not 0 < target < 1:
+                raise UsageError(f"a target is a relative error between 0 and 1, not {target!r}")
+        if not self.is_model:
+            given = [item.name for item in fields(self) if getattr(self, item.name) != item.default]
+            if set(given) & set(OF_MODELS):
+                options = "--horizon, --budget, --observe, --seed and --exact-closures"
+                raise UsageError(f"{options} are of a model: MODEL.xml")
+            return
+        for name in ("horizon", "budget"):
+            value = getattr(self, name)
+            if not 0 < value < math.inf:
+                raise UsageError(f"--{name} must be a positive number, not {value:g}")
+        wrong = {
+            f"one file, and nothing beside it ({', '.join(self.scenes)})": len(self.scenes) > 1,
+            f"one --target ({', '.join(map(str, self.targets))})": len(self.targets) > 1,
+            f"no --engine ({', '.join(self.engines)}): MuJoCo runs it": bool(self.engines),
+        }
+        if any(wrong.values()):
+            raise UsageError("of a model: " + "; ".join(words for words in wrong if wrong[words]))
+
+    @property
+    def is_model(self) -> bool:
+        """Whether a file is named, not scenes."""
+        return any(name.lower().endswith(".xml") or os.path.isfile(name) for name in self.scenes)
+
+    @property
+    def target(self) -> float:
+        """The largest target, which is the only one of a model."""
+        return max(self.targets, default=TARGETS[0])
