@@ -7,8 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from ..reference.body.parameters import PLACES, BodyParameters, central_inertia
-from ..reference.body.rotation import AXES, COORDINATES, QUATERNION
+from ..reference.body.rotation import (
+    AXES,
+    COORDINATES,
+    PLACES,
+    QUATERNION,
+    BodyParameters,
+    central_inertia,
+)
 from ..reference.quaternions import spin
 from .mjcf import Binding, Motion
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..reference.body.parameters import PLACES, BodyParameters, body_inertia
+from ..reference.body.rotation import PLACES, BodyParameters, body_inertia
 from ..reference.quaternions import matrix, product, spin
 from ..reference.scene import Array
 from .exudyn_system import ExudynSystem, Hinge, Items, exudyn, items, parameters, weigh

@@ -18,8 +18,8 @@ from .differences import by_complex_step, by_differences
 from .errors import NoOrbitError
 from .newton import NEWTON, Effort, Rows, newton
 from .scene import Array, EquationsOfMotion, PeriodicOrbit, coefficients_at
-from .solve.flow import converged_steps
-from .solve.rk8 import rk8_steps
+from .solve.batched import converged_steps
+from .solve.rk8 import rk8_samples, rk8_steps
 
 ISOLATED = 1e-6
 """Largest scaled rounding of an orbit that counts as one."""
@@ -297,16 +297,21 @@ def shoot(
     """
     period = scene.period(parameters) if period is None else period
     period = np.array(np.broadcast_to(period, guesses.shape[1:]), dtype=float)
-    c = scene.coefficients(parameters)
     steps = steps or converged_steps(scene, parameters, guesses, period)
+    orbits = reference_map(scene, scene.coefficients(parameters), guesses, period, steps).close()
+    return replace(orbits, states=wrapped_rotations(scene, orbits.states))
+
+
+def reference_map(
+    scene: EquationsOfMotion, c: Any, states: Array, periods: Array, steps: int
+) -> PeriodMap:
+    """Return the reference's period map about states (2 n, k) with periods (k,)."""
 
     def flow(rows: Rows, states: Any, periods: Any) -> Any:
         return rk8_steps(scene.derivative(coefficients_at(c, rows)), states, 0.0, periods, steps)
 
-    scale = state_scale(scene, guesses, 2 * np.pi / period)
-    advance, row = period_advance(scene), section_row(scene)
-    orbits = PeriodMap(flow, guesses, period, scale, advance, row).close()
-    return replace(orbits, states=wrapped_rotations(scene, orbits.states))
+    scale = state_scale(scene, states, 2 * np.pi / periods)
+    return PeriodMap(flow, states, periods, scale, period_advance(scene), section_row(scene))
 
 
 def why_none(scene: EquationsOfMotion) -> str:
@@ -465,13 +470,9 @@ def orbit_samples(
 ) -> Array:
     """States over one period at ``i T / count``, shape (2 n, count)."""
     steps = orbit.steps or converged_steps(scene, parameters, orbit.state, orbit.period)
-    derivative, x = scene.right_hand_side(parameters), orbit.state
-    samples = np.empty((len(x), count))
-    for i in range(count):
-        samples[:, i] = x
-        start, end = i * orbit.period / count, (i + 1) * orbit.period / count
-        x = rk8_steps(derivative, x, start, end, -(-steps // count))
-    return samples
+    derivative, times = scene.right_hand_side(parameters), np.arange(count) * orbit.period / count
+    rest = rk8_samples(derivative, orbit.state, 0.0, times[1:], -(-steps // count))
+    return np.concatenate([orbit.state[:, None], rest], axis=1)
 
 
 def mean_powers(

@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 import numpy as np
 
 from ...reference import get_scene
-from ...reference.continuation.points import ParameterWindow
+from ...reference.continuation.bifurcations import ParameterWindow
 from ...reference.continuation.rest import RestTracer, is_undriven
 from ...reference.continuation.tracing import Tracer
 from ...reference.errors import (

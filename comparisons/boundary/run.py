@@ -14,7 +14,10 @@ import numpy as np
 from ...reference.continuation.bifurcations import (
     DOUBLING,
     NEIMARK_SACKER,
+    BifurcationCurve,
+    CurvePoint,
     half_period_signs,
+    split,
 )
 from ...reference.continuation.network import (
     CurveSearch,
@@ -24,7 +27,6 @@ from ...reference.continuation.network import (
     SearchOutcome,
     Task,
 )
-from ...reference.continuation.points import BifurcationCurve, CurvePoint, split
 from ...reference.errors import EngineError, NoOrbitError, UsageError
 from ...reference.orbits import section_row
 from ...reference.scene import Array

@@ -13,8 +13,7 @@ from ...reference import get_scene
 from ...reference.differences import by_complex_step
 from ...reference.errors import CannotJudgeError, MbcheckError
 from ...reference.scene import Array, Case, Scene
-from ...reference.solve.batched import solve_many
-from ...reference.solve.flow import growths
+from ...reference.solve.batched import growths, solve_many
 from ...reference.solve.single import solve
 from ...reference.solve.solution import Solution, state_size
 from ..engines.equations import ModelEquations

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...reference.ball_hoop.equations import BallHoop, coefficients
+from ...reference.ball_hoop import BallHoop, coefficients
 from ...reference.scene import Array
 from ..exudyn_body import UPRIGHT, add_body, euler_parameters_of
 from ..exudyn_system import UPRIGHT as AXES

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from ...reference.ball_hoop.equations import BallHoop, coefficients
+from ...reference.ball_hoop import BallHoop, coefficients
 from ...reference.body.rotation import QUATERNION
 from ..body import BODY, ball_motion
 from ..clock import foot_bindings, foot_motion

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...reference.floating_beam.equations import FloatingBeam
+from ...reference.floating_beam import FloatingBeam
 from ...reference.quaternions import of_rotation
 from ...reference.scene import Array
 from ..exudyn_body import UPRIGHT, HingedBody, floating_system

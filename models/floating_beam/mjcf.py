@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from pathlib import Path
 
-from ...reference.floating_beam.equations import ANGLES, RODS, FloatingBeam
+from ...reference.floating_beam import ANGLES, RODS, FloatingBeam
 from ..body import BODY, free_motion
 from ..mjcf import Binding, Mjcf
 

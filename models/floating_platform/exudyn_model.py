@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...reference.floating_platform.equations import FloatingPlatform
+from ...reference.floating_platform import FloatingPlatform
 from ...reference.quaternions import of_rotation, product
 from ...reference.scene import Array
 from ..exudyn_body import UPRIGHT, HingedBody, floating_system

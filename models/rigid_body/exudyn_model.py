@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...reference.rigid_body.equations import RigidBody
+from ...reference.rigid_body import RigidBody
 from ...reference.scene import Array
 from ..exudyn_body import UPRIGHT, add_body, euler_parameters_of
 from ..exudyn_system import UPRIGHT as AXES

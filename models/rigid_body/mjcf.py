@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ...reference.body.rotation import QUATERNION
-from ...reference.rigid_body.equations import RigidBody
+from ...reference.rigid_body import RigidBody
 from ..body import BODY, INERTIAL, ball_motion
 from ..mjcf import Mjcf, Motion
 

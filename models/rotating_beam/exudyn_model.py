@@ -25,11 +25,11 @@ from typing import Any
 import numpy as np
 from scipy.linalg import block_diag
 
+from ...reference.rotating_beam import EXTENSIBLE
 from ...reference.rotating_beam.elements import element_scene, free_coordinates, shear_stiffness
 from ...reference.rotating_beam.elements import stations as node_places
-from ...reference.rotating_beam.frequencies.continua import frequencies
+from ...reference.rotating_beam.frequencies.stretching import frequencies
 from ...reference.rotating_beam.parameters import RotatingBeam
-from ...reference.rotating_beam.scene import EXTENSIBLE
 from ...reference.scene import Array, EquationsOfMotion
 from ..exudyn_system import (
     ExudynSystem,

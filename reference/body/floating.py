@@ -44,10 +44,14 @@ import numpy as np
 
 from ..quaternions import cross, matrix, square
 from ..scene import Array
-from .parameters import NUMBERS, BodyParameters, body_inertia, body_numbers, central_inertia
 from .rotation import (
+    NUMBERS,
+    BodyParameters,
     Moment,
+    body_inertia,
+    body_numbers,
     body_rates,
+    central_inertia,
     euler,
     inner,
     into_body,
@@ -66,12 +70,14 @@ HINGES = slice(3, -4)
 """Places among the coordinates."""
 
 
-def base_numbers(p: BodyParameters, tensor: Array, others: Any) -> list[Any]:
-    """Return the first coefficients, of the tensor (3, 3, ...) about the base's point.
+def base_numbers(p: BodyParameters, tensor: Array | None, others: Any) -> list[Any]:
+    """Return the first coefficients; the tensor (3, 3, ...) about the base's point may be another.
 
     ``others`` is the mass of all bodies on hinges.
     """
-    central = central_inertia(p) + (tensor - body_inertia(p))  # exact where nothing is changed
+    central = central_inertia(p)
+    if tensor is not None:
+        central = central + (tensor - body_inertia(p))
     still = p.replace(centre_x=0.0, centre_y=0.0, centre_z=0.0)
     own = [p.mass + others, p.mass, p.centre_x, p.centre_y, p.centre_z]
     return [*body_numbers(still, central), *own]

@@ -10,7 +10,6 @@ import numpy as np
 
 from ..quaternions import conjugate, cross, matrix, product, square
 from ..scene import Array, Scene
-from .parameters import without_products
 from .rotation import (
     AXES,
     COORDINATES,
@@ -25,6 +24,7 @@ from .rotation import (
     sum_of,
     times,
     torque,
+    without_products,
     world_rates,
 )
 

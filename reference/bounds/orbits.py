@@ -22,19 +22,18 @@ from scipy.linalg import eig, matrix_balance
 
 from ..differences import EPS, by_complex_step
 from ..errors import NoOrbitError
-from ..newton import Rows
 from ..orbits import (
     Orbit,
     PeriodMap,
     hidden_by_rounding,
     mean_powers,
-    period_advance,
+    reference_map,
     section_row,
     state_scale,
 )
 from ..periodic import spectrum_of
-from ..scene import Array, EquationsOfMotion, coefficients_at
-from ..solve.rk8 import rk8_steps
+from ..scene import Array, EquationsOfMotion
+from ..solve.rk8 import rk8_samples, rk8_steps
 from .modes import COEFFICIENT, pair_bounds, separations
 
 DISPLACEMENT = 1e-7
@@ -124,14 +123,8 @@ class Closing:
 
     def about(self, c: Any, count: int) -> PeriodMap:
         """Return the period map of so many points about the orbit."""
-
-        def flow(rows: Rows, states: Any, periods: Any) -> Any:
-            derivative = self.scene.derivative(coefficients_at(c, rows))
-            return rk8_steps(derivative, states, 0.0, periods, self.steps)
-
-        states, scale = (np.repeat(x[:, None], count, 1) for x in (self.orbit.state, self.scale))
-        advance, section = period_advance(self.scene), section_row(self.scene)
-        return PeriodMap(flow, states, np.full(count, self.orbit.period), scale, advance, section)
+        states = np.repeat(self.orbit.state[:, None], count, axis=1)
+        return reference_map(self.scene, c, states, np.full(count, self.orbit.period), self.steps)
 
     def linearise(self, c: Any, unknowns: Array) -> tuple[Array, Array]:
         """Return by how far points (2 n, k) do not close, in their sizes, and the slopes."""
@@ -143,12 +136,9 @@ class Closing:
         count = len(at.weights)
         parts = self.about(at.coefficients, count).place(np.arange(count), at.unknowns[:, None])
         x, periods = parts[0][:, 0], parts[1][0] * np.ones(count)
-        derivative, samples = self.scene.derivative(at.coefficients), np.empty((*x.shape, COUNT))
-        for i in range(COUNT):
-            samples[..., i] = x
-            start, end = i * periods / COUNT, (i + 1) * periods / COUNT
-            x = rk8_steps(derivative, x, start, end, -(-self.steps // COUNT))
-        return samples.swapaxes(0, 1)
+        derivative, times = self.scene.derivative(at.coefficients), np.arange(1, COUNT) / COUNT
+        rest = rk8_samples(derivative, x, 0.0, np.outer(times, periods), -(-self.steps // COUNT))
+        return np.concatenate([x[..., None], rest], axis=-1).swapaxes(0, 1)
 
     def flows(self, c: Any) -> tuple[Array, Array, Array]:
         """Return the Jacobians of the flow up to the end of each part, and from there to the end.

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from ..differences import by_complex_step
 from ..errors import NoOrbitError
-from ..orbits import section_row
+from ..orbits import period_advance, section_row
 from ..scene import Array, EquationsOfMotion
-from .bifurcations import LINE
+from ..solve.single import solve
+from .bifurcations import LINE, CurvePoint
 from .curve import correct
-from .points import CurvePoint
 from .tracing import Tracer
 
 REACH = 0.2
@@ -102,3 +104,202 @@ class BoundaryAlong:
                 f"{self.scene.name} has no {words} near {self.parameter} = {self.here:g}"
             )
         return tracer, point
+
+
+MARGIN = 0.01
+"""By how much more the parameter is where a first motion comes round, in itself."""
+
+LONGEST, SAMPLES = 60.0, 4096
+"""Of that motion, in units of the unstable direction's time; and how often it is looked at."""
+
+ITERATIONS, CLOSED, NUDGE = 20, 1e-13, 1e-5
+"""Of the secant method: how many, the last change of the place that counts, and the first."""
+
+ROUGH, NOISE = 1e-6, 1e-7
+"""Changes below which a secant tells no slope, and below which runs may scatter."""
+
+STRETCHES, SETTLED = 10, 1e-6
+"""How often the time is adapted, and the share of it that is no change."""
+
+Ends = Callable[[Any, Array], Array]
+"""From parameters and a state (2 n,) at t = 0 to the state a span later."""
+
+
+class Saddle(NamedTuple):
+    """A state of rest with one direction in which motions leave it.
+
+    Attributes
+    ----------
+    state, away, row : array (2 n,)
+        Where it is, the unstable direction (of 1 in the angle that turns), and the left eigenvector
+        of that, 1 along it.
+    rate, least : float
+        Eigenvalue of that, and the largest of the others [1/s].
+    """
+
+    state: Array
+    away: Array
+    row: Array
+    rate: float
+    least: float
+
+
+class Root(NamedTuple):
+    """Where a number vanishes: the place, its slope, and the last change of the place."""
+
+    place: float
+    slope: float
+    change: float
+
+
+@dataclass(frozen=True)
+class ConnectionAlong(BoundaryAlong):
+    """Where a saddle has a homoclinic orbit along one parameter.
+
+    Attributes
+    ----------
+    near : float
+        The saddle's angle [rad], roughly.
+    offset : float
+        Distance from it at the begin and at the end, in the angle that turns [rad].
+    """
+
+    near: float
+    offset: float = 0.01
+
+    where: ClassVar[str] = "along it"
+
+    @cached_property
+    def turning(self) -> int:
+        """Row of the angle that turns."""
+        (name,) = self.scene.rotations_per_period
+        return list(self.scene.coordinates).index(name)
+
+    def parameters_at(self, place: float) -> Any:
+        """Return the parameters at a place of the window."""
+        return self.parameters.replace(**{self.parameter: float(self.value(place))})
+
+    def saddle(self, p: Any) -> Saddle:
+        """Return the saddle near the given angle.
+
+        Raises
+        ------
+        NoOrbitError
+            If there is none.
+        """
+        rates = self.scene.right_hand_side(p)
+        x = np.zeros(2 * len(self.scene.coordinates))
+        x[self.turning] = self.near
+        for _ in range(ITERATIONS):
+            left, slopes = by_complex_step(lambda state: rates(0.0, state), x)
+            step = np.linalg.lstsq(slopes, left)[0]
+            x = x - step
+            if np.max(np.abs(step)) < CLOSED:
+                break
+        values, right = np.linalg.eig(slopes)
+        order = np.argsort(-values.real)
+        if not (values[order[0]].real > 0 > values[order[1]].real):
+            raise NoOrbitError(f"{self.scene.name} has no saddle near {self.near:g} rad")
+        away = right[:, order[0]].real / right[self.turning, order[0]].real
+        row = np.linalg.inv(right)[order[0]].real
+        both = float(values[order[0]].real), float(values[order[1]].real)
+        return Saddle(x, away, row / (row @ away), *both)
+
+    def begin(self, its: Saddle) -> Array:
+        """Return the state (2 n,) at which a motion begins, on the unstable direction."""
+        return its.state + self.offset * its.away
+
+    def left(self, p: Any, its: Saddle, ends: Ends) -> Array:
+        """Return what a motion is off its saddle (2 n,), a turn on."""
+        return ends(p, self.begin(its)) - its.state - period_advance(self.scene)[:, 0]
+
+    def gap(self, place: float, ends: Ends) -> float:
+        """Return what that is along the unstable direction; NaN where there is no motion."""
+        p = self.parameters_at(place)
+        try:
+            its = self.saddle(p)
+        except NoOrbitError:
+            return np.nan
+        return float(its.row @ self.left(p, its, ends))
+
+    def root(self, ends: Ends, place: float, slope: float | None = None) -> Root | None:
+        """Return where the gap vanishes, by secants from a place; None where none is near."""
+        gap = self.gap(place, ends)
+        change = NUDGE if slope is None else -gap / slope
+        for _ in range(ITERATIONS):
+            before, last, place = gap, abs(change), place + change
+            if not 0 <= place <= 1:
+                return None
+            gap = self.gap(place, ends)
+            if slope is None or last > ROUGH:
+                slope = (gap - before) / change
+            if not np.isfinite(gap) or not slope:
+                return None
+            change = -gap / slope
+            size = abs(change)
+            if size < CLOSED or (size < NOISE and size > last / 2):
+                return Root(place, slope, max(size, CLOSED))
+        return None
+
+    def reference(self, span: float) -> Ends:
+        """Return the flow of the equations of motion over a span [s]."""
+        return lambda p, x: solve(self.scene, p, x, [span]).states[:, -1]
+
+    def first_span(self) -> float:
+        """Return the time [s] in which a motion comes round if the parameter is a little more."""
+        p = self.parameters.replace(**{self.parameter: self.here * (1 + MARGIN)})
+        its = self.saddle(p)
+        times = np.linspace(0.0, LONGEST / its.rate, SAMPLES)[1:]
+        angles = solve(self.scene, p, self.begin(its), times).states[self.turning]
+        come = np.flatnonzero(angles > its.state[self.turning] + 2 * np.pi - 3 * self.offset)
+        if not come.size:
+            raise NoOrbitError(f"no motion from the saddle near {self.near:g} rad comes round")
+        return float(times[come[0]])
+
+    @cached_property
+    def connection(self) -> tuple[float, Root]:
+        """The time [s] after which the motion is as near its saddle as it began, and the root.
+
+        Raises
+        ------
+        NoOrbitError
+            If there is none.
+        """
+        span, place = self.first_span(), 0.5 + self.here * MARGIN / self.unit
+        for _ in range(STRETCHES):
+            ends = self.reference(span)
+            root = self.root(ends, place)
+            if root is None:
+                break
+            place = root.place
+            p = self.parameters_at(place)
+            its = self.saddle(p)
+            distance = abs(self.left(p, its, ends)[self.turning])
+            longer = float(np.log(distance / self.offset) / -its.least)
+            if abs(longer) < SETTLED * span:
+                return span, root
+            span += longer
+        raise NoOrbitError(
+            f"{self.scene.name} has no homoclinic orbit near {self.parameter} = {self.here:g}"
+        )
+
+    @property
+    def span(self) -> float:
+        """Time [s] from the saddle's unstable direction back to its stable one."""
+        return self.connection[0]
+
+    @cached_property
+    def solution(self) -> tuple[Any, CurvePoint]:
+        """The root of the gap, and the point: its place, and a bound of that.
+
+        Raises
+        ------
+        NoOrbitError
+        """
+        span, root = self.connection
+        p = self.parameters_at(root.place)
+        its = self.saddle(p)
+        run = solve(self.scene, p, self.begin(its), [span])
+        bound = float(np.abs(its.row) @ run.error_bound) / abs(root.slope) + root.change
+        none, z = np.zeros(0), np.array([0.5, root.place])
+        return root, CurvePoint(z, np.array([0.0, 1.0]), none, 0j, none, np.array([0.0, bound]))

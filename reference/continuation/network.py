@@ -20,9 +20,18 @@ import numpy as np
 
 from ..orbits import descending, section_row
 from ..scene import Array
-from .bifurcations import DOUBLING, LINE, OrbitCurve
+from .bifurcations import (
+    CODIMENSION_2,
+    DOUBLING,
+    LINE,
+    BifurcationCurve,
+    CurvePoint,
+    OrbitCurve,
+    end_beyond,
+    kind_beyond,
+    split,
+)
 from .curve import Control, between, correct, tangent_of
-from .points import CODIMENSION_2, BifurcationCurve, CurvePoint, end_beyond, kind_beyond, split
 from .tracing import Tracer, is_inside, leaves
 
 ALONG = Control(first=0.15, longest=0.4, turn=0.5)

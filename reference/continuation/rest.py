@@ -28,22 +28,20 @@ from ..errors import NoOrbitError, ParameterError
 from ..orbits import descending, state_scale
 from ..scene import Array, EquationsOfMotion, coefficients_at
 from .bifurcations import (
+    BRANCH_POINT,
     FOLD,
+    HOMOCLINIC,
     LINE,
+    CurvePoint,
     Family,
     OrbitCurve,
+    ParameterWindow,
     bifurcation_function,
     reference_flow,
+    split,
     stable_side,
 )
 from .curve import CurveEquations, CurveSolution, between, node
-from .points import (
-    BRANCH_POINT,
-    HOMOCLINIC,
-    CurvePoint,
-    ParameterWindow,
-    split,
-)
 from .tracing import Tracer, numbers
 
 SHARE = 0.5

@@ -14,17 +14,22 @@ from ..errors import NoOrbitError
 from ..orbits import descending, find_orbit, section_row, state_scale
 from ..scene import Array, EquationsOfMotion
 from .bifurcations import (
+    CODIMENSION_2,
     LINE,
     NEIMARK_SACKER,
+    CurvePoint,
     Family,
     OrbitCurve,
     PeriodFlow,
+    crossings,
     half_period_signs,
+    meeting_gap,
+    meets,
     reference_flow,
+    split,
     stable_side,
 )
 from .curve import Control, CurveSolution, Node, between, correct, node, step_on
-from .points import CODIMENSION_2, CurvePoint, crossings, meeting_gap, meets, split
 
 WANTED = 3e-11
 """What integration may leave of a point of the reference, in the window's unit."""

@@ -126,11 +126,7 @@ def mass_matrix(q: Any, c: Coefficients, xp: Any = np) -> list[list[Any]]:
 
 def forces(u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np) -> list[Any]:
     """Right-hand side of ``M(q) a = f``, equations (5), (6)."""
-    return _forces(u, q, v, c, (xp.cos(q[1]), xp.sin(q[1])))
-
-
-def _forces(u: Any, q: Any, v: Any, c: Coefficients, rod: tuple[Any, Any]) -> list[Any]:
-    cos, sin = rod
+    cos, sin = xp.cos(q[1]), xp.sin(q[1])
     swing = c.coupling * sin * v[1] * v[1]
     return [
         c.force * u - c.damping * v[0] - c.stiffness * q[0] + swing + c.weight,
@@ -140,9 +136,8 @@ def _forces(u: Any, q: Any, v: Any, c: Coefficients, rod: tuple[Any, Any]) -> li
 
 def accelerations(u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np) -> list[Any]:
     """Equations (5), (6) solved for the accelerations."""
-    rod = xp.cos(q[1]), xp.sin(q[1])
-    coupling_cos, coupling_sin = c.coupling * rod[0], c.coupling * rod[1]
-    f_y, f_theta = _forces(u, q, v, c, rod)
+    coupling_cos, coupling_sin = c.coupling * xp.cos(q[1]), c.coupling * xp.sin(q[1])
+    f_y, f_theta = forces(u, q, v, c, xp)
     determinant = c.determinant + coupling_sin * coupling_sin
     return [
         (c.inertia * f_y - coupling_cos * f_theta) / determinant,

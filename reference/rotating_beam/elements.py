@@ -21,7 +21,7 @@ The mass sits on a node. Axes of points come first inside, as in `equations`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -29,23 +29,11 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from ..differences import by_complex_step
-from ..scene import Array, Continuum, EquationsOfMotion, with_rates
-from .equations import OUTPUTS, dot, of
-from .frequencies.continua import frequencies
-from .parameters import (
-    EQUILIBRIA,
-    Coefficients,
-    RotatingBeam,
-    coefficients,
-    conserved,
-    drive,
-    drive_end_time,
-    hub_gravity,
-    period,
-    reach,
-    unforced,
-)
-from .scene import EXTENSIBLE, UNITS, lifted
+from ..scene import Array, Continuum, EquationsOfMotion
+from . import EXTENSIBLE
+from .frequencies.stretching import frequencies
+from .hub import Terms, dot, hub_fields
+from .parameters import Coefficients, RotatingBeam, coefficients, hub_gravity, reach
 from .starts import unstretched_nodes
 
 POISSON = 0.3
@@ -87,32 +75,49 @@ def free_coordinates(nodes: int, size: int) -> Any:
 
 
 class Mesh(NamedTuple):
-    """What does not change with the state; N coordinates of all nodes, n of them free."""
+    """What does not change with the state; N coordinates of all nodes, n of them free.
+
+    Attributes
+    ----------
+    lengths : array
+        Of the elements (n_e,) [m].
+    free : array
+        Places of the free coordinates (n,).
+    straight : array
+        Coordinates of the straight beam (N,), from the axis.
+    quarter : array
+        Q (N, N).
+    angles : array
+        1 of an angle (N,).
+    axes : array
+        1 of x, and of y (2, N).
+    mass : array
+        (N, N).
+    inverse : array
+        Of the mass matrix of the free coordinates (n, n).
+    axial : float
+        E A [N].
+    bending : float
+        E I [N m^2].
+    stretch : float or array
+        Of ANCF: r' by the coordinates of an element (n_e, 5, 4), and the points' lengths
+        (n_e, 5).
+    curve : float or array
+        Of ANCF: r', r'' (n_e, 3, 4), and the points' lengths (n_e, 3).
+    """
 
     lengths: Array
-    """Of the elements (n_e,) [m]"""
     free: Array
-    """Places of the free coordinates (n,)"""
     straight: Array
-    """Coordinates of the straight beam (N,), from the axis"""
     quarter: Array
-    """Q (N, N)"""
     angles: Array
-    """1 of an angle (N,)"""
     axes: Array
-    """1 of x, and of y (2, N)"""
     mass: Array
-    """(N, N)"""
     inverse: Array
-    """Of the mass matrix of the free coordinates (n, n)"""
     axial: float
-    """E A [N]"""
     bending: float
-    """E I [N m^2]"""
     stretch: Any
-    """Of ANCF: r' by the coordinates of an element (n_e, 5, 4), and the points' lengths (n_e, 5)"""
     curve: Any
-    """Of ANCF: r', r'' (n_e, 3, 4), and the points' lengths (n_e, 3)"""
 
 
 def hermite(points: Array, lengths: Array) -> tuple[Array, Array]:
@@ -266,21 +271,27 @@ def shearing_strains(shape: Any, beam: Mesh) -> Strains:
 STRAINS = {"ancf": ancf_strains, "geometrically_exact": shearing_strains}
 
 
-class Terms(NamedTuple):
-    """``mass @ a = load`` of hub and free coordinates, less what drives the hub.
+class Bordered(NamedTuple):
+    """Mass matrix and load of hub and free coordinates, as blocks.
 
-    ``hub`` (...,) and ``coupling`` (..., n) are the mass matrix's first row; ``load`` (..., n)
-    and ``brake`` (...,) are the forces less the velocity-dependent inertia terms.
+    Attributes
+    ----------
+    hub : array (...,)
+    coupling : array (..., n)
+        First row of the mass matrix.
+    brake : array (...,)
+    load : array (..., n)
+        Forces less the velocity-dependent inertia terms.
     """
 
     hub: Any
     coupling: Any
-    load: Any
     brake: Any
+    load: Any
 
 
-def terms(q: Any, v: Any, c: Coefficients, beam: Mesh, strains: Any) -> Terms:
-    """Return what the equations of motion (..., 1 + n) are made of."""
+def bordered(q: Any, v: Any, c: Coefficients, beam: Mesh, strains: Any) -> Bordered:
+    """Return what the equations of motion of states (..., 1 + n) are made of."""
     shape, rates = spread(q, beam), spread(v, beam)
     at = beam.straight + shape
     turn = beam.angles + at @ beam.quarter.T
@@ -289,10 +300,8 @@ def terms(q: Any, v: Any, c: Coefficients, beam: Mesh, strains: Any) -> Terms:
     swing = speed * (2 * rates @ beam.quarter.T + speed * (at @ (beam.quarter @ beam.quarter).T))
     inertia = (swing - weight_of(q, c, beam)) @ beam.mass
     load = strains(shape, beam).forces - inertia
-    return Terms(
-        c.hub + dot(carried, turn), carried[..., beam.free], load[..., beam.free],
-        -dot(turn, inertia),
-    )  # fmt: skip
+    hub, brake = c.hub + dot(carried, turn), -dot(turn, inertia)
+    return Bordered(hub, carried[..., beam.free], brake, load[..., beam.free])
 
 
 def weight_of(q: Any, c: Coefficients, beam: Mesh) -> Any:
@@ -308,121 +317,43 @@ def spread(values: Any, beam: Mesh) -> Any:
     return whole
 
 
-def pointwise(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a function of ``(q, v, c, *more)`` for coefficients over points too.
-
-    Points of coefficients are the last axis of states.
-    """
-
-    def broadcast(q: Any, v: Any, c: Coefficients, *more: Any) -> Any:
-        q, v = np.asarray(q), np.asarray(v)
-        if not any(isinstance(value, np.ndarray) and value.ndim for value in c):
-            return function(q, v, c, *more)
-        count = max(np.size(value) for value in c)
-        rows = [np.broadcast_to(value, (count,)) for value in c]
-        others = [np.broadcast_to(value, (*np.shape(value)[:-1], count)) for value in more]
-        parts = [
-            function(
-                q[..., i],
-                v[..., i],
-                Coefficients(*(float(row[i]) for row in rows)),
-                *(other[..., i] for other in others),
-            )
-            for i in range(count)
-        ]
-        return np.stack(parts, axis=-1)
-
-    return broadcast
-
-
 @lru_cache(maxsize=64)
 def element_scene(n: int, element: str = "ancf") -> EquationsOfMotion:
     """Return the equations of n elements; the same object for the same arguments."""
     strains, names = STRAINS[element], NODAL[element]
 
-    def beam(c: Coefficients) -> Mesh:
-        return mesh(n, element, c)
-
-    @pointwise
-    def full_mass(q: Any, v: Any, c: Coefficients) -> Any:
-        """Mass matrix (1 + n, 1 + n, ...) of the free hub."""
-        q, one = np.asarray(q).T, beam(c)
-        parts = terms(q, np.zeros_like(q), c, one, strains)
-        size = q.shape[-1]
-        mass = np.zeros((*q.shape[:-1], size, size), dtype=q.dtype)
-        mass[..., 1:, 1:] = one.mass[np.ix_(one.free, one.free)]
+    def terms(q: Any, v: Any, c: Coefficients) -> Terms:
+        """Mass matrix and forces of the free hub with its elements."""
+        beam = mesh(n, element, c)
+        parts = bordered(q, v, c, beam, strains)
+        mass = np.zeros((*q.shape, q.shape[-1]), dtype=parts.coupling.dtype)
+        mass[..., 1:, 1:] = beam.mass[np.ix_(beam.free, beam.free)]
         mass[..., 0, 0] = parts.hub
         mass[..., 0, 1:] = mass[..., 1:, 0] = parts.coupling
-        return mass.swapaxes(-1, -2).T
+        return Terms(mass, np.concatenate([parts.brake[..., None], parts.load], axis=-1))
 
-    def mass_matrix(q: Any, c: Coefficients, xp: Any = np) -> Any:
-        """M; the hub's row and column are those of the identity where it is prescribed."""
-        mass = full_mass(q, q, c)
-        free = 1 - np.asarray(c.prescribed)
-        mass[0] *= free
-        mass[1:, 0] *= free
-        mass[0, 0] += 1 - free
-        return mass
+    def solve(q: Any, v: Any, c: Coefficients, u: Any) -> Any:
+        """Accelerations of hub and nodes; the mass matrix of the nodes is constant."""
+        beam = mesh(n, element, c)
+        hub, coupling, brake, load = bordered(q, v, c, beam, strains)
+        follow = coupling @ beam.inverse.T
+        carried = hub - dot(follow, coupling)
+        loose = (u + brake - dot(follow, load)) / (carried + c.prescribed)
+        angular = c.prescribed * u + (1 - c.prescribed) * loose
+        rest = load @ beam.inverse.T - angular[..., None] * follow
+        return np.concatenate([angular[..., None], rest], axis=-1)
 
-    @pointwise
-    def forces_of(q: Any, v: Any, c: Coefficients, u: Any) -> Any:
-        parts = terms(q.T, v.T, c, beam(c), strains)
-        u = np.asarray(lifted(u, np.ndim(q) - 1))
-        first = u + (1 - c.prescribed) * parts.brake
-        rest = parts.load - c.prescribed * (u[..., None] * parts.coupling)
-        return np.concatenate([first[..., None], rest], axis=-1).T
+    def potential(q: Any, c: Coefficients) -> Any:
+        """Strain energy and potential energy of gravity [J]."""
+        beam = mesh(n, element, c)
+        shape = spread(q, beam)
+        weight = dot(weight_of(q, c, beam) @ beam.mass, beam.straight + shape)
+        return strains(shape, beam).energy - weight
 
-    def forces(u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np) -> Any:
-        """Forces less the velocity-dependent inertia terms."""
-        return forces_of(q, v, c, u)
-
-    @pointwise
-    def accelerations_of(q: Any, v: Any, c: Coefficients, u: Any) -> Any:
-        one = beam(c)
-        parts = terms(q.T, v.T, c, one, strains)
-        u = np.asarray(lifted(u, np.ndim(q) - 1))
-        follow = parts.coupling @ one.inverse.T
-        carried = parts.hub - dot(follow, parts.coupling)
-        loose = (u + parts.brake - dot(follow, parts.load)) / (carried + c.prescribed)
-        hub = c.prescribed * u + (1 - c.prescribed) * loose
-        rest = parts.load @ one.inverse.T - hub[..., None] * follow
-        return np.concatenate([hub[..., None], rest], axis=-1).T
-
-    def accelerations(u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np) -> Any:
-        """Accelerations of hub and nodes."""
-        return accelerations_of(q, v, c, u)
-
-    @pointwise
-    def energy(q: Any, v: Any, c: Coefficients) -> Any:
-        """Kinetic energy, strain energy and potential energy of gravity [J]."""
-        mass = np.moveaxis(full_mass(q, v, c), (0, 1), (-2, -1))
-        kinetic = dot(np.moveaxis(v, 0, -1), of(mass, np.moveaxis(v, 0, -1))) / 2
-        one = beam(c)
-        shape = spread(q.T, one)
-        weight = dot(weight_of(q.T, c, one) @ one.mass, one.straight + shape)
-        return kinetic + (strains(shape, one).energy - weight).T
-
-    @pointwise
-    def momentum(q: Any, v: Any, c: Coefficients) -> Any:
-        """Angular momentum of hub, beam and mass about the axis [kg m^2/s]."""
-        return np.sum(full_mass(q, v, c)[0] * v, axis=0)
-
-    def invariants(p: RotatingBeam) -> Mapping[str, Callable[..., Any]]:
-        """What a beam keeps that nothing drives."""
-        return conserved(p, energy, momentum)
-
-    def powers(u: Any, q: Any, v: Any, c: Coefficients) -> dict[str, Any]:
-        """Power [W] of the torque on the hub: the given one, or what its motion takes."""
-        a = np.asarray(accelerations(u, q, v, c))
-        parts = terms(np.asarray(q).T, np.asarray(v).T, c, beam(c), strains)
-        taken = parts.hub.T * a[0] + np.sum(parts.coupling.T * a[1:], axis=0) - parts.brake.T
-        return {"hub": (c.prescribed * taken + (1 - c.prescribed) * u) * v[0]}
-
-    def outputs(q: Any, v: Any, c: Coefficients, xp: Any = np) -> dict[str, Any]:
-        """Tip's displacement in the hub frame."""
-        place = -len(names)
-        tip = q[place + 1], v[place + 1], q[place], v[place]
-        return dict(zip(OUTPUTS, tip, strict=True))
+    def tip(q: Any, v: Any, c: Coefficients) -> tuple[Any, ...]:
+        """Tip's displacement over L and its rate in the hub frame."""
+        x, y = -len(names), 1 - len(names)
+        return tuple(value / c.length for value in (q[..., y], v[..., y], q[..., x], v[..., x]))
 
     def embedding(p: RotatingBeam, state: Mapping[str, float]) -> dict[str, float]:
         """Return the state of the scene's beam, stretched as rotation and weight stretch it.
@@ -431,7 +362,7 @@ def element_scene(n: int, element: str = "ancf") -> EquationsOfMotion:
         methods follow. What drives the hub, which depends on the time, is left out.
         """
         c = coefficients(p)
-        one, at = beam(c), stations(n, float(c.place))
+        one, at = mesh(n, element, c), stations(n, float(c.place))
         begin = unstretched_nodes(p, state, at, element == "ancf")
         along, mass = begin.along[one.free], one.mass[np.ix_(one.free, one.free)]
         hub, hub_dot = (float(state.get(name, 0.0)) for name in ("theta", "theta_dot"))
@@ -440,7 +371,7 @@ def element_scene(n: int, element: str = "ancf") -> EquationsOfMotion:
         def pull(x: Any) -> Any:
             """Forces along the beam, stretches as columns, less those of its own motion."""
             moved = np.vstack([np.full(x.shape[1:], hub), q[1:, None] + along @ x])
-            parts = terms(moved.T, np.tile(v[:, None], x.shape[1:]).T, c, one, strains)
+            parts = bordered(moved.T, np.tile(v[:, None], x.shape[1:]).T, c, one, strains)
             slow = mass @ begin.accelerations[one.free]
             return along.T @ (parts.load - slow - begin.hub * parts.coupling).T
 
@@ -465,31 +396,11 @@ def element_scene(n: int, element: str = "ancf") -> EquationsOfMotion:
         return modes.omega, modes.bound
 
     return EquationsOfMotion(
-        name="rotating_beam",
+        **hub_fields(terms, potential, tip, units, solve),
         title=f"hub with a beam of {n} elements ({element.replace('_', ' ')})",
-        parameters=RotatingBeam,
-        coordinates=("theta", *nodes),
-        units=UNITS | with_rates(**units),
-        coefficients=coefficients,
-        drive=drive,
-        mass_matrix=mass_matrix,
-        forces=forces,
-        accelerations=accelerations,
-        damping_matrix=lambda c: np.zeros((1 + len(nodes),) * 2),
-        energy=energy,
-        powers=powers,
-        equilibria=EQUILIBRIA,
-        steady_coordinates=dict.fromkeys(EQUILIBRIA, ("theta",)),
-        rotations_per_period={"theta": 1},
-        period=period,
-        unforced=unforced,
-        outputs=outputs,
-        observed=OUTPUTS[:3],
-        invariants=invariants,
         embedding=embedding,
         stiff=(1e-8, 1e-6) if element == "ancf" else (1e-7, 1e-5),
         continuum=Continuum(nodes, spectrum, reach=reach, has_waves=True),
-        drive_end_time=drive_end_time,
     )
 
 

@@ -9,7 +9,9 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.linalg import block_diag
 
+from .hub import dot, of
 from .parameters import Coefficients, hub_gravity
 from .shapes import Shapes
 
@@ -25,39 +27,41 @@ class Equations(NamedTuple):
 
 
 class Exact(NamedTuple):
-    """What the exact equations need of the parameters; see `exact`."""
+    """What the exact equations need of the parameters; see `exact`.
+
+    Attributes
+    ----------
+    angle : float or array
+        1 for theta, then P: d angle / d coordinates.
+    integral : float or array
+        To the stations, times the root of J = mass times L^2 there.
+    lever : float or array
+        Hub radius over L, times the same root.
+    weight : float or array
+        The root times 1 (..., stations), None without gravity.
+    """
 
     angle: Any
-    """1 for theta, then P: d angle / d coordinates"""
     stretch: Any
     integral: Any
-    """To the stations, times the root of J = mass times L^2 there"""
     lever: Any
-    """Hub radius over L, times the same root"""
     hub: Any
     weight: Any
-    """The root times 1 (..., stations), None without gravity"""
     c: Coefficients
 
 
 def prepare_exact(shapes: Shapes, c: Coefficients) -> Exact:
     """Return what does not change with the state."""
     root = np.sqrt(station_masses(shapes, c))
-    rigid = np.ones((*shapes.angle.shape[:-1], 1))
     return Exact(
-        angle=np.concatenate([rigid, shapes.angle], axis=-1),
+        angle=np.hstack([np.ones((len(shapes.angle), 1)), shapes.angle]),
         stretch=shapes.stretch,
-        integral=root[..., None] * shapes.integral,
-        lever=root * np.asarray(c.hub_ratio)[..., None],
+        integral=root[:, None] * shapes.integral,
+        lever=root * c.hub_ratio,
         hub=c.hub,
-        weight=root if has_weight(c) else None,
+        weight=root if c.gravity_x or c.gravity_y else None,
         c=c,
     )
-
-
-def has_weight(c: Coefficients) -> bool:
-    """Return whether there is gravity anywhere."""
-    return bool(np.any(c.gravity_x) or np.any(c.gravity_y))
 
 
 def exact(q: Any, v: Any, beam: Exact) -> Equations:
@@ -118,18 +122,26 @@ class Truncated(NamedTuple):
     """Kinetic energy ``v M v / 2 + theta'^2 (U + A q / 2) q + theta' v W q``, q without theta.
 
     All have the size (..., N) of the coordinates, zero for theta where they go with q.
+
+    Attributes
+    ----------
+    mass : float or array
+        M of the straight beam: J_h and the moment of inertia, U_12 + a U_20, M_22, M_11.
+    pull : float or array
+        U: U_11 + a U_10.
+    softening : float or array
+        A: M_22 - D_1 - a D_0, M_11.
+    coupling : float or array
+        W, antisymmetric: R of (16).
+    weight : float or array
+        `Weight`, None without gravity.
     """
 
     mass: Any
-    """M of the straight beam: J_h and the moment of inertia, U_12 + a U_20, M_22, M_11"""
     pull: Any
-    """U: U_11 + a U_10"""
     softening: Any
-    """A: M_22 - D_1 - a D_0, M_11"""
     coupling: Any
-    """W, antisymmetric: R of (16)"""
     weight: Any
-    """`Weight`, None without gravity"""
     c: Coefficients
 
 
@@ -144,49 +156,38 @@ class Weight(NamedTuple):
 
 def prepare_truncated(shapes: Shapes, c: Coefficients, foreshortening: bool = True) -> Truncated:
     """Return the matrices (16), corrected; without the D as the zero-order model has them."""
-    masses = station_masses(shapes, c)
-    radii = np.asarray(c.hub_ratio)[..., None] + shapes.stations
+    masses, radii = station_masses(shapes, c), c.hub_ratio + shapes.stations
     axial, bending = shapes.integral @ shapes.stretch, shapes.integral @ shapes.angle
-    n, size = bending.shape[-1], 1 + bending.shape[-1] + axial.shape[-1]
+    n, size = bending.shape[1], 1 + bending.shape[1] + axial.shape[1]
     bend, rest = slice(1, n + 1), slice(n + 1, size)
-    along = np.zeros((*masses.shape, size))  # what the coordinates move the stations by
+    along = np.zeros((len(masses), size))  # what the coordinates move the stations by
     across = np.zeros_like(along)
-    along[..., rest], across[..., bend] = axial, bending
-    across[..., 0] = radii
-    left_along, left_across = (
-        shape.swapaxes(-1, -2) * masses[..., None, :] for shape in (along, across)
-    )
-    mass = left_along @ along + left_across @ across
+    along[:, rest], across[:, bend] = axial, bending
+    across[:, 0] = radii
+    mass = (along.T * masses) @ along + (across.T * masses) @ across
     softening = mass.copy()
-    softening[..., 0, :] = softening[..., :, 0] = 0
+    softening[0] = softening[:, 0] = 0
 
     def shortened(lever: Any) -> Any:
         """Return what the foreshortening takes, squared in q, of masses with a lever."""
         matrix = np.zeros_like(mass)
         if foreshortening:
-            tension = of(shapes.integral.swapaxes(-1, -2), masses * lever)
-            slope = shapes.angle.swapaxes(-1, -2)
-            matrix[..., bend, bend] = (slope * tension[..., None, :]) @ shapes.angle
+            tension = shapes.integral.T @ (masses * lever)
+            matrix[bend, bend] = (shapes.angle.T * tension) @ shapes.angle
         return matrix
 
     softening -= shortened(radii)
-    across[..., 0] = 0
-    coupling = left_across @ along
-    coupling[..., 0, :] = 0
-    mass[..., 0, 0] += c.hub
+    coupling = (across.T * masses) @ along
+    coupling[0] = 0
+    mass[0, 0] += c.hub
+    across[:, 0] = 0
+    weight = Weight(masses @ radii, along.T @ masses, across.T @ masses, shortened(1.0))
     return Truncated(
         mass=mass,
-        pull=of(left_along, radii),
+        pull=along.T @ (masses * radii),
         softening=softening,
-        coupling=coupling - coupling.swapaxes(-1, -2),
-        weight=Weight(
-            dot(masses, radii),
-            np.sum(left_along, axis=-1),
-            of(across.swapaxes(-1, -2), masses),
-            shortened(1.0),
-        )
-        if has_weight(c)
-        else None,
+        coupling=coupling - coupling.T,
+        weight=weight if c.gravity_x or c.gravity_y else None,
         c=c,
     )
 
@@ -238,9 +239,6 @@ class Tip(NamedTuple):
     axial_dot: Any
 
 
-OUTPUTS = tuple(f"tip_{name}" for name in Tip._fields)
-
-
 def exact_tip(q: Any, v: Any, shapes: Shapes) -> Tip:
     """Integrals of the tangent over the whole beam."""
     n = shapes.angle.shape[-1]
@@ -267,33 +265,14 @@ def truncated_tip(q: Any, v: Any, shapes: Shapes, foreshortening: bool = True) -
 
 
 def station_masses(shapes: Shapes, c: Coefficients) -> Any:
-    """Mass times L^2 at each station (..., stations) [kg m^2]."""
-    beam = np.asarray(c.beam)[..., None] * shapes.weights
-    point = np.broadcast_to(np.asarray(c.point)[..., None], (*beam.shape[:-1], 1))
-    return np.concatenate([beam, point], axis=-1)
+    """Mass times L^2 at each station (stations,) [kg m^2]."""
+    return np.append(c.beam * shapes.weights, c.point)
 
 
 def stiffness(shapes: Shapes, c: Coefficients) -> Any:
-    """Stiffness matrix (..., N, N), zero for theta."""
-    n, size = shapes.angle.shape[-1], 1 + shapes.angle.shape[-1] + shapes.stretch.shape[-1]
+    """Stiffness matrix (N, N), zero for theta."""
     bending, axial = (
-        np.asarray(modulus)[..., None, None]
-        * ((shape.swapaxes(-1, -2) * shapes.weights[..., None, :]) @ shape)
+        modulus * ((shape.T * shapes.weights) @ shape)
         for modulus, shape in ((c.bending, shapes.curvature), (c.axial, shapes.stretch))
     )
-    matrix = np.zeros((*bending.shape[:-2], size, size))
-    matrix[..., 1 : n + 1, 1 : n + 1] = bending
-    matrix[..., n + 1 :, n + 1 :] = axial
-    return matrix
-
-
-def of(matrix: Any, vector: Any) -> Any:
-    """Product of matrices (..., i, j) and vectors (..., j)."""
-    if matrix.ndim == 2 and vector.ndim == 1:
-        return matrix.dot(vector)
-    return (matrix @ vector[..., None])[..., 0]
-
-
-def dot(one: Any, other: Any) -> Any:
-    """Scalar products of vectors (..., i)."""
-    return np.sum(one * other, axis=-1)
+    return block_diag(0.0, bending, axial)

@@ -125,33 +125,49 @@ Invariant = Callable[..., Any]
 
 
 class Coefficients(NamedTuple):
-    """Coefficients, SI units; lengths over L."""
+    """Coefficients, SI units; lengths over L.
+
+    Attributes
+    ----------
+    hub_ratio : float or array
+        a / L.
+    place : float or array
+        d / L of the mass; 1 where there is none.
+    hub : float or array
+        J_h.
+    beam : float or array
+        rho A L^3.
+    point : float or array
+        m L^2.
+    bending : float or array
+        E I / L.
+    axial : float or array
+        E A L.
+    prescribed : float or array
+        1 where the hub's motion is prescribed, 0 where a torque drives it.
+    push : float or array
+        omega_0 / T of (22), 0 without a ramp; or tau_0 of (23).
+    end : float or array
+        T of either.
+    drive_omega : float or array
+        2 pi / T; 0 without a ramp.
+    gravity_x : float or array
+        g_x / L.
+    """
 
     length: Any
     hub_ratio: Any
-    """a / L"""
     place: Any
-    """d / L of the mass; 1 where there is none"""
     hub: Any
-    """J_h"""
     beam: Any
-    """rho A L^3"""
     point: Any
-    """m L^2"""
     bending: Any
-    """E I / L"""
     axial: Any
-    """E A L"""
     prescribed: Any
-    """1 where the hub's motion is prescribed, 0 where a torque drives it"""
     push: Any
-    """omega_0 / T of (22), 0 without a ramp; or tau_0 of (23)"""
     end: Any
-    """T of either"""
     drive_omega: Any
-    """2 pi / T; 0 without a ramp"""
     gravity_x: Any
-    """g_x / L"""
     gravity_y: Any
 
 

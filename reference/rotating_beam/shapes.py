@@ -8,8 +8,9 @@ error falls geometrically with their number.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from decimal import Decimal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from decimal import Decimal, localcontext
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -18,26 +19,93 @@ from numpy.polynomial import legendre
 from scipy.linalg import block_diag, null_space, qr
 
 from ..scene import Array
-from .digits import Decimals, decimals, doubles, gauss, inverse, legendre_values, many_digits
 from .frequencies.assumed_modes import rest_modes, rest_roots
+
+DIGITS = 40
+
+NEWTON_STEPS = 2
+"""From 16 digits, each of which doubles their number."""
+
+Decimals = Any
+"""Array of `decimal.Decimal`."""
+
+
+@contextmanager
+def many_digits() -> Iterator[None]:
+    """Compute with decimals of `DIGITS` digits."""
+    with localcontext(prec=DIGITS):
+        yield
+
+
+def decimals(values: Any) -> Decimals:
+    """Return doubles as the decimals that they are."""
+    return np.vectorize(Decimal, otypes=[object])(values)
+
+
+def doubles(values: Decimals) -> Array:
+    """Return decimals, rounded."""
+    return np.asarray(values, dtype=float)
+
+
+def legendre_values(x: Decimals, most: int) -> Decimals:
+    """Return the Legendre polynomials (k, most + 1) up to a degree, at points (k,)."""
+    values = [0 * x + 1, x]
+    for j in range(1, most):
+        values.append(((2 * j + 1) * x * values[-1] - j * values[-2]) / (j + 1))
+    return np.stack(values[: most + 1], axis=-1)
+
+
+@cache
+def gauss(count: int) -> tuple[Decimals, Decimals]:
+    """Return the Gauss points and weights (count,) on -1 to 1."""
+    with many_digits():
+        x = decimals(legendre.leggauss(count)[0])
+        for last in [False] * NEWTON_STEPS + [True]:
+            *_, before, value = legendre_values(x, count).T
+            slope = count * (before - x * value) / (1 - x * x)
+            if not last:
+                x = x - value / slope
+        return x, 2 / ((1 - x * x) * slope * slope)
+
+
+def inverse(matrix: Decimals) -> Decimals:
+    """Return the inverse of a matrix (n, n), by elimination."""
+    n = len(matrix)
+    rows = np.concatenate([matrix, np.eye(n, dtype=int).astype(object)], axis=1)
+    for i in range(n):
+        pivot = i + int(np.argmax(np.abs(doubles(rows[i:, i]))))
+        rows[[i, pivot]] = rows[[pivot, i]]
+        rows[i] = rows[i] / rows[i, i]
+        for j in range(n):
+            if j != i:
+                rows[j] = rows[j] - rows[j, i] * rows[i]
+    return rows[:, n:]
 
 
 class Shapes(NamedTuple):
     """Shape functions over s / L at Gauss points, and integrals from the clamp to the stations.
 
-    Stations are the Gauss points and the mass. Arrays may have leading axes of points.
+    Stations are the Gauss points and the mass.
+
+    Attributes
+    ----------
+    angle : float or array
+        P (gauss, n).
+    curvature : float or array
+        P' (gauss, n).
+    stretch : float or array
+        Q (gauss, k).
+    integral : float or array
+        (stations, gauss).
+    weights : float or array
+        Of the Gauss points: the beam's mass there, over all of it.
     """
 
     angle: Any
-    """P (gauss, n)"""
     curvature: Any
-    """P' (gauss, n)"""
     stretch: Any
-    """Q (gauss, k)"""
     integral: Any
-    """(stations, gauss)"""
     weights: Any
-    """Of the Gauss points: the beam's mass there, over all of it"""
     stations: Any
 
 
@@ -138,25 +206,6 @@ def cantilever_modes(n: int, k: int, place: float) -> Shapes:
         angle=-slope.T / roots,
         curvature=-curvature.T / roots,
         stretch=np.cos(np.multiply.outer(at, odd)),
-    )
-
-
-def shapes_of(place: Any, n: int, k: int, shapes: Callable[[int, int, float], Shapes]) -> Shapes:
-    """Shapes for one place of the mass, or stacked for an array of them."""
-    places, index = np.unique(place, return_inverse=True)
-    tables = [shapes(n, k, one) for one in places.tolist()]
-    if len(tables) == 1:
-        return tables[0]
-    count = max(len(one.weights) for one in tables)
-    padded = [padding(one, count - len(one.weights)) for one in tables]
-    where = index.reshape(np.shape(place))
-    return Shapes(*(np.stack(parts)[where] for parts in zip(*padded, strict=True)))
-
-
-def padding(shapes: Shapes, count: int) -> Shapes:
-    """Put points that weigh nothing before the others."""
-    return Shapes(*(np.pad(part, ((count, 0), (0, 0))[: part.ndim]) for part in shapes))._replace(
-        integral=np.pad(shapes.integral, ((count, 0), (count, 0)))
     )
 
 

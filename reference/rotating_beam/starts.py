@@ -9,8 +9,8 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from ..scene import Array
+from . import BENDING, SCENE
 from .parameters import RotatingBeam, coefficients
-from .scene import BENDING, SCENE
 from .shapes import MORE_POINTS, pieces, polynomials
 
 

@@ -142,12 +142,12 @@ def motor_rates(v: Any, c: Coefficients) -> tuple[Any, Any]:
     return v[1], v[2] - c.relative * v[3]
 
 
-def mass_matrix(q: Any, c: Coefficients, xp: Any = np) -> list[list[Any]]:
-    """Mass matrix of Lagrange's equations of (7), q = (x, phi_1, phi_2, phi_3)."""
-    return _mass_matrix(q, c.beta + q[3], c, xp)
+def mass_matrix(q: Any, c: Coefficients, xp: Any = np, rod: Any = None) -> list[list[Any]]:
+    """Mass matrix of Lagrange's equations of (7), q = (x, phi_1, phi_2, phi_3).
 
-
-def _mass_matrix(q: Any, rod: Any, c: Coefficients, xp: Any) -> list[list[Any]]:
+    ``rod`` is the rod's angle B, by default beta + phi_3.
+    """
+    rod = c.beta + q[3] if rod is None else rod
     inertia = c.unbalance * c.eccentricity
     first = c.unbalance * xp.sin(q[1])
     second = -c.unbalance * xp.sin(q[2])
@@ -161,12 +161,9 @@ def _mass_matrix(q: Any, rod: Any, c: Coefficients, xp: Any) -> list[list[Any]]:
     ]
 
 
-def forces(u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np) -> list[Any]:
+def forces(u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np, rod: Any = None) -> list[Any]:
     """Right-hand side of ``M(q) a = f``; the motors' torques stand in it."""
-    return _forces(q, v, c.beta + q[3], c, xp)
-
-
-def _forces(q: Any, v: Any, rod: Any, c: Coefficients, xp: Any) -> list[Any]:
+    rod = c.beta + q[3] if rod is None else rod
     first, second, reaction = _torques(v, c)
     swing = c.unbalance * c.length * xp.sin(q[2] - rod)
     rotors = xp.cos(q[2]) * v[2] * v[2] - xp.cos(q[1]) * v[1] * v[1]
@@ -199,18 +196,17 @@ def _torques(v: Any, c: Coefficients) -> tuple[Any, Any, Any]:
     return first, second, c.relative * second
 
 
-def accelerations(u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np) -> list[Any]:
-    """Lagrange's equations of (7)-(9) solved for the accelerations."""
-    return _accelerations(q, v, c.beta + q[3], c, xp)
+def accelerations(
+    u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np, rod: Any = None
+) -> list[Any]:
+    """Lagrange's equations of (7)-(9) solved for the accelerations.
 
-
-def _accelerations(q: Any, v: Any, rod: Any, c: Coefficients, xp: Any) -> list[Any]:
-    """Solve for x'' and phi_3'' with the rotors eliminated, then for the rotors.
-
-    A rotor on its bearing acts by its torque over r and by the part of its mass that lies
-    along its arm. The 2 x 2 mass matrix and its determinant are sums of squares, so that no
-    digits are lost where the rotors are far heavier than platform and rod.
+    Solve for x'' and phi_3'' with the rotors eliminated, then for the rotors. A rotor on its
+    bearing acts by its torque over r and by the part of its mass that lies along its arm. The
+    2 x 2 mass matrix and its determinant are sums of squares, so that no digits are lost where the
+    rotors are far heavier than platform and rod.
     """
+    rod = c.beta + q[3] if rod is None else rod
     m, m_3, r, l = c.rotor, c.rod, c.eccentricity, c.length
     cos_1, sin_1, cos_2, sin_2 = xp.cos(q[1]), xp.sin(q[1]), xp.cos(q[2]), xp.sin(q[2])
     cos_rod, sin_rod = xp.cos(rod), xp.sin(rod)

@@ -62,13 +62,13 @@ class Symbol:
 
     def __add__(self, other: Any) -> Any:
         """Sum; nothing is done for a zero."""
-        return self if is_zero(other) else self.trace.apply(np.add, self, other)
+        return self if is_number(other, 0) else self.trace.apply(np.add, self, other)
 
     __radd__ = __add__
 
     def __sub__(self, other: Any) -> Any:
         """Difference; nothing is done for a zero."""
-        return self if is_zero(other) else self.trace.apply(np.subtract, self, other)
+        return self if is_number(other, 0) else self.trace.apply(np.subtract, self, other)
 
     def __rsub__(self, other: Any) -> Symbol:
         """Difference."""
@@ -83,7 +83,7 @@ class Symbol:
         return self._times(other, other, self)
 
     def _times(self, other: Any, *factors: Any) -> Any:
-        if is_zero(other):
+        if is_number(other, 0):
             return 0.0
         return self if is_number(other, 1) else self.trace.apply(np.multiply, *factors)
 
@@ -109,11 +109,6 @@ class Symbol:
 def is_number(operand: Any, value: float) -> bool:
     """Return whether an operand is known to be this number."""
     return not isinstance(operand, Symbol) and not np.ndim(operand) and operand == value
-
-
-def is_zero(operand: Any) -> bool:
-    """Return whether an operand is a number known to be zero."""
-    return is_number(operand, 0)
 
 
 class Trace:
@@ -233,45 +228,39 @@ class Kernel:
         for function, taken, made in reversed(trace.calls):
             if read & {*made}:  # what no one reads is not computed
                 read |= {*taken}
-                arguments = like_the_last([arrays[i] for i in (*taken, *made)])
-                self.calls.insert(0, (function, arguments))
+                kind = arrays[made[-1]].dtype  # NumPy would make arrays of numbers in each call
+                arguments = (arrays[i] for i in (*taken, *made))
+                ready = [x if isinstance(x, np.ndarray) else np.asarray(x, kind) for x in arguments]
+                self.calls.insert(0, (function, ready))
         self.needs_time = 0 in read
 
     def __call__(self, t: Any, x: Any) -> Any:
         """Return dx/dt."""
-        n = len(x) // 2
         self.time[...], self.x[...] = t, x
         for function, arrays in self.calls:
             function(*arrays)
-        out = np.empty_like(x)
-        out[:n] = x[n:]
-        for row, result in enumerate(self.accelerations, n):
-            out[row] = result
-        return out
+        return with_rates_of(x, self.accelerations)
 
 
-def like_the_last(arguments: list[Any]) -> list[Any]:
-    """Return what a call takes and gives, its numbers as arrays of the result's type.
+def with_rates_of(x: Any, accelerations: Sequence[Any]) -> Any:
+    """Return dx/dt (2 n, ...) of states, from their accelerations."""
+    n, out = len(x) // 2, np.empty_like(x)
+    out[:n] = x[n:]
+    for row, one in enumerate(accelerations, n):
+        out[row] = one
+    return out
 
-    NumPy makes arrays of numbers in each call, which takes as long as the call itself.
-    """
-    kind = arguments[-1].dtype
-    return [x if isinstance(x, np.ndarray) else np.asarray(x, kind) for x in arguments]
 
+def written_down(rates: Rates, t: Any, x: Sequence[Any]) -> tuple[Trace, list[int]] | None:
+    """Return what equations of motion do at arrays like these, and places of the accelerations.
 
-def kernel_of(rates: Rates, t: Any, x: Any) -> Kernel | None:
-    """Return equations of motion for arrays like these.
+    None where the equations need more than can be written down.
 
     Parameters
     ----------
     rates : callable ``(t, q, v, xp) -> accelerations``
     t : float or array (...)
-    x : array (2 n, ...)
-
-    Returns
-    -------
-    Kernel, or None
-        None where the equations need more than can be written down.
+    x : 2 n arrays (...)
     """
     trace = Trace()
     time, inputs = trace.symbol(t), [trace.symbol(np.empty_like(row)) for row in x]
@@ -280,7 +269,7 @@ def kernel_of(rates: Rates, t: Any, x: Any) -> Kernel | None:
         ends = [trace.place(end) for end in rates(time, inputs[:n], inputs[n:], trace)]
     except (UntraceableError, TypeError):  # symbols know neither comparisons nor abs()
         return None
-    return Kernel(trace, ends, t, x)
+    return trace, ends
 
 
 def written_out(rates: Rates) -> Rates:
@@ -312,12 +301,10 @@ def source(rates: Rates, n: int) -> Callable[..., Sequence[float]] | None:
 
     None where the equations need more than can be written down; n is the number of coordinates.
     """
-    trace, like = Trace(), np.empty(())
-    time, inputs = trace.symbol(like), [trace.symbol(like) for _ in range(2 * n)]
-    try:
-        ends = [trace.place(end) for end in rates(time, inputs[:n], inputs[n:], trace)]
-    except (UntraceableError, TypeError):
+    written = written_down(rates, np.empty(()), [np.empty(())] * (2 * n))
+    if written is None:
         return None
+    trace, ends = written
     names = [
         f"x{place}" if isinstance(value, np.ndarray) else f"({float(value)!r})"
         for place, value in enumerate(trace.values)
@@ -344,7 +331,7 @@ class RightHandSide:
     numbers : callable, optional
         The same with floats and `math` of a single point: several times faster.
     is_traceable : bool
-        Whether `kernel_of` may be tried.
+        Whether kernels may be tried.
     """
 
     def __init__(
@@ -381,7 +368,8 @@ class RightHandSide:
             return None
         key = np.shape(t), np.result_type(t), x.shape, x.dtype
         if key not in self.kernels:
-            self.kernels[key] = kernel_of(self.rates, t, x)
+            written = written_down(self.rates, t, x)
+            self.kernels[key] = None if written is None else Kernel(*written, t, x)
         return self.kernels[key]
 
     def value(self, t: Any, x: Any) -> Any:
@@ -394,11 +382,7 @@ class RightHandSide:
         if (kernel := self.kernel(t, x)) is not None:
             return kernel(t, x)
         n = len(x) // 2
-        out = np.empty_like(x)
-        out[:n] = x[n:]
-        for row, rate in enumerate(self.rates(t, x[:n], x[n:], np), n):
-            out[row] = rate
-        return out
+        return with_rates_of(x, self.rates(t, x[:n], x[n:], np))
 
     def one(self, t: float, x: list[float]) -> Any:
         """Return the same of a single state (2 n,)."""

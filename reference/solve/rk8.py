@@ -24,6 +24,18 @@ def rk8_steps(derivative: Callable[[Any, Any], Any], x: Any, t0: Any, t1: Any, s
     return FixedSteps(derivative, x, t0, span)(x, t0, span, steps)
 
 
+def rk8_samples(
+    derivative: Callable[[Any, Any], Any], x: Any, start: Any, times: Any, steps: int
+) -> Any:
+    """Return states (2 n, ..., n_t) at ``times`` (n_t, ...), by equal steps in each interval."""
+    samples, before = [], start
+    for now in times:
+        x = rk8_steps(derivative, x, before, now, steps)
+        samples.append(x)
+        before = now
+    return np.stack(samples, axis=-1)
+
+
 class FixedSteps:
     """`rk8_steps` for arrays of one shape, as a list of calls on arrays that are made once.
 

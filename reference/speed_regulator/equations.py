@@ -77,18 +77,26 @@ class SpeedRegulator(Parameters):
 
 
 class Coefficients(NamedTuple):
-    """Coefficients of (17), SI units; the two lumped masses stand for the homogeneous rod."""
+    """Coefficients of (17), SI units; the two lumped masses stand for the homogeneous rod.
+
+    Attributes
+    ----------
+    gap : float or array
+        l^2 - r^2.
+    inertia : float or array
+        J + m_b r^2 / 3.
+    coupling : float or array
+        m_b r / 6.
+    mass : float or array
+        m + m_b / 3.
+    """
 
     radius: Any
     length: Any
     gap: Any
-    """l^2 - r^2"""
     inertia: Any
-    """J + m_b r^2 / 3"""
     coupling: Any
-    """m_b r / 6"""
     mass: Any
-    """m + m_b / 3"""
     rod_mass: Any
     rod_inertia: Any
     slider_mass: Any

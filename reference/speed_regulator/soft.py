@@ -43,12 +43,10 @@ from ..errors import NoOrbitError
 from ..newton import Rows, linearisation, newton
 from ..scene import Array, EquationsOfMotion, PeriodicOrbit, with_rates
 from ..soft_constraint import SOLIMP, SOLREF, clamped, impedance, reference_spring
+from . import SCENE, motions
 from . import equations as exact
-from . import orbit, rest
 from .equations import UNITS, SpeedRegulator, position
-from .orbit import period
-from .rest import EQUILIBRIA
-from .scene import SCENE
+from .motions import EQUILIBRIA, period
 
 COORDINATES = ("phi", "pin_angle", "y")
 
@@ -56,16 +54,25 @@ NO_DRIFT = "the loop's constraint: its equation J a + dJ/dt v = a_ref lacks dJ/d
 
 
 class Coefficients(NamedTuple):
-    """Coefficients of the tree, SI units."""
+    """Coefficients of the tree, SI units.
+
+    Attributes
+    ----------
+    crank_inertia : float or array
+        J + m_b r^2: of the crank with the rod's mass in A.
+    rod_inertia : float or array
+        m_b l^2 / 3, about A.
+    coupling : float or array
+        m_b r l / 2.
+    inverse_weight : float or array
+        Of rod and slider together [1/kg].
+    """
 
     radius: Any
     length: Any
     crank_inertia: Any
-    """J + m_b r^2: of the crank with the rod's mass in A"""
     rod_inertia: Any
-    """m_b l^2 / 3, about A"""
     coupling: Any
-    """m_b r l / 2"""
     rod_mass: Any
     flywheel_inertia: Any
     slider_mass: Any
@@ -74,7 +81,6 @@ class Coefficients(NamedTuple):
     torque: Any
     rest: Any
     inverse_weight: Any
-    """Of rod and slider together [1/kg]"""
     gravity_x: Any
     gravity_y: Any
 
@@ -110,18 +116,25 @@ class Loop(NamedTuple):
     """The open loop at one state, and the tree's mass matrix and forces in (phi, theta), y.
 
     Pairs are (x, y) where they are of the residual, (phi, theta) where they are of the tree.
+
+    Attributes
+    ----------
+    drift : tuple[Any, Any]
+        dJ/dt times the rates.
+    jacobian : tuple[tuple[Any, Any], tuple[Any, Any]]
+        Of (phi, theta); that of y is (0, -1).
+    coupling : float or array
+        Of the mass matrix [kg m^2].
+    forces : tuple[Any, Any, Any]
+        On phi, theta, y, less the velocity-dependent inertia terms.
     """
 
     residual: tuple[Any, Any]
     rate: tuple[Any, Any]
     drift: tuple[Any, Any]
-    """dJ/dt times the rates"""
     jacobian: tuple[tuple[Any, Any], tuple[Any, Any]]
-    """Of (phi, theta); that of y is (0, -1)."""
     coupling: Any
-    """Of the mass matrix [kg m^2]"""
     forces: tuple[Any, Any, Any]
-    """On phi, theta, y, less the velocity-dependent inertia terms"""
 
 
 def loop(q: Any, v: Any, c: Coefficients, xp: Any = np) -> Loop:
@@ -282,7 +295,7 @@ def soft_scene(
 
     def equilibrium(name: str, p: SpeedRegulator) -> dict[str, float]:
         """Return the rest state near the exact one of this name, by Newton's method."""
-        state = embedding(p, rest.equilibrium(name, p))
+        state = embedding(p, motions.equilibrium(name, p))
         c = coefficients(p)
         start = np.array([[state[coordinate]] for coordinate in COORDINATES], dtype=float)
 
@@ -348,7 +361,7 @@ def energy(q: Any, v: Any, c: Coefficients) -> Any:
 def orbit_guesses(p: SpeedRegulator) -> list[Array]:
     """Return the exact scene's guesses with the loop closed."""
     guesses = []
-    for phi, speed in orbit.orbit_guesses(p):
+    for phi, speed in motions.orbit_guesses(p):
         state = embedding(p, {"phi": phi, "phi_dot": speed})
         guesses.append(np.array(list(state.values())))
     return guesses

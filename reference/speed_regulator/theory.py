@@ -54,8 +54,7 @@ from .equations import (
     inertia,
     position,
 )
-from .orbit import mean_speed
-from .rest import found_equilibria, static_arcs, static_stiffness, static_torque
+from .motions import found_equilibria, mean_speed, static_arcs, static_stiffness, static_torque
 
 PRINTED_REMAINDER = 0.000204
 """Mean of t^2 sin^2 b, below (19); holds for lambda = 0.2 alone."""
@@ -112,18 +111,25 @@ def _integrated(slopes: Any, ends: tuple[float, float], start: list[float], **op
 
 
 class Rotation(NamedTuple):
-    """The limit cycle; speeds in rad/s."""
+    """The limit cycle; speeds in rad/s.
+
+    Attributes
+    ----------
+    start_speed : float
+        At phi = 0.
+    mean_speed : float
+        2 pi / period.
+    sensitivity : float
+        `speed_sensitivity`.
+    """
 
     start_speed: float
-    """At phi = 0."""
     period: float
     mean_speed: float
-    """2 pi / period."""
     minimum_speed: float
     maximum_speed: float
     multiplier: float
     sensitivity: float
-    """`speed_sensitivity`."""
 
 
 def speed_sensitivity(speed: Array, multiplier: Any) -> Any:
@@ -324,12 +330,17 @@ def saddle_node_torques(p: SpeedRegulator) -> dict[str, float]:
 
 
 class Threshold(NamedTuple):
-    """The least torque of a rotation [N m], and a bound on its error."""
+    """The least torque of a rotation [N m], and a bound on its error.
+
+    Attributes
+    ----------
+    kind : str
+        ``homoclinic`` or ``saddle-node on the circle``.
+    """
 
     torque: float
     error: float
     kind: str
-    """``homoclinic`` or ``saddle-node on the circle``."""
 
 
 ON_THE_CIRCLE = 1e-6

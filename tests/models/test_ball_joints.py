@@ -16,9 +16,7 @@ from mbcheck.models.readout import Readout
 from mbcheck.models.rigid_body.mjcf import MODELS
 from mbcheck.models.system import System, term_force
 from mbcheck.reference import get_scene
-from mbcheck.reference.rigid_body import SCENE
-from mbcheck.reference.rigid_body.cases import FREE, HEAVY
-from mbcheck.reference.rigid_body.equations import mass_matrix
+from mbcheck.reference.rigid_body import FREE, HEAVY, SCENE
 
 TREE = """
 <mujoco>
@@ -120,7 +118,7 @@ def test_the_rigid_body_is_the_reference(model: str, p: Any) -> None:
         unit = np.append(state[:4] / np.linalg.norm(state[:4]), state[4:])
         jacobian = unit_rates(source, p, unit)
         joined = jacobian @ kinematics.mass_matrix(whole, q) @ jacobian.T
-        mass = np.array(mass_matrix(unit[:4], SCENE.coefficients(p)))
+        mass = np.array(SCENE.mass_matrix(unit[:4], SCENE.coefficients(p)))
         assert readout.completed(joined, unit, p) == pytest.approx(mass, abs=1e-13)
 
 

@@ -16,11 +16,11 @@ from mbcheck.models.exudyn_system import items
 from mbcheck.models.rotating_beam import exudyn_model
 from mbcheck.models.rotating_beam.exudyn_model import MODELS, stations
 from mbcheck.reference.errors import EngineError
+from mbcheck.reference.rotating_beam import EXTENSIBLE, SCENE
 from mbcheck.reference.rotating_beam.elements import shear_stiffness
-from mbcheck.reference.rotating_beam.frequencies.continua import frequencies
 from mbcheck.reference.rotating_beam.frequencies.numbers import time_unit
+from mbcheck.reference.rotating_beam.frequencies.stretching import frequencies
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam, coefficients, drive
-from mbcheck.reference.rotating_beam.scene import EXTENSIBLE, SCENE
 from mbcheck.reference.scene import Array, Case
 
 DEFAULT = RotatingBeam()

@@ -15,7 +15,7 @@ from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.setup import Setup, run
 from mbcheck.comparisons.faults.mujoco import Edited, MujocoAdapter
 from mbcheck.models.mjcf import Mjcf, export
-from mbcheck.models.rotating_beam.mjcf import GEAR, HUB_ARMATURE, MODELS
+from mbcheck.models.rotating_beam.mjcf import MODELS
 from mbcheck.reference.errors import EngineError, UnknownNameError, UsageError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
 from mbcheck.reference.linear import linearise, modes
@@ -218,14 +218,6 @@ def test_accelerations_and_mass_are_the_chains(drive: str, scheme: str, n: int, 
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-12 * np.max(np.abs(wanted)))
 
 
-def test_a_prescribed_hub_does_not_feel_the_beam() -> None:
-    times, states = samples(SHORT)
-    found = ENGINE.accelerations(case_of(SHORT), "chain", times, states)[:, 0]
-    wanted = 4.0 * (1 - np.cos(2 * np.pi * np.minimum(times, 1.0)))
-    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-14)
-    assert np.count_nonzero(abs(found) < 1e-15) == np.count_nonzero(times >= 1.0) > 0
-
-
 @pytest.mark.parametrize("drive", ["prescribed", "torque"])
 @pytest.mark.parametrize("scheme", ["A", "B"])
 def test_faults_of_the_model_show_in_the_accelerations(drive: str, scheme: str) -> None:
@@ -281,13 +273,6 @@ def test_a_drive_that_never_ends_shows(p: RotatingBeam) -> None:
     assert wrong.values["theta_dot"][1] - right.values["theta_dot"][1] > 0.5
 
 
-def test_a_prescribed_hub_keeps_its_speed_after_the_ramp() -> None:
-    times = np.array([0.5, 1.0, 1.25, 1.5])
-    found = run(Setup(ENGINE, case_of(SHORT), "chain", METHODS["RK4"], 2.0**-10), times).values
-    assert found["theta_dot"] == pytest.approx([2.0, 4.0, 4.0, 4.0], abs=1e-10)
-    assert found["theta"] == pytest.approx([0.5 - 4 / (2 * np.pi**2), 2.0, 3.0, 4.0], abs=1e-10)
-
-
 @pytest.mark.parametrize("p", [SHORT, PULSE])
 @pytest.mark.parametrize("start", [0.25, 1.0, 1.25])
 def test_runs_may_start_within_the_drive_and_after_it(p: RotatingBeam, start: float) -> None:
@@ -340,26 +325,6 @@ def test_frequencies_about_rotation_are_the_chains_and_bracket_the_beams(speed: 
     assert first["B"] - first["A"] < 0.12 * exact
 
 
-def test_the_first_frequency_converges_with_the_second_order() -> None:
-    exact = ritz(numbers(DEFAULT.replace(angular_speed=0.0)), "chordwise", 1).omega[0]
-    for scheme in ("A", "B"):
-        errors = []
-        for n in (8, 16, 32):
-            p = DEFAULT.replace(segments=n, scheme=scheme, ramp_time=0.0, angular_speed=0.0)
-            found = ENGINE.linearise(case_of(p), "chain", np.zeros(2 * n + 2))
-            errors.append(modes(*found, steady=[0])[1].omega * time_unit(p) / exact - 1)
-        assert [a / b for a, b in pairwise(errors)] == pytest.approx([4, 4], rel=0.02)
-
-
-def test_a_free_hub_is_linearised_with_its_beam() -> None:
-    p = PULSE.replace(torque_amplitude=0.0, segments=8, mass=1.0, hub_radius=0.5)
-    scene = scene_of(p)
-    state = scene.state({"theta_dot": 5.0})
-    found = ENGINE.linearise(case_of(p), "chain", state)
-    for matrix, right in zip(found, linearise(scene, p, state), strict=True):
-        np.testing.assert_allclose(matrix, right, rtol=0, atol=1e-12 * max(1, np.max(right)))
-
-
 # --- Stability
 
 
@@ -372,9 +337,3 @@ def test_steps_above_the_limit_are_noticed(method: str, limit: float) -> None:
     with pytest.raises(EngineError) as caught:
         free_run(p, method, 1.5 * limit / top, 1000)
     assert caught.value.kind == "warning"
-
-
-def test_armatures_are_powers_of_two_far_apart() -> None:
-    assert HUB_ARMATURE * GEAR == 1.0
-    model = mujoco.MjModel.from_xml_string(export(CHAIN, DEFAULT))
-    assert model.joint("clock").armature == model.joint("theta").armature ** 2 == 2.0**120

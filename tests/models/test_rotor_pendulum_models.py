@@ -13,6 +13,7 @@ from mbcheck.comparisons.faults.exudyn import ExudynAdapter
 from mbcheck.models.mjcf import export
 from mbcheck.models.rotor_pendulum import exudyn_model
 from mbcheck.models.rotor_pendulum.mjcf import INERTIA_FLOOR, MODELS
+from mbcheck.reference.rotor_pendulum import SCENE
 from mbcheck.reference.rotor_pendulum.equations import (
     RotorPendulum,
     coefficients,
@@ -21,7 +22,6 @@ from mbcheck.reference.rotor_pendulum.equations import (
     mass_matrix,
     unforced,
 )
-from mbcheck.reference.rotor_pendulum.scene import SCENE
 from mbcheck.reference.scene import Array, Case
 
 TREE = MODELS["tree"]

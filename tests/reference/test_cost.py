@@ -23,7 +23,6 @@ from mbcheck.reference.cost import (
     keep_budget,
     keep_steps,
     time_left,
-    watched,
     within,
     words,
 )
@@ -82,24 +81,12 @@ def test_what_no_share_is_known_of_ends_with_its_budget() -> None:
         Budget(3.0, begun=perf_counter() - 4).look(0.5)
 
 
-def test_a_right_hand_side_without_a_budget_is_left_alone() -> None:
-    assert watched(np.add) is np.add
-    keep_steps(1e30, lambda: 1e30)
-
-
 def test_steps_are_measured_where_they_are_many() -> None:
     with within(60.0):
         keep_steps(1e3, lambda: pytest.fail("measured"))
         keep_steps(1e6, lambda: 1e-6)
         with pytest.raises(UsageError, match="about 17 minutes"):
             keep_steps(1e9, lambda: 1e-6)
-
-
-@pytest.mark.parametrize(
-    ("seconds", "text"), [(3.14, "3.1 s"), (90, "1.5 minutes"), (1e300, "3.2e+292 years")]
-)
-def test_times_have_the_unit_that_suits_them(seconds: float, text: str) -> None:
-    assert words(seconds) == text
 
 
 BEYOND = {

@@ -16,7 +16,7 @@ from mbcheck.comparisons.engines.equations import scene_equations
 from mbcheck.comparisons.engines.registry import checked_engines
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import ParameterError, UnknownNameError, UsageError
-from mbcheck.reference.rotating_beam.scene import beam_scene
+from mbcheck.reference.rotating_beam import beam_scene
 from mbcheck.reference.scene import Case
 from mbcheck.reference.solve.single import solve
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator

@@ -15,10 +15,9 @@ from typing import Any
 import numpy as np
 
 from ....reference import get_scene
-from ....reference.continuation.along import BoundaryAlong
-from ....reference.continuation.connection import ConnectionAlong
+from ....reference.continuation.along import BoundaryAlong, ConnectionAlong
+from ....reference.continuation.bifurcations import HOMOCLINIC
 from ....reference.continuation.curve import correct
-from ....reference.continuation.points import HOMOCLINIC
 from ....reference.errors import CannotJudgeError, EngineError, NoOrbitError
 from ....reference.parameters import BoundarySearch
 from ....reference.scene import Array

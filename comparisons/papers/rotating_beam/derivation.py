@@ -13,7 +13,7 @@ from numpy.polynomial import legendre
 from scipy.linalg import eigh
 
 from ....reference.differences import lagrange_terms
-from ....reference.rotating_beam.cases import FIGURE_4
+from ....reference.rotating_beam import FIGURE_4
 from ....reference.rotating_beam.frequencies.assumed_modes import (
     assumed_mode_matrices,
     rest_modes,

@@ -11,6 +11,7 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 from ....reference.linear import linearise
+from ....reference.rotating_beam import SCENE, beam_scene
 from ....reference.rotating_beam.frequencies.assumed_modes import (
     assumed_mode_matrices,
     best_mass_position,
@@ -18,12 +19,10 @@ from ....reference.rotating_beam.frequencies.assumed_modes import (
     rest_modes,
     rest_roots,
 )
-from ....reference.rotating_beam.frequencies.continua import frequencies
 from ....reference.rotating_beam.frequencies.numbers import Numbers as BeamNumbers
 from ....reference.rotating_beam.frequencies.numbers import numbers
 from ....reference.rotating_beam.frequencies.ritz import ritz
-from ....reference.rotating_beam.frequencies.stretching import stretching
-from ....reference.rotating_beam.scene import SCENE, beam_scene
+from ....reference.rotating_beam.frequencies.stretching import frequencies, stretching
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ...queries.frequencies import frequencies as engine_frequencies

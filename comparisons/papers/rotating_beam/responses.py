@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.polynomial import legendre
 
-from ....reference.rotating_beam.cases import FIGURE_4, FIGURE_5
+from ....reference.rotating_beam import FIGURE_4, FIGURE_5
 from ....reference.rotating_beam.parameters import RotatingBeam, coefficients, drive
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE

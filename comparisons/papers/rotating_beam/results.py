@@ -14,12 +14,10 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize_scalar
 
 from ....reference.errors import EngineError
-from ....reference.rotating_beam.cases import FIGURE_4, FIGURE_5
+from ....reference.rotating_beam import FIGURE_4, FIGURE_5, SCENE, run_quantities
 from ....reference.rotating_beam.frequencies.assumed_modes import best_mass_position, matching_speed
 from ....reference.rotating_beam.frequencies.numbers import Numbers, numbers, time_unit
-from ....reference.rotating_beam.outcome import run_quantities
 from ....reference.rotating_beam.parameters import RotatingBeam, drive_end_time
-from ....reference.rotating_beam.scene import SCENE
 from ....reference.scene import Array
 from ....reference.solve.single import states_at
 from ...engines.registry import REFERENCE

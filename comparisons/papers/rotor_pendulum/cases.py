@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from ....reference.rotor_pendulum import theory
-from ....reference.rotor_pendulum.cases import CASE_1, CASE_2, CASE_3
+from ....reference.rotor_pendulum import CASE_1, CASE_2, CASE_3, theory
 from ....reference.rotor_pendulum.equations import (
     RotorPendulum,
     accelerations,

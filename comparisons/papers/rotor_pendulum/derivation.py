@@ -11,8 +11,7 @@ from scipy.stats import spearmanr
 
 from ....reference import get_scene
 from ....reference.differences import lagrange_terms
-from ....reference.rotor_pendulum import theory
-from ....reference.rotor_pendulum.cases import CASE_1, CASE_2
+from ....reference.rotor_pendulum import CASE_1, CASE_2, theory
 from ....reference.rotor_pendulum.equations import coefficients, energy, operating_speed
 from ....reference.rotor_pendulum.phase import coupling_harmonics, coupling_torque, wrapped
 from ....reference.scene import Array

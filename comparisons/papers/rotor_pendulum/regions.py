@@ -12,8 +12,7 @@ import numpy as np
 
 from ....reference import get_scene
 from ....reference.continuation.along import BoundaryAlong
-from ....reference.rotor_pendulum import theory
-from ....reference.rotor_pendulum.cases import CASE_1, CASE_2
+from ....reference.rotor_pendulum import CASE_1, CASE_2, theory
 from ....reference.rotor_pendulum.equations import RotorPendulum, coefficients, operating_speed
 from ....reference.rotor_pendulum.phase import wrapped
 from ....reference.scene import Array

@@ -10,7 +10,7 @@ import numpy as np
 
 from ....reference import get_scene
 from ....reference.errors import NoOrbitError
-from ....reference.rotor_pendulum.cases import CASE_1, CASE_2, CASE_3
+from ....reference.rotor_pendulum import CASE_1, CASE_2, CASE_3
 from ....reference.rotor_pendulum.equations import RotorPendulum, coefficients
 from ....reference.rotor_pendulum.theory import Ratios
 from ....reference.scene import Array

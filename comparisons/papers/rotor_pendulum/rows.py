@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ....reference.rotor_pendulum import theory
-from ....reference.rotor_pendulum.cases import CASE_1, CASE_2, CASE_3
+from ....reference.rotor_pendulum import CASE_1, CASE_2, CASE_3, theory
 from ....reference.rotor_pendulum.equations import RotorPendulum
 from ....reference.rotor_pendulum.phase import coupling_torque, wrapped
 from ..ledger import (

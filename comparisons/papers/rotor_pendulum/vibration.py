@@ -9,8 +9,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ....reference.rotor_pendulum import theory
-from ....reference.rotor_pendulum.cases import CASE_1
+from ....reference.rotor_pendulum import CASE_1, theory
 from ..equations import Identities
 from ..ledger import REPRODUCED, LedgerRow, Numbers, below, holds, statement
 from ..session import Session

@@ -18,7 +18,7 @@ from ....reference.speed_regulator.equations import (
     coefficients,
     outputs,
 )
-from ....reference.speed_regulator.orbit import mean_speed
+from ....reference.speed_regulator.motions import mean_speed
 from ....reference.speed_regulator.theory import printed_mean_speed, rotation
 from ...engines.registry import REFERENCE
 from ...engines.run import call_engine

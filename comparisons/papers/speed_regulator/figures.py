@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from ....reference.scene import Array
-from ....reference.speed_regulator.orbit import mean_speed
+from ....reference.speed_regulator.motions import mean_speed
 from ....reference.speed_regulator.theory import printed_mean_speed
 from ...engines.registry import REFERENCE, get_engine
 from ...queries.simulate import Simulation

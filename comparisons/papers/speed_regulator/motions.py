@@ -17,8 +17,7 @@ from ....reference import get_scene
 from ....reference.errors import NoOrbitError
 from ....reference.scene import Array
 from ....reference.speed_regulator.equations import SpeedRegulator, coefficients, inertia, position
-from ....reference.speed_regulator.orbit import mean_speed
-from ....reference.speed_regulator.rest import found_equilibria, static_stiffness
+from ....reference.speed_regulator.motions import found_equilibria, mean_speed, static_stiffness
 from ....reference.speed_regulator.theory import (
     Threshold,
     least_torque,

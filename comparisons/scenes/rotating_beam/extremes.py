@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from functools import partial
 
-from ....reference.rotating_beam import SCENE
+from ....reference.rotating_beam import SCENE, critical_speed
 from ....reference.rotating_beam.parameters import steady_speed
-from ....reference.rotating_beam.scene import critical_speed
 from ...checks.kinds.long_runs import AFTER_PULSE
 from ...engines.registry import REFERENCE
 from ...faults.variants import DEFAULT_STEPS, Variant, exudyn

@@ -13,11 +13,11 @@ import numpy as np
 
 from ....reference.errors import MbcheckError
 from ....reference.linear import Mode, linearise, modes
+from ....reference.rotating_beam import EXTENSIBLE, SCENE, SECOND_ORDER, ZERO_ORDER
 from ....reference.rotating_beam.frequencies.assumed_modes import assumed_modes
-from ....reference.rotating_beam.frequencies.continua import frequencies
 from ....reference.rotating_beam.frequencies.numbers import numbers, time_unit
+from ....reference.rotating_beam.frequencies.stretching import frequencies
 from ....reference.rotating_beam.parameters import FIRST, RotatingBeam, period, rotation
-from ....reference.rotating_beam.scene import EXTENSIBLE, SCENE, SECOND_ORDER, ZERO_ORDER
 from ....reference.scene import Array, Case, EquationsOfMotion
 from ...checks.kinds import elements
 from ...engines.registry import REFERENCE

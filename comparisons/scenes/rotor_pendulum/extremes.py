@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from ....reference.rotor_pendulum.cases import AT_SPEED, CASE_2
+from ....reference.rotor_pendulum import AT_SPEED, CASE_2
 from ....reference.rotor_pendulum.equations import operating_speed
 from ....reference.rotor_pendulum.phase import coupling_harmonics
 from ...checks.kinds.long_runs import CONSERVATIVE, FREE, LOCKED

@@ -7,7 +7,7 @@ from math import pi
 
 from ....models.speed_regulator.mjcf import closed_by
 from ....reference.speed_regulator.equations import SpeedRegulator
-from ....reference.speed_regulator.rest import equilibrium
+from ....reference.speed_regulator.motions import equilibrium
 from ...checks.kinds.long_runs import CONSERVATIVE, FREE, LOCKED
 from ...faults.variants import exudyn, mujoco
 from ..extremes import EngineFailure, Extreme, LongMotion

@@ -26,8 +26,12 @@ from ....reference.speed_regulator.equations import (
     inertia,
     position,
 )
-from ....reference.speed_regulator.orbit import mean_speed
-from ....reference.speed_regulator.rest import static_arcs, static_stiffness, static_torque
+from ....reference.speed_regulator.motions import (
+    mean_speed,
+    static_arcs,
+    static_stiffness,
+    static_torque,
+)
 from ..bounds import ROUNDING, difference
 from ..quantity import Points, QuantityValues
 

@@ -22,7 +22,7 @@ from ....reference.speed_regulator.equations import (
     inertia,
     position,
 )
-from ....reference.speed_regulator.rest import static_torque
+from ....reference.speed_regulator.motions import static_torque
 from ...engines.registry import REFERENCE
 from ..quantity import NO_VALUE, Flow, Points, QuantityValues, engine_setup
 from .limit_cycles import (

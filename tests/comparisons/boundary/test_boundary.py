@@ -20,9 +20,8 @@ from mbcheck.comparisons.boundary.request import BoundaryRequest
 from mbcheck.comparisons.boundary.run import Boundary, executor
 from mbcheck.comparisons.boundary.verb import print_boundary
 from mbcheck.comparisons.queries.axis import ParameterRange
-from mbcheck.reference.continuation.bifurcations import DOUBLING
+from mbcheck.reference.continuation.bifurcations import DOUBLING, BifurcationCurve, CurvePoint
 from mbcheck.reference.continuation.network import CurveStart
-from mbcheck.reference.continuation.points import BifurcationCurve, CurvePoint
 from mbcheck.reference.cost import within
 from mbcheck.reference.errors import EngineError, UsageError
 from mbcheck.reference.scene import Array

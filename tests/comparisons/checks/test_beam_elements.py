@@ -21,8 +21,8 @@ from mbcheck.comparisons.faults.runs import Starting
 from mbcheck.comparisons.faults.variants import Misread
 from mbcheck.models.exudyn_system import items
 from mbcheck.models.rotating_beam import exudyn_model
+from mbcheck.reference.rotating_beam import SCENE
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
-from mbcheck.reference.rotating_beam.scene import SCENE
 from mbcheck.tests.support.subjects import is_seen
 
 METHOD = "GeneralizedAlpha"

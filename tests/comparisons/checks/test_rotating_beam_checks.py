@@ -31,9 +31,9 @@ from mbcheck.models.exudyn_system import items
 from mbcheck.models.rotating_beam import exudyn_model
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.linear import linearise, modes
+from mbcheck.reference.rotating_beam import SCENE, beam_scene
 from mbcheck.reference.rotating_beam.chain import scene_of
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
-from mbcheck.reference.rotating_beam.scene import SCENE, beam_scene
 from mbcheck.reference.scene import Array, Case
 from mbcheck.tests.support.subjects import (
     Altered,

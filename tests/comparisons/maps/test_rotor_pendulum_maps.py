@@ -25,11 +25,9 @@ from mbcheck.comparisons.scenes.rotor_pendulum.phase import (
 from mbcheck.comparisons.scenes.rotor_pendulum.synchronism import OUTCOMES
 from mbcheck.reference.errors import ParameterError
 from mbcheck.reference.orbits import shoot
-from mbcheck.reference.rotor_pendulum import theory
-from mbcheck.reference.rotor_pendulum.cases import CASE_1, CASE_2, CASE_3
+from mbcheck.reference.rotor_pendulum import CASE_1, CASE_2, CASE_3, SCENE, theory
 from mbcheck.reference.rotor_pendulum.equations import RotorPendulum, operating_speed
 from mbcheck.reference.rotor_pendulum.phase import balanced_phase, orbit_guesses, wrapped
-from mbcheck.reference.rotor_pendulum.scene import SCENE
 
 CASES = (CASE_1, CASE_2, CASE_3)
 

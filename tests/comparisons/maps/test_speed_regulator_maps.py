@@ -27,8 +27,7 @@ from mbcheck.reference.errors import NoOrbitError, ParameterError
 from mbcheck.reference.orbits import find_orbit
 from mbcheck.reference.speed_regulator import theory
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator, coefficients
-from mbcheck.reference.speed_regulator.orbit import mean_speed
-from mbcheck.reference.speed_regulator.rest import found_equilibria, static_stiffness
+from mbcheck.reference.speed_regulator.motions import found_equilibria, mean_speed, static_stiffness
 
 SCENE = get_scene("speed_regulator")
 HOMOCLINIC = 0.0526104

@@ -22,8 +22,8 @@ from mbcheck.models.speed_regulator.mjcf import MODELS
 from mbcheck.reference.errors import UnknownNameError
 from mbcheck.reference.scene import Array, Case, EquationsOfMotion
 from mbcheck.reference.solve.single import solve
+from mbcheck.reference.speed_regulator import SCENE
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
-from mbcheck.reference.speed_regulator.scene import SCENE
 from mbcheck.reference.speed_regulator.soft import (
     soft_scene,
 )

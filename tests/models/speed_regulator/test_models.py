@@ -17,9 +17,9 @@ from mbcheck.models.speed_regulator import exudyn_model
 from mbcheck.models.speed_regulator.mjcf import MODELS
 from mbcheck.reference.scene import Array
 from mbcheck.reference.solve.single import solve
+from mbcheck.reference.speed_regulator import SCENE
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
 from mbcheck.reference.speed_regulator.equations import coefficients as exact_coefficients
-from mbcheck.reference.speed_regulator.scene import SCENE
 from mbcheck.reference.speed_regulator.soft import (
     COORDINATES,
     embedding,

@@ -14,24 +14,22 @@ from mbcheck.reference import get_scene
 from mbcheck.reference.continuation.bifurcations import (
     DOUBLING,
     FOLD,
+    HOMOCLINIC,
     LINE,
     NEIMARK_SACKER,
+    BifurcationCurve,
     Family,
     OrbitCurve,
+    ParameterWindow,
     bialternate,
     bifurcation_function,
+    end_beyond,
+    kind_beyond,
+    meets,
     reference_flow,
 )
 from mbcheck.reference.continuation.curve import correct, tangent_of
 from mbcheck.reference.continuation.network import CurveSearch, CurveStart, Line, Network
-from mbcheck.reference.continuation.points import (
-    HOMOCLINIC,
-    BifurcationCurve,
-    ParameterWindow,
-    end_beyond,
-    kind_beyond,
-    meets,
-)
 from mbcheck.reference.continuation.tracing import Tracer, closes
 from mbcheck.reference.orbits import period_advance, shoot
 from mbcheck.reference.parameters import Parameters, quantity

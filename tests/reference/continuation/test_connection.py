@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mbcheck.reference import get_scene
-from mbcheck.reference.continuation.connection import ConnectionAlong
+from mbcheck.reference.continuation.along import ConnectionAlong
 from mbcheck.reference.errors import NoOrbitError
 from mbcheck.reference.scene import Array
 from mbcheck.reference.speed_regulator.theory import least_torque

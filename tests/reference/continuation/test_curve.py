@@ -12,7 +12,6 @@ from mbcheck.reference.continuation.curve import (
     between,
     correct,
     step_on,
-    tangent_of,
 )
 from mbcheck.reference.scene import Array
 
@@ -46,24 +45,6 @@ def test_a_circle_is_followed_past_its_turning_points(rule: object, exact: bool)
     assert angle > 2 * np.pi
 
 
-def test_tangents_are_of_slopes_at_the_point_itself() -> None:
-    """Not at the guess, with the secants that Newton's method has gathered from there."""
-
-    def ellipse(z: Array) -> Array:
-        return np.array([z[0] ** 2 + 9 * z[1] ** 2 - 1])
-
-    def slopes(z: Array) -> Array:
-        return np.array([[2 * z[0], 18 * z[1]]])
-
-    row, point = np.array([1.0, 1.0]), np.array([0.6, 0.8 / 3])
-    equations = CurveEquations(lambda z: (ellipse(z), slopes(z)), ellipse, slopes)
-    solution = correct(equations, point + np.array([-0.1, 0.1]), row, float(row @ point))
-    assert solution is not None
-    assert solution.z == pytest.approx(point, abs=1e-8)
-    across = tangent_of(solution.jacobian, row) @ slopes(point)[0]
-    assert across == pytest.approx(0, abs=1e-7)
-
-
 def bends(z: Array) -> tuple[Array, Array]:
     """A curve that bends by a right angle at once, and beside it the line straight on."""
     root = np.hypot(z[0], 0.01)
@@ -86,20 +67,6 @@ def test_steps_lead_to_no_curve_near_by() -> None:
         assert abs(here.z[1] - np.hypot(here.z[0], 0.01)) < 1e-8
         count += 1
     assert count < 80
-
-
-def test_cubics_lead_to_longer_steps() -> None:
-    """Turns are those that are aimed at, so that a turn of the circle takes some 13 steps."""
-    before, here = None, Node(np.array([1.0, 0.0]), np.array([0.0, 1.0]), np.empty(0))
-    control = Control(first=0.04, longest=2.0, turn=0.5)
-    length, angles = control.first, [0.0]
-    while len(angles) < 20:
-        step = step_on(CurveEquations(circle), here, length, control, before)
-        assert step is not None
-        before, (here, length) = here, step
-        angles.append(float(np.arctan2(here.z[1], here.z[0])))
-    turns = np.diff(np.unwrap(angles))
-    assert np.all(turns[6:] > 0.4)
 
 
 def test_newtons_method_says_where_there_is_no_point() -> None:

@@ -10,9 +10,14 @@ import numpy as np
 import pytest
 
 from mbcheck.reference import get_scene
-from mbcheck.reference.continuation.bifurcations import FOLD, NEIMARK_SACKER
+from mbcheck.reference.continuation.bifurcations import (
+    BRANCH_POINT,
+    FOLD,
+    HOMOCLINIC,
+    NEIMARK_SACKER,
+    ParameterWindow,
+)
 from mbcheck.reference.continuation.network import CurveSearch, Line, Network, SearchOutcome, Task
-from mbcheck.reference.continuation.points import BRANCH_POINT, HOMOCLINIC, ParameterWindow
 from mbcheck.reference.continuation.rest import RestTracer
 from mbcheck.reference.parameters import Parameters, quantity
 from mbcheck.reference.scene import EquationsOfMotion, PeriodicOrbit

@@ -2,65 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
-import sympy as sp
-from scipy.integrate import solve_ivp
 
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import NoOrbitError, ParameterError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
 from mbcheck.reference.hula_hoop.theory import nondimensional
 from mbcheck.reference.linear import linearise, modes
-from mbcheck.reference.orbits import find_orbit
 from mbcheck.reference.solve.batched import solve_many
-from mbcheck.reference.solve.schemes import SCHEMES, TABLEAUS, ScalarEquations, integrate
+from mbcheck.reference.solve.schemes import SCHEMES, ScalarEquations, integrate
 from mbcheck.reference.solve.single import solve
 
 SCENE = get_scene("hula_hoop")
 GENERAL = HulaHoop(inertia_ratio=1.0, gravity_x=4.0, gravity_y=-9.0)
-
-
-@pytest.fixture(scope="module")
-def derived() -> Callable[..., Any]:
-    """Return (t, q, v, parameters) -> M, f from Lagrange's equations of the second kind."""
-    t, big, small, radius, k, rho, zeta, ratio, force, hertz = sp.symbols(
-        "t M m R k rho zeta I_eq F nu", positive=True
-    )
-    gravity = sp.Matrix(sp.symbols("g_x g_y", real=True))
-    y, theta = (sp.Function(name)(t) for name in ("y", "theta"))
-    moment = ratio * small * radius**2
-    omega_n = sp.sqrt(k / (big + small))
-    free = sp.Matrix([radius * sp.cos(theta), y + radius * sp.sin(theta)])
-    speed = free.diff(t)
-    kinetic = big * y.diff(t) ** 2 / 2 + small * speed.dot(speed) / 2
-    lagrangian = kinetic + moment * theta.diff(t) ** 2 / 2 - k * y**2 / 2
-    lagrangian += big * gravity[1] * y + small * gravity.dot(free)
-    loads = (
-        force * sp.cos(2 * sp.pi * hertz * t) - 2 * rho * (big + small) * omega_n * y.diff(t),
-        -zeta * small * radius**2 * omega_n * theta.diff(t),
-    )
-    rows = [
-        lagrangian.diff(q.diff(t)).diff(t) - lagrangian.diff(q) - load
-        for q, load in zip((y, theta), loads, strict=True)
-    ]
-    a = sp.symbols("a_y a_theta")
-    v = sp.symbols("v_y v_theta")
-    q = sp.symbols("q_y q_theta")
-    swaps = [
-        dict(zip([item.diff(t, order) for item in (y, theta)], new, strict=True))
-        for order, new in ((2, a), (1, v), (0, q))
-    ]
-    for swap in swaps:
-        rows = [row.subs(swap) for row in rows]
-    mass = sp.Matrix([[row.expand().coeff(item) for item in a] for row in rows])
-    rest = -sp.Matrix(rows).subs(dict.fromkeys(a, 0))
-    symbols = (t, *q, *v, big, small, radius, k, rho, zeta, ratio, force, hertz)
-    symbols = (*symbols, *gravity)
-    return sp.lambdify(symbols, (mass, rest))
 
 
 def random_points(count: int = 40) -> list[tuple[float, Any, Any, HulaHoop]]:
@@ -76,22 +33,6 @@ def random_points(count: int = 40) -> list[tuple[float, Any, Any, HulaHoop]]:
     return points
 
 
-def test_hand_written_equations_are_those_of_lagrange(derived: Callable[..., Any]) -> None:
-    for t, q, v, p in random_points():
-        mass, rest = derived(t, *q, *v, *p.as_dict().values())
-        c = SCENE.coefficients(p)
-        assert SCENE.drive is not None
-        u = SCENE.drive(t, c, np)
-        np.testing.assert_allclose(SCENE.mass_matrix(q, c), mass, rtol=1e-12)
-        size = np.max(np.abs(rest)) + abs(c.weight) + c.force + c.stiffness * abs(q[0])
-        np.testing.assert_allclose(SCENE.forces(u, q, v, c), rest[:, 0], atol=1e-12 * size)
-        exact = np.linalg.solve(np.array(mass, dtype=float), np.array(rest, dtype=float))[:, 0]
-        found = SCENE.accelerations(u, q, v, c)
-        loss = np.linalg.cond(np.array(mass, dtype=float))
-        scale = np.max(np.abs(exact)) * max(1, 1e-3 * loss)
-        np.testing.assert_allclose(found, exact, rtol=1e-12, atol=1e-12 * scale)
-
-
 def test_power_is_the_rate_of_energy() -> None:
     for t, q, v, p in random_points():
         c = SCENE.coefficients(p)
@@ -104,15 +45,6 @@ def test_power_is_the_rate_of_energy() -> None:
         size = sum(map(abs, powers.values())) + abs(c.stiffness * q[0] * v[0])
         size += abs(c.weight * v[0]) + abs(np.hypot(c.moment_x, c.moment_y) * v[1])
         assert abs(rate - sum(powers.values())) < 1e-10 * (size + abs(rate))
-
-
-def test_points_at_once_are_points_one_by_one() -> None:
-    forces = np.array([20.0, 60.0, 100.0])
-    many = SCENE.right_hand_side(HulaHoop(force_amplitude=forces))  # type: ignore[arg-type]
-    x = np.random.default_rng(3).normal(size=(4, 3))
-    for i, force in enumerate(forces):
-        one = SCENE.right_hand_side(HulaHoop(force_amplitude=force))
-        np.testing.assert_array_equal(many(0.3, x)[:, i], one(0.3, x[:, i]))
 
 
 def test_the_linear_response_on_the_invariant_line_is_within_the_bound() -> None:
@@ -132,16 +64,6 @@ def test_the_linear_response_on_the_invariant_line_is_within_the_bound() -> None
     error = np.max(np.abs(solution.states[0] - exact))
     assert error <= solution.error_bound[0]
     assert solution.error_bound[0] < 1e-10 * np.max(np.abs(exact))
-
-
-@pytest.mark.parametrize("state", [{}, {"theta": 0.3, "theta_dot": 18.0, "y": 0.01}])
-def test_two_routes_to_the_reference_agree_to_1e_10(state: dict[str, float]) -> None:
-    times = np.linspace(0, 1, 11)[1:]
-    one = solve(SCENE, HulaHoop(), SCENE.state(state), times)
-    many = solve_many(SCENE, HulaHoop(), SCENE.state(state), times, tolerance=1e-12)
-    apart = np.max(np.abs(one.states - many.states), axis=1)
-    assert np.all(apart < 1e-10 * np.max(np.abs(one.states), axis=1))
-    assert np.all(apart <= one.error_bound + many.error_bound)
 
 
 @pytest.mark.slow
@@ -168,39 +90,6 @@ def test_undamped_modes_are_the_analytic_ones() -> None:
         np.testing.assert_allclose(
             [mode.omega for mode in found], [0, np.sqrt(square)], rtol=1e-12, atol=1e-9
         )
-
-
-@pytest.mark.parametrize("ratio", [0.0, 9 * np.pi**2 / 32 - 1])
-def test_the_orbit_closes_by_an_independent_integration(ratio: float) -> None:
-    p = HulaHoop(inertia_ratio=ratio)
-    orbit = find_orbit(SCENE, p)
-    derivative = SCENE.right_hand_side(p)
-
-    def flow(state: Any) -> Any:
-        run = solve_ivp(derivative, (0, orbit.period), state, "DOP853", rtol=1e-13, atol=1e-14)
-        return run.y[:, -1]
-
-    step = np.array([1e-6, 1e-5, 1e-5, 1e-4])
-    np.testing.assert_allclose(
-        flow(orbit.state), orbit.state + np.array([0, 2 * np.pi, 0, 0]), rtol=1e-10, atol=1e-10
-    )
-    monodromy = np.array(
-        [
-            (flow(orbit.state + dx) - flow(orbit.state - dx)) / (2 * h)
-            for dx, h in zip(np.diag(step), step, strict=True)
-        ]
-    ).T
-    moduli = np.sort(np.abs(np.linalg.eigvals(monodromy)))[::-1]
-    np.testing.assert_allclose(moduli, np.abs(orbit.multipliers), rtol=1e-5)
-    assert orbit.stable
-
-
-@pytest.mark.parametrize("name", TABLEAUS)
-def test_tableaus_fulfil_the_quadrature_conditions(name: str) -> None:
-    order = {"ExplicitEuler": 1, "ExplicitMidpoint": 2, "RK33": 3, "RK44": 4, "DOPRI5": 5}
-    nodes = np.array([sum(row) for row in TABLEAUS[name].a])
-    for power in range(order.get(name, 6)):
-        assert abs(np.array(TABLEAUS[name].b) @ nodes**power - 1 / (power + 1)) < 1e-14
 
 
 @pytest.mark.parametrize("clock", [False, True])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,6 @@ import pytest
 import sympy as sp
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
-from scipy.optimize import root
 from scipy.special import jv
 
 from mbcheck.reference.errors import UnknownNameError
@@ -28,7 +26,6 @@ from mbcheck.reference.hula_hoop.theory import (
     corrected_solution,
     nondimensional,
     paper_solution,
-    printed_residuals,
     refined_solution,
 )
 
@@ -191,68 +188,6 @@ def test_sympy_derives_the_printed_conditions_and_what_they_drop() -> None:
     assert same(mean(2 * hinge * sp.cos(2 * alpha * tau)), printed_47 + dropped_47)
 
 
-def test_printed_residuals_are_the_printed_equations() -> None:
-    p, s = random_points()
-    c = nondimensional(p)
-    k, d = 1 - c.alpha**2, 2 * c.rho * c.alpha
-    e_35 = k * s.q_1 * np.sin(s.beta) - d * s.q_1 * np.cos(s.beta) - c.epsilon * c.alpha**2
-    e_36 = (
-        k * s.q_1 * np.cos(s.beta) + d * s.q_1 * np.sin(s.beta)
-        - c.epsilon * c.alpha**2 * s.u_1 * np.cos(s.gamma) / 2 - c.force
-    )  # fmt: skip
-    e_46 = (
-        c.inertia * (-4 * c.alpha**2 * s.u_1) * np.sin(s.gamma)
-        - 2 * c.zeta_m * s.u_1 * c.alpha * np.cos(s.gamma)
-        + s.q_1 * c.alpha**2 * np.sin(-s.beta) / 2
-    )
-    e_47 = (
-        c.inertia * (-4 * c.alpha**2 * s.u_1) * np.cos(s.gamma)
-        + 2 * c.zeta_m * s.u_1 * c.alpha * np.sin(s.gamma)
-        - s.q_1 * c.alpha**2 * np.cos(-s.beta) / 2
-    )
-    np.testing.assert_allclose(printed_residuals(s, p), [e_35, e_36, e_46, e_47], atol=1e-13)
-
-
-def test_printed_32_42_44_with_all_bessel_functions_are_right() -> None:
-    p, s = random_points()
-    c = nondimensional(p)
-    s = replace(s, theta_0=np.zeros(20))
-    J_0, J_1, J_2, J_3 = (jv(n, s.u_1) for n in range(4))
-    f_u, w = 2 * c.alpha, s.u_1 * 2 * c.alpha
-    sin, cos = np.sin(s.gamma), np.cos(s.gamma)
-    k, d = 1 - c.alpha**2, 2 * c.rho * c.alpha
-    square = c.alpha**2 + w**2 / 2
-    sin_32 = (
-        square * J_0 + square * J_1 * sin - 2 * c.alpha * w * (J_0 + J_2) / 2 * sin
-        + w**2 / 2 * J_2 - w**2 / 2 * (J_1 - J_3) / 2 * sin
-        - (w * f_u * J_1 - w * f_u * (J_0 - J_2) / 2 * sin)
-    )  # fmt: skip
-    cos_32 = cos * (
-        square * J_1 - 2 * c.alpha * w * (J_0 + J_2) / 2 - w**2 / 2 * (J_1 - J_3) / 2
-        + w * f_u * (J_0 - J_2) / 2
-    )  # fmt: skip
-    load = -s.q_1 * c.alpha**2 / 2
-    plus, minus = -s.beta - s.gamma, s.beta - s.gamma
-    sin_42 = (
-        load * (J_0 * np.sin(s.beta) + J_2 * np.sin(s.beta - 2 * s.gamma)
-                + J_1 * np.cos(plus) - J_1 * np.cos(minus))
-        - c.inertia * w * f_u * sin - c.zeta_m * w * cos
-    )  # fmt: skip
-    cos_42 = (
-        load * (J_0 * np.cos(s.beta) - J_2 * np.cos(s.beta - 2 * s.gamma)
-                + J_1 * np.sin(plus) - J_1 * np.sin(minus))
-        - c.inertia * w * f_u * cos + c.zeta_m * w * sin
-    )  # fmt: skip
-    expected = [
-        s.q_1 * (k * np.cos(s.beta) + d * np.sin(s.beta)) - c.epsilon * cos_32 - c.force,
-        s.q_1 * (k * np.sin(s.beta) - d * np.cos(s.beta)) - c.epsilon * sin_32,
-        load * (J_0 * np.cos(s.beta) + J_1 * np.sin(minus)) + c.zeta_m * c.alpha,
-        cos_42,
-        sin_42,
-    ]
-    np.testing.assert_allclose(balance_residuals(s, p), expected, atol=1e-12)
-
-
 def projections(p: HulaHoop, s: ApproximateSolution) -> Array:
     """Harmonics of the residuals of (7), (8) by quadrature; exact to rounding for 64 points."""
     phase = 2 * np.pi * np.arange(64)[:, None] / 64
@@ -301,27 +236,6 @@ def test_closed_form_solves_its_own_four_equations_but_not_the_torque_balance() 
     assert abs(balance_residuals(solution, PAPER_CASE)[2]) > 20 * c.zeta_m * c.alpha
 
 
-def test_newton_on_the_printed_equations_returns_the_closed_form() -> None:
-    closed = paper_solution(PAPER_CASE)
-    unknowns = np.array([closed.q_1, closed.beta, closed.u_1, closed.gamma])
-
-    def residuals(x: Array) -> Array:
-        return printed_residuals(
-            replace(closed, q_1=x[0], beta=x[1], u_1=x[2], gamma=x[3]), PAPER_CASE
-        )
-
-    found = root(residuals, unknowns + 0.05, tol=1e-13)
-    np.testing.assert_allclose(found.x, unknowns, rtol=1e-10)
-
-
-def test_the_branch_of_arctan_in_51_does_not_matter() -> None:
-    s, at = paper_solution(PAPER_CASE), np.linspace(0, 20, 50)
-    half_turn = {"beta": s.beta + np.pi, "gamma": s.gamma + np.pi}
-    other = replace(s, q_1=-s.q_1, u_1=-s.u_1, **half_turn)
-    np.testing.assert_allclose(other.motion(at), s.motion(at), atol=1e-13)
-    assert np.abs(printed_residuals(other, PAPER_CASE)).max() < 1e-13
-
-
 def test_refined_solution_solves_the_untruncated_four_and_changes_little() -> None:
     assert refined_solution(GRID).residual.max() < 1e-12
     p = HulaHoop(force_amplitude=np.array([5.0, 20.0, 60.0]))  # type: ignore[arg-type]
@@ -367,15 +281,6 @@ def test_no_solution_below_the_fold() -> None:
 def test_unknown_branch_is_refused() -> None:
     with pytest.raises(UnknownNameError, match="did you mean 'stable'"):
         corrected_solution(PAPER_CASE, "stabel")  # type: ignore[arg-type]
-
-
-def test_state_has_the_rates_of_its_coordinates() -> None:
-    solution, t, h = corrected_solution(GRID), np.linspace(0, 1, 7), 1e-6
-    state = solution.state(t, GRID)
-    assert state.shape == (4, 19, 8, 7)
-    rates = (solution.state(t + h, GRID) - solution.state(t - h, GRID))[:2] / (2 * h)
-    exists = np.isfinite(solution.u_1)
-    np.testing.assert_allclose(state[2:, exists], rates[:, exists], rtol=1e-6, atol=1e-6)
 
 
 # --- Stability ------------------------------------------------------------------------------
@@ -439,22 +344,6 @@ def test_monodromy_is_that_of_the_linearisation() -> None:
         reference = independent_monodromy(solution, p)
         ours = monodromy_matrix(solution, p)
         np.testing.assert_allclose(ours, reference, atol=1e-9 * np.abs(reference).max())
-
-
-def test_product_of_the_multipliers_is_liouvilles() -> None:
-    """The determinant of the monodromy is exp of the integral of the trace of A."""
-    solution = corrected_solution(GRID)
-    c = nondimensional(GRID)
-    at = 2 * np.pi / c.alpha * (np.arange(128).reshape(-1, 1, 1) / 128)
-    p_1, p_2, _, _, p_5 = variational_coefficients(solution, GRID, at)
-    damping = 2 * c.rho - p_2 * p_5 + c.zeta_m / c.inertia
-    exponent = -np.mean(damping / (1 - p_1 * p_5), axis=0) * 2 * np.pi / c.alpha
-    matrix = np.moveaxis(monodromy_matrix(solution, GRID), (0, 1), (-2, -1))
-    exists = np.isfinite(exponent) & (np.abs(matrix).max(axis=(-2, -1)) < 1e3)
-    assert exists.sum() > 50
-    np.testing.assert_allclose(
-        np.linalg.det(matrix[exists]), np.exp(exponent[exists]), rtol=1e-6, atol=1e-9
-    )
 
 
 def test_misprint_in_55_changes_the_verdict() -> None:

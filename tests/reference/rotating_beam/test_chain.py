@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -15,12 +14,11 @@ from mbcheck.reference.rotating_beam.chain import (
     chain_frequencies,
     chain_scene,
     embedding,
-    inertia_forces,
     layout,
     scene_of,
 )
-from mbcheck.reference.rotating_beam.frequencies.continua import frequencies
 from mbcheck.reference.rotating_beam.frequencies.numbers import time_unit
+from mbcheck.reference.rotating_beam.frequencies.stretching import frequencies
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 
 STEADY = RotatingBeam(ramp_time=0.0)
@@ -135,21 +133,20 @@ def test_equations_are_those_of_lagrange(
 @pytest.mark.parametrize("scheme", ["A", "B"])
 @pytest.mark.parametrize("drive", ["prescribed", "torque"])
 @pytest.mark.parametrize("n", [2, 7, 16])
-def test_recursion_matrix_and_power_agree(n: int, drive: str, scheme: str) -> None:
+def test_the_power_is_what_the_energy_gains(n: int, drive: str, scheme: str) -> None:
     random = np.random.default_rng(n)
     scene = chain_scene(n, scheme)
     for place in PLACES:
         p = RotatingBeam(hub_radius=1.3, mass=0.7, mass_position=place, drive=drive, gravity_y=5.0)
         c = scene.coefficients(p)
         q, v = random.normal(size=(2, n + 1)) / np.sqrt(n)
-        mass, load = np.array(scene.mass_matrix(q, c)), np.array(scene.forces(0.7, q, v, c))
-        a = np.array(scene.accelerations(0.7, q, v, c))
+        mass, a = scene.mass_matrix(q, c), scene.accelerations(0.7, q, v, c)
         np.testing.assert_allclose(mass, mass.T)
         assert np.all(np.linalg.eigvalsh(mass) > 0)
-        np.testing.assert_allclose(mass @ a, load, atol=1e-11 * np.max(abs(mass) @ abs(a)))
         h = 1e-30
         rate = scene.energy(q + 1j * h * v, v + 1j * h * a, c).imag / h
-        traffic = np.sum(np.abs(np.array(inertia_forces(q, v, c, layout(n, scheme))[0]) @ a * v))
+        free = scene.mass_matrix(q, scene.coefficients(p.replace(drive="torque")))
+        traffic = np.sum(np.abs(free @ a * v))
         assert scene.powers(0.7, q, v, c)["hub"] == pytest.approx(rate, abs=1e-11 * traffic)
 
 
@@ -235,9 +232,9 @@ def test_no_mass_is_lost_or_counted_twice() -> None:
                 assert mass[0][0] == pytest.approx(whole, rel=1e-12)
 
 
-def errors(p: RotatingBeam, scheme: str, root: float | None, sizes: tuple[int, ...]) -> Any:
+def errors(p: RotatingBeam, scheme: str, sizes: tuple[int, ...]) -> Any:
     exact = frequencies(p).omega
-    scenes = [chain_scene(n, scheme, root) for n in sizes]
+    scenes = [chain_scene(n, scheme) for n in sizes]
     return np.array([chain_frequencies(p, 2, scene) / exact - 1 for scene in scenes])
 
 
@@ -250,14 +247,11 @@ def test_schemes_bracket_the_beam_and_are_of_second_order(
         angular_speed=gamma / UNIT,
         mass=alpha * STEADY.density * STEADY.area * STEADY.length,
     )
-    below, above = (errors(p, scheme, None, (24, 48)) for scheme in "AB")
+    below, above = (errors(p, scheme, (24, 48)) for scheme in "AB")
     assert np.all(below[:, 0] < 0)
     assert np.all(above[:, 0] > 0)
     for found in (below, above):
         np.testing.assert_allclose(np.log2(found[0] / found[1]), 2, atol=0.1)
-    crude = errors(p, "A", 1.0, (24, 48))
-    assert np.all(np.log2(crude[0] / crude[1]) < 1.1)
-    assert np.all(np.abs(crude) > 5 * np.abs(below))
 
 
 def mass_offset(p: RotatingBeam) -> float:
@@ -280,27 +274,6 @@ def test_the_error_depends_on_where_in_its_rod_the_mass_sits() -> None:
     assert mass_offset(p.replace(segments=9)) == pytest.approx(0.5)
     assert mass_offset(p.replace(segments=9, scheme="B")) == pytest.approx(0, abs=1e-12)
     assert mass_offset(p.replace(segments=9, mass=0.0)) == 0
-    at_end, inside = (errors(p, "A", None, sizes)[:, 1] for sizes in ((16, 32), (17, 51)))
+    at_end, inside = (errors(p, "A", sizes)[:, 1] for sizes in ((16, 32), (17, 51)))
     assert np.log2(at_end[0] / at_end[1]) == pytest.approx(2, abs=0.05)
     assert at_end[0] * inside[0] < 0  # the second frequency's error changes sign
-
-
-def calls_of_right_hand_side(rods: int) -> int:
-    """Return how many functions the equations of so many rods call."""
-    p = RotatingBeam(segments=rods)
-    function, x = scene_of(p).right_hand_side(p), np.full(2 * rods + 2, 0.01)
-    function(1.0, x)  # what is made once
-    events: list[str] = []
-    sys.setprofile(lambda frame, event, argument: events.append(event))
-    try:
-        function(1.0, x)
-    finally:
-        sys.setprofile(None)
-    return sum(event in ("call", "c_call") for event in events)
-
-
-def test_right_hand_side_is_cheap() -> None:
-    """A few calls for each rod, and none for each pair of them."""
-    few, many = map(calls_of_right_hand_side, (16, 32))
-    assert few < 10 * 16
-    assert many < 2 * few

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from mbcheck.reference.linear import linearise_at, modes
+from mbcheck.reference.rotating_beam import SCENE
 from mbcheck.reference.rotating_beam.chain import chain_scene
 from mbcheck.reference.rotating_beam.elements import NODAL, element_scene
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam, steady_speed
-from mbcheck.reference.rotating_beam.scene import SCENE
 from mbcheck.reference.scene import Array
 
 HUB = RotatingBeam(hub_radius=0.7, mass=0.4, mass_position=0.6)

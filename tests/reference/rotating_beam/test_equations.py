@@ -11,21 +11,19 @@ import sympy as sp
 from scipy.integrate import quad
 
 from mbcheck.reference.errors import ParameterError, UnknownNameError
-from mbcheck.reference.rotating_beam.cases import (
+from mbcheck.reference.rotating_beam import (
+    EXTENSIBLE,
     FIGURE_4,
     FIGURE_5,
     QUICK,
-    STEADY,
-)
-from mbcheck.reference.rotating_beam.parameters import RotatingBeam, coefficients, drive, period
-from mbcheck.reference.rotating_beam.scene import (
-    EXTENSIBLE,
     SCENE,
     SECOND_ORDER,
+    STEADY,
     THEORIES,
     ZERO_ORDER,
     beam_scene,
 )
+from mbcheck.reference.rotating_beam.parameters import RotatingBeam, coefficients, drive
 from mbcheck.reference.rotating_beam.shapes import Shapes, cantilever_modes, pieces, polynomials
 from mbcheck.reference.scene import EquationsOfMotion
 
@@ -303,7 +301,6 @@ def test_drives_are_those_of_the_paper() -> None:
     np.testing.assert_allclose(drive(np.array([15.0, 99.0]), coefficients(FIGURE_4)), 0)
 
 
-@pytest.mark.slow
 # The contract -------------------------------------------------------------------------------
 
 
@@ -327,22 +324,3 @@ def test_words_are_refused_by_name() -> None:
     for name in ("drive", "scheme", "element"):
         with pytest.raises(UnknownNameError, match="nonsense"):
             RotatingBeam().replace(**{name: "nonsense"})
-
-
-def test_names_of_the_parameters_are_a_contract() -> None:
-    names = (
-        "length, hub_radius, hub_inertia, area, second_moment, density, youngs_modulus, mass, "
-        "mass_position, drive, angular_speed, ramp_time, torque_amplitude, torque_period, "
-        "gravity_x, gravity_y, segments, scheme, element"
-    )
-    assert ", ".join(RotatingBeam.names()) == names
-    assert set(SCENE.discretisation_coordinates) == set(SCENE.coordinates) - {"theta"}
-    assert SCENE.observed == ("tip_deflection", "tip_deflection_dot", "tip_axial")
-    assert set(SCENE.variants) == {"extensible", "second_order", "zero_order"}
-    for scene in SCENES:
-        assert scene.continuum.refined is not None
-        assert len(scene.continuum.refined.discretisation_coordinates) > len(
-            scene.discretisation_coordinates
-        )
-    first = 3.51601526850015
-    assert period(UNIT) == pytest.approx(2 * np.pi / first)

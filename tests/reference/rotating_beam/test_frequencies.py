@@ -7,33 +7,30 @@ from itertools import pairwise
 import mpmath
 import numpy as np
 import pytest
-from numpy.polynomial import legendre
 from scipy.linalg import eigh
-from scipy.optimize import brentq
 
 from mbcheck.reference.errors import MbcheckError, NoOrbitError, ParameterError, UnknownNameError
 from mbcheck.reference.linear import linearise, modes
+from mbcheck.reference.rotating_beam import beam_scene
 from mbcheck.reference.rotating_beam.frequencies.assumed_modes import (
-    assumed_mode_matrices,
     assumed_modes,
     best_mass_position,
     crossover,
     matching_speed,
-    rest_modes,
     rest_roots,
 )
-from mbcheck.reference.rotating_beam.frequencies.continua import frequencies
 from mbcheck.reference.rotating_beam.frequencies.numbers import (
     PLANES,
     Numbers,
-    numbers,
-    tension,
     time_unit,
 )
 from mbcheck.reference.rotating_beam.frequencies.ritz import ritz
-from mbcheck.reference.rotating_beam.frequencies.stretching import steady_state, stretching
+from mbcheck.reference.rotating_beam.frequencies.stretching import (
+    frequencies,
+    steady_state,
+    stretching,
+)
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
-from mbcheck.reference.rotating_beam.scene import beam_scene
 from mbcheck.tests.support.exact.shooting import shooting
 
 PAPER = RotatingBeam(hub_radius=8.0)
@@ -49,16 +46,6 @@ def test_beam_at_rest() -> None:
     for plane in PLANES:
         np.testing.assert_allclose(ritz(Numbers(), plane, 3).omega, known**2, rtol=1e-13)
     np.testing.assert_allclose(assumed_modes(Numbers(), 3, count=3), known**2, rtol=1e-12)
-
-
-@pytest.mark.parametrize("alpha", [0.1, 1.0, 10.0])
-def test_tip_mass_at_rest(alpha: float) -> None:
-    def condition(k: float) -> float:
-        cos, sin, cosh, sinh = np.cos(k), np.sin(k), np.cosh(k), np.sinh(k)
-        return float(1 + cos * cosh + alpha * k * (cos * sinh - sin * cosh))
-
-    known = [brentq(condition, *ends, xtol=1e-15) for ends in ((0.3, 2.5), (3.5, 5.5))]
-    np.testing.assert_allclose(ritz(Numbers(alpha=alpha)).omega, np.square(known), rtol=1e-12)
 
 
 def test_rotating_beam_of_the_literature() -> None:
@@ -191,29 +178,10 @@ def test_gravity_leaves_rest_alone() -> None:
         beam_scene().equilibria["hanging"](PAPER)
 
 
-def test_tension_is_what_the_outer_part_pulls() -> None:
-    n = Numbers(0.7, 1.0, 0.4, 0.6)
-    x, w = legendre.leggauss(8)
-    for start in (0.1, 0.59, 0.61, 0.9):
-        at = start + (1 - start) * (x + 1) / 2
-        pull = np.sum((n.delta + at) * w) * (1 - start) / 2
-        pull += n.alpha * (n.delta + n.beta) * (start < n.beta)
-        assert tension(n, start) == pytest.approx(pull)
-
-
 def test_mass_at_the_clamp_is_no_mass() -> None:
     bare = ritz(Numbers(0.5, 6.0)).omega
     np.testing.assert_allclose(ritz(Numbers(0.5, 6.0, 3.0, 0.0)).omega, bare, rtol=1e-13)
     np.testing.assert_allclose(ritz(Numbers(0.5, 6.0, 3.0, 1e-5)).omega, bare, rtol=1e-8)
-
-
-def test_si_units() -> None:
-    p = PAPER.replace(mass=0.8, mass_position=0.5, angular_speed=-5.0)
-    n = numbers(p)
-    assert n == pytest.approx((1.0, 5 * UNIT, RATIOS[1], 0.5, 0.0))
-    found = frequencies(p, count=3)
-    np.testing.assert_allclose(found.omega * UNIT, ritz(n, count=3).omega)
-    assert np.all(found.bound < 1e-9 * found.omega)
 
 
 # Continua that stretch ----------------------------------------------------------------------
@@ -295,18 +263,6 @@ def test_what_cannot_be_asked() -> None:
 # The paper's assumed modes ------------------------------------------------------------------
 
 
-def test_modes_are_those_of_a_cantilever() -> None:
-    x, w = legendre.leggauss(60)
-    value, slope, curvature = rest_modes((x + 1) / 2, 6)
-    np.testing.assert_allclose((value * w / 2) @ value.T, np.eye(6), atol=1e-11)
-    stiff = (curvature * w / 2) @ curvature.T / np.outer(rest_roots(6) ** 2, rest_roots(6) ** 2)
-    np.testing.assert_allclose(stiff, np.eye(6), atol=1e-11)
-    value, slope, _ = rest_modes(np.array([0.0]), 6)
-    assert np.all(np.abs(value) < 1e-13)
-    assert np.all(np.abs(slope) < 1e-12)
-    assert np.all(np.abs(rest_modes(np.array([1.0]), 6)[2]) < 1e-9)
-
-
 def test_assumed_modes_come_from_above() -> None:
     n = Numbers(1.0, 8.0, 0.5, 0.4)
     exact = ritz(n).omega[0]
@@ -314,16 +270,6 @@ def test_assumed_modes_come_from_above() -> None:
     assert np.all(np.diff(found) < 0)
     assert 1e-6 < found[-1] / exact - 1 < 1e-2
     assert found[1] / exact - 1 > 0.01  # what the paper works with
-
-
-def test_one_mode_by_hand() -> None:
-    """M, K_2 and D_1 of (18) for the first mode of a beam with tip mass, hub and all."""
-    found = assumed_mode_matrices(Numbers(2.0, 1.0, 0.5, 1.0), 1)
-    bare, hub = (assumed_mode_matrices(Numbers(d, 1.0), 1).centrifugal for d in (0.0, 1.0))
-    assert found.mass[0, 0] == pytest.approx(1 + 0.5 * 4)  # phi(1) = 2
-    assert found.bending[0, 0] == pytest.approx(rest_roots(1)[0] ** 4)
-    assert bare[0, 0] == pytest.approx(1.19334, abs=1e-5)
-    assert hub[0, 0] - bare[0, 0] == pytest.approx(1.57088, abs=1e-5)
 
 
 @pytest.mark.slow

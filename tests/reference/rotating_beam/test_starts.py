@@ -10,10 +10,10 @@ import pytest
 
 from mbcheck.comparisons.checks.truth import Truth, truncated
 from mbcheck.comparisons.engines.equations import ModelEquations
+from mbcheck.reference.rotating_beam import SCENE
 from mbcheck.reference.rotating_beam.chain import chain_scene
 from mbcheck.reference.rotating_beam.elements import NODAL, element_scene
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
-from mbcheck.reference.rotating_beam.scene import SCENE
 from mbcheck.reference.rotating_beam.starts import bent, unstretched_nodes
 from mbcheck.reference.scene import Array, EquationsOfMotion
 from mbcheck.reference.solve.solution import Solution

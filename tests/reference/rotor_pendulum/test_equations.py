@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -13,8 +11,15 @@ import sympy as sp
 from mbcheck.reference.errors import NoOrbitError, ParameterError
 from mbcheck.reference.linear import linearise, modes
 from mbcheck.reference.orbits import Orbit, orbit_samples, shoot
-from mbcheck.reference.rotor_pendulum import theory
-from mbcheck.reference.rotor_pendulum.cases import CASE_1, CASE_2, CASE_3, CONSERVATIVE, SPINNING
+from mbcheck.reference.rotor_pendulum import (
+    CASE_1,
+    CASE_2,
+    CASE_3,
+    CONSERVATIVE,
+    SCENE,
+    SPINNING,
+    theory,
+)
 from mbcheck.reference.rotor_pendulum.equations import (
     PLACEMENTS,
     RotorPendulum,
@@ -30,9 +35,7 @@ from mbcheck.reference.rotor_pendulum.phase import (
     settling_rate,
     wrapped,
 )
-from mbcheck.reference.rotor_pendulum.scene import SCENE
 from mbcheck.reference.scene import Array
-from mbcheck.reference.solve.batched import solve_many
 from mbcheck.reference.solve.single import solve
 
 REDUCED = SCENE.variants["reduced"]
@@ -42,49 +45,6 @@ UNDAMPED = {"platform_damping": 0.0, "rod_damping": 0.0}
 
 
 # Equations of motion ------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module", params=PLACEMENTS)
-def derived(request: pytest.FixtureRequest) -> tuple[str, Callable[..., Any]]:
-    """Return the motor's placement and (q, v, parameters) -> M, f from geometry alone."""
-    t = sp.Symbol("t")
-    names = [name for name in RotorPendulum.names() if name != "motor_placement"]
-    parameters = sp.symbols(names, positive=True)
-    m_0, m, m_3, r, length, k_x, f_x, k_phi, f_phi, beta, k_e, speed, f, *gravity = parameters
-    x, phi_1, phi_2, phi_3 = coordinates = [
-        sp.Function(name)(t) for name in ("x", "phi_1", "phi_2", "phi_3")
-    ]
-    rod = beta + phi_3
-    end = sp.Matrix([x + length * sp.cos(rod), length * sp.sin(rod)])
-    points = (
-        (m_0, sp.Matrix([x, 0])),
-        (m, sp.Matrix([x - r * sp.cos(phi_1), r * sp.sin(phi_1)])),
-        (m_3, end),
-        (m, end + r * sp.Matrix([sp.cos(phi_2), sp.sin(phi_2)])),
-    )
-    kinetic = sum(mass * at.diff(t).dot(at.diff(t)) / 2 for mass, at in points)
-    lagrangian = kinetic - k_x * x**2 / 2 - k_phi * phi_3**2 / 2
-    lagrangian += sum(mass * at.dot(sp.Matrix(gravity)) for mass, at in points)
-    shafts = [phi_1, phi_2 - phi_3 if request.param == "relative" else phi_2]
-    rates = [shaft.diff(t) for shaft in shafts]
-    dissipation = (f_x * x.diff(t) ** 2 + f_phi * phi_3.diff(t) ** 2) / 2
-    dissipation += sum(f * rate**2 / 2 for rate in rates)
-    rows = []
-    for q in coordinates:
-        work = sum(
-            k_e * (speed - rate) * shaft.diff(q)
-            for shaft, rate in zip(shafts, rates, strict=True)  # virtual work
-        )
-        momentum = lagrangian.diff(q.diff(t))
-        rows.append(momentum.diff(t) - lagrangian.diff(q) + dissipation.diff(q.diff(t)) - work)
-    symbols = [sp.symbols(f"{letter}0:4") for letter in "avq"]
-    for order, new in zip((2, 1, 0), symbols, strict=True):
-        swap = dict(zip([q.diff(t, order) for q in coordinates], new, strict=True))
-        rows = [row.subs(swap) for row in rows]
-    a, v, q = symbols
-    mass = sp.Matrix([[row.expand().coeff(item) for item in a] for row in rows])
-    rest = -sp.Matrix(rows).subs(dict.fromkeys(a, 0))
-    return request.param, sp.lambdify((*q, *v, *parameters), (mass, rest))
 
 
 def random_points(placement: str, count: int = 40) -> list[tuple[Any, Any, RotorPendulum]]:
@@ -102,40 +62,6 @@ def random_points(placement: str, count: int = 40) -> list[tuple[Any, Any, Rotor
         v = random.normal(size=4) * (1, 100, 100, 30)
         points.append((q, v, RotorPendulum(motor_placement=placement, **values)))
     return points
-
-
-def test_hand_written_equations_are_those_of_lagrange(
-    derived: tuple[str, Callable[..., Any]],
-) -> None:
-    placement, lagrange = derived
-    for q, v, p in random_points(placement):
-        numbers = [value for name, value in p.as_dict().items() if name != "motor_placement"]
-        mass, rest = (np.array(item, dtype=float) for item in lagrange(*q, *v, *numbers))
-        rest = rest[:, 0]
-        c = SCENE.coefficients(p)
-        size = np.sqrt(np.outer(np.diag(mass), np.diag(mass)))
-        np.testing.assert_allclose(SCENE.mass_matrix(q, c) / size, mass / size, atol=1e-14)
-        found = np.array(SCENE.forces(0.0, q, v, c))
-        np.testing.assert_allclose(found, rest, atol=1e-12 * np.max(np.abs(rest)), rtol=1e-12)
-        root = np.sqrt(np.diag(mass))
-        scaled = mass / size
-        exact = np.linalg.solve(scaled, rest / root)
-        error = np.abs(np.array(SCENE.accelerations(0.0, q, v, c)) * root - exact)
-        assert np.max(error) < 1e-14 * np.linalg.cond(scaled) * np.max(np.abs(exact)) + 1e-12
-        assert np.linalg.cond(scaled) < 1e6
-        slope = np.array(
-            [np.imag(SCENE.forces(0j, q + 0j, v + 1e-30j * unit, c)) / -1e-30 for unit in np.eye(4)]
-        ).T
-        without = c._replace(damping=0, rod_damping=0)
-        undamped = np.array(
-            [
-                np.imag(SCENE.forces(0j, q + 0j, v + 1e-30j * unit, without)) / -1e-30
-                for unit in np.eye(4)
-            ]
-        ).T
-        np.testing.assert_allclose(
-            slope - undamped, SCENE.damping_matrix(c), atol=1e-12 * np.max(np.abs(slope))
-        )
 
 
 def test_heavy_rotors_cost_no_digits() -> None:
@@ -243,24 +169,6 @@ def test_the_reduced_equations_do_not_conserve_energy() -> None:
     np.testing.assert_allclose(near[1], near[0], atol=1e-3 * np.max(np.abs(near[0])))
 
 
-def test_points_at_once_are_points_one_by_one() -> None:
-    slopes = np.array([0.2, 0.94, 2.0])
-    many = SCENE.right_hand_side(CASE_2.replace(motor_slope=slopes))
-    x = np.random.default_rng(3).normal(size=(8, 3))
-    for i, slope in enumerate(slopes):
-        one = SCENE.right_hand_side(CASE_2.replace(motor_slope=slope))
-        np.testing.assert_allclose(many(0.0, x)[:, i], one(0.0, x[:, i]), rtol=1e-15)
-
-
-def test_two_routes_to_the_reference_agree() -> None:
-    times = np.linspace(0, 0.1, 5)[1:]
-    one = solve(SCENE, CASE_2, SCENE.state({}), times)
-    many = solve_many(SCENE, CASE_2, SCENE.state({}), times, tolerance=1e-12)
-    apart = np.max(np.abs(one.states - many.states), axis=1)
-    assert np.all(apart <= one.error_bound + many.error_bound)
-    assert np.all(apart < 1e-9 * np.max(np.abs(one.states), axis=1))
-
-
 # Theory -------------------------------------------------------------------------------------
 
 
@@ -349,15 +257,6 @@ def test_the_papers_phases_need_the_corrected_coefficient() -> None:
     assert np.isnan(theory.printed_phase_difference(one._replace(beta=0.0, n_x=1.0)))
 
 
-def test_printed_ratios_do_not_belong_to_the_printed_stiffnesses() -> None:
-    n = theory.ratios(CASE_1)
-    assert n.n_x == pytest.approx(0.523, abs=1e-3)
-    assert n.n_phi == pytest.approx(0.162, abs=1e-3)
-    assert n.sigma == pytest.approx(1 / 6)
-    assert n.r_m == pytest.approx(2 / 114)
-    assert theory.ratios(CASE_2).n_x == pytest.approx(6.394, abs=1e-3)
-
-
 def phase_decay_rate(p: RotorPendulum) -> Any:
     """Return the rate [1/s] at which the phase settles, by the coupling without dampers.
 
@@ -417,20 +316,6 @@ def _mass_along(q: Array, c: Any) -> Array:
     return np.array([[np.broadcast_to(entry, q[0].shape) for entry in row] for row in rows])
 
 
-def test_an_orbit_is_measured_by_its_samples() -> None:
-    turn, c = 2 * np.pi * np.arange(32) / 32, SCENE.coefficients(CASE_2)
-    still = 0 * turn
-    x, swing = 0.01 * np.cos(turn) + 0.1, 0.02 * np.sin(turn + 0.3)
-    states = [x, turn + 0.7, turn, swing, still, still + 150, still + 140, still]
-    found = SCENE.orbit.quantities(np.array(states), c)
-    assert found["phase_difference"] == pytest.approx(0.7)
-    assert found["platform_amplitude"] == pytest.approx(0.01)
-    assert found["rod_amplitude"] == pytest.approx(0.02)
-    assert found["mean_speed"] == pytest.approx(150)
-    torques = [c.slope * (c.speed - speed) for speed in (150, 140)]
-    assert [found["motor_torque_1"], found["motor_torque_2"]] == pytest.approx(torques)
-
-
 @pytest.mark.slow
 def test_orbit_and_theory_meet() -> None:
     """Cases 1 and 2: phase and settling rate; the damper of the rod moves the phase of case 2."""
@@ -464,16 +349,6 @@ def test_case_3_has_no_phase_because_of_the_rods_damper() -> None:
     many = CASE_2.replace(installation_angle=np.array([0.5, np.pi / 2]))
     assert np.all(np.isfinite(orbit_guesses(many)))
     assert np.shape(orbit_guesses(many)) == (9, 8, 2)
-
-
-def test_names_of_the_parameters_are_a_contract() -> None:
-    names = re.split(
-        r",\s*",
-        "platform_mass, rotor_mass, rod_mass, eccentricity, rod_length, platform_stiffness, "
-        "platform_damping, rod_stiffness, rod_damping, installation_angle, motor_slope, "
-        "synchronous_speed, friction, gravity_x, gravity_y, motor_placement",
-    )
-    assert RotorPendulum.names() == tuple(names)
 
 
 def test_a_rotor_that_hangs_is_a_pendulum() -> None:

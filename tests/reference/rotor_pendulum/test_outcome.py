@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.reference.rotor_pendulum.cases import CASE_1, CASE_2, CASE_3
+from mbcheck.reference.rotor_pendulum import CASE_1, CASE_2, CASE_3, SCENE
 from mbcheck.reference.rotor_pendulum.equations import (
     RotorPendulum,
 )
@@ -19,7 +19,6 @@ from mbcheck.reference.rotor_pendulum.phase import (
     phase_rate,
     wrapped,
 )
-from mbcheck.reference.rotor_pendulum.scene import SCENE
 from mbcheck.reference.scene import Array
 from mbcheck.reference.solve.rk8 import rk8_steps
 

@@ -7,7 +7,7 @@ import pytest
 
 from mbcheck.reference.errors import ParameterError, UnknownNameError
 from mbcheck.reference.linear import linearise, modes
-from mbcheck.reference.rotor_pendulum.cases import CASE_1
+from mbcheck.reference.rotor_pendulum import CASE_1, SCENE
 from mbcheck.reference.rotor_pendulum.equations import (
     RotorPendulum,
 )
@@ -16,7 +16,6 @@ from mbcheck.reference.rotor_pendulum.phase import (
     phase_rate,
     wrapped,
 )
-from mbcheck.reference.rotor_pendulum.scene import SCENE
 
 # Modes, parameters, cases ---------------------------------------------------------------------
 

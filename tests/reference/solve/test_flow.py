@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.integrate import quad_vec, solve_ivp
+from scipy.integrate import solve_ivp
 
 from mbcheck.reference import get_scene
 from mbcheck.reference.differences import by_complex_step
@@ -17,7 +17,7 @@ from mbcheck.reference.hula_hoop.equations import (
     HulaHoop,
 )
 from mbcheck.reference.scene import Array
-from mbcheck.reference.solve.flow import converged_steps, growths
+from mbcheck.reference.solve.batched import converged_steps, growths
 from mbcheck.reference.solve.rk8 import rk8_steps
 
 SCENE = get_scene("hula_hoop")
@@ -65,34 +65,6 @@ def test_transition_matrix_solves_the_variational_equations(p: HulaHoop) -> None
     np.testing.assert_allclose(flow, other[:4], rtol=1e-8, atol=1e-8)
     size = np.abs(jacobian).max(axis=1, keepdims=True)
     np.testing.assert_allclose(jacobian / size, other[4:].reshape(4, 4) / size, atol=1e-7)
-
-
-def test_volumes_shrink_by_the_trace() -> None:
-    """Liouville's formula: det of the transition matrix is exp of the integrated divergence."""
-    p, end = HulaHoop(damping_ratio=0.02), 0.3
-    _, jacobian = transition_matrix(p, SPINNING, end)
-    dense = solve_ivp(
-        SCENE.right_hand_side(p), (0, end), SPINNING, "DOP853", rtol=1e-12, atol=1e-12,
-        dense_output=True,
-    ).sol  # fmt: skip
-    integral, _ = quad_vec(
-        lambda t: np.trace(field_jacobian(p, t, dense(t))), 0, end, epsabs=1e-9, epsrel=1e-9
-    )
-    assert np.linalg.det(jacobian) == pytest.approx(np.exp(integral), rel=1e-7)
-    assert integral < -0.1
-
-
-def test_transition_matrices_of_many_points() -> None:
-    frequencies = np.array([2.0, 3.0])
-    p = HulaHoop(force_frequency=frequencies)  # type: ignore[arg-type]
-    states = np.stack([SPINNING, REST], axis=1)
-    flow, jacobian = transition_matrix(p, states, 1 / frequencies)
-    assert jacobian.shape == (4, 4, 2)
-    for i, frequency in enumerate(frequencies):
-        one = HulaHoop(force_frequency=frequency)
-        alone = transition_matrix(one, states[:, i], 1 / frequency)
-        np.testing.assert_allclose(flow[:, i], alone[0], rtol=1e-10, atol=1e-11)
-        np.testing.assert_allclose(jacobian[..., i], alone[1], rtol=1e-8, atol=1e-8)
 
 
 def test_errors_of_a_damped_oscillator_do_not_grow() -> None:

@@ -15,10 +15,6 @@ from mbcheck.reference.scene import NO_CONTINUUM
 from mbcheck.reference.solve.kernel import (
     MANY,
     MANY_CALLS,
-    kernel_of,
-    sine_and_cosine,
-    source,
-    written_out,
 )
 from mbcheck.reference.solve.rk8 import FixedSteps
 
@@ -50,20 +46,6 @@ def test_a_kernel_gives_what_the_equations_give(name: str, complex_steps: bool, 
             allowed = 0.0 if count < MANY and not complex_steps else 64 * np.finfo(float).eps
             assert np.all(np.abs(part(found) - part(plain)) <= allowed * size)
         assert derivative(t, x) is not found
-
-
-@pytest.mark.parametrize("name", TRACED)
-def test_few_states_of_one_mechanism_are_taken_one_by_one(name: str) -> None:
-    scene = get_scene(name)
-    derivative = scene.right_hand_side(scene.parameters())
-    x = states(scene, len(scene.state_names), False)
-    times = np.linspace(0, 1, x.shape[1])
-    alone = np.column_stack([derivative(*at) for at in zip(times, x.T, strict=True)])
-    np.testing.assert_array_equal(derivative(times, x), alone)
-    assert not derivative.kernels
-    derivative(0.0, np.column_stack([x, x[:, 0]]))
-    derivative(0.0, x + 0j)
-    assert len(derivative.kernels) == 2
 
 
 @pytest.mark.parametrize("name", TRACED)
@@ -102,72 +84,12 @@ def test_source_code_gives_what_the_equations_give_to_the_last_bit(name: str) ->
     assert np.all(np.isnan(derivative(0.0, np.full(2 * n, np.inf))[n:]))
 
 
-def test_source_code_takes_the_place_of_long_equations_only_where_it_can() -> None:
-    def whole(t: Any, q: Any, v: Any, xp: Any) -> Any:
-        calls.append(t)
-        return [2 * xp.sqrt(q[0]) - v[0] ** 3 / t]
-
-    def absolute(t: Any, q: Any, v: Any, xp: Any) -> Any:
-        calls.append(t)
-        return [abs(q[0])]
-
-    for rates, asked in ((whole, MANY_CALLS + 1), (absolute, 2 * MANY_CALLS + 1)):
-        calls: list[Any] = []
-        accelerations = written_out(rates)
-        values = [accelerations(0.5, [4.0], [3.0], math) for _ in range(2 * MANY_CALLS)]
-        assert values == [rates(0.5, [4.0], [3.0], math)] * len(values)
-        assert len(calls) == asked + 1
-    assert source(absolute, 1) is None
-
-
-def test_equal_calls_are_made_once_and_constants_before() -> None:
-    asked: list[str] = []
-
-    class Counting(float):
-        def __mul__(self, other: Any) -> Any:
-            asked.append("product of constants")
-            return float(self) * other
-
-    def rates(t: Any, q: Any, v: Any, xp: Any) -> Any:
-        return [Counting(2.0) * 3.0 * xp.sin(q[0]) + xp.sin(q[0]) * xp.cos(q[0]) - t * v[0]]
-
-    x = np.array([[0.1, 0.2], [1.0, 2.0]])
-    kernel = kernel_of(rates, 0.0, x)
-    assert kernel is not None
-    for t in (0.0, 0.5):
-        expected = 6 * np.sin(x[0]) + np.sin(x[0]) * np.cos(x[0]) - t * x[1]
-        np.testing.assert_array_equal(kernel(t, x), [x[1], expected])
-    assert asked == ["product of constants"]
-
-
-def test_what_is_more_than_arithmetic_is_left_to_numpy() -> None:
-    for rate in (lambda q, xp: xp.where(q, 1.0, -1.0), lambda q, xp: abs(q), lambda q, xp: q % 1):
-
-        def rates(t: Any, q: Any, v: Any, xp: Any, rate: Any = rate) -> Any:
-            return [rate(q[0], xp)]
-
-        assert kernel_of(rates, 0.0, np.ones((2, 3))) is None
-
-
 def test_times_that_are_whole_numbers_leave_others_whole() -> None:
     scene, x = get_scene("hula_hoop"), np.ones((4, 9))
     derivative = scene.right_hand_side(scene.parameters())
     derivative(0, x)
     again = scene.right_hand_side(scene.parameters())
     np.testing.assert_array_equal(derivative(0.3, x), again(0.3, x))
-
-
-def test_sines_and_cosines_from_the_tangent_of_half_the_angle() -> None:
-    """Against 80 bits where there are so many; the bound is that of the module's head."""
-    extended = np.longdouble
-    rng = np.random.default_rng(1)
-    x = np.concatenate([rng.uniform(-700, 700, 20000), [0.0, np.pi / 2, np.pi, -np.pi, 1e-300]])
-    sine, cosine = np.empty(x.shape, complex), np.empty(x.shape, complex)
-    sine_and_cosine(x + 0j, sine, cosine)
-    for found, function in ((sine, np.sin), (cosine, np.cos)):
-        off = np.abs(found.real - function(x.astype(extended)))
-        assert np.max(off) < 1.7 * np.finfo(float).eps
-    assert sine[-5] == 0
 
 
 def by_stages(derivative: Any, x: Any, t: Any, h: Any, steps: int) -> Any:
@@ -201,16 +123,3 @@ def test_steps_are_those_of_the_method(name: str, complex_steps: bool, count: in
             assert np.all(np.abs(part(found) - part(plain)) <= 1e-12 * size)
         moved = np.max(np.abs(found - x))
         assert moved > 1e-6  # else nothing would be seen
-
-
-def test_a_drive_without_a_force_is_left_out() -> None:
-    """And so is gravity; with them the same steps are other calls."""
-    scene, x = get_scene("hula_hoop"), np.ones((4, 9))
-    calls = []
-    for force, gravity in ((0.0, 0.0), (60.0, 0.0), (60.0, 5.0)):
-        p = scene.parameters().replace(force_amplitude=force, gravity_y=gravity)
-        kernel = scene.right_hand_side(p).kernel(0.0, x)
-        assert kernel is not None
-        assert kernel.needs_time == bool(force)
-        calls.append(len(kernel.calls))
-    assert calls[0] < calls[1] < calls[2]

@@ -11,8 +11,8 @@ import pytest
 import sympy as sp
 
 from mbcheck.reference import SCENES, get_scene
+from mbcheck.reference.rotating_beam import BENDING
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
-from mbcheck.reference.rotating_beam.scene import BENDING
 from mbcheck.reference.rotating_beam.shapes import polynomials
 from mbcheck.tests.support.precise.beam import HAS_EXTENDED, Beam, table_of
 from mbcheck.tests.support.precise.compare import (

@@ -20,8 +20,7 @@ from mbcheck.reference.hula_hoop.equations import (
 )
 from mbcheck.reference.scene import Array
 from mbcheck.reference.solve import single
-from mbcheck.reference.solve.batched import solve_many
-from mbcheck.reference.solve.flow import growths
+from mbcheck.reference.solve.batched import growths, solve_many
 from mbcheck.reference.solve.rk8 import rk8_steps
 from mbcheck.reference.solve.single import solve, states_at
 from mbcheck.tests.support.points import point, random_parameters

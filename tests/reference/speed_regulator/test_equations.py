@@ -19,7 +19,7 @@ from mbcheck.reference.linear import linearise, modes
 from mbcheck.reference.orbits import find_orbit, orbit_samples
 from mbcheck.reference.periodic import extremes
 from mbcheck.reference.solve.rk8 import rk8_steps
-from mbcheck.reference.speed_regulator import theory
+from mbcheck.reference.speed_regulator import SCENE, theory
 from mbcheck.reference.speed_regulator.equations import (
     SpeedRegulator,
     assembled,
@@ -28,14 +28,14 @@ from mbcheck.reference.speed_regulator.equations import (
     inertia_slope,
     position,
 )
-from mbcheck.reference.speed_regulator.orbit import mean_speed, orbit_quantities
-from mbcheck.reference.speed_regulator.rest import (
+from mbcheck.reference.speed_regulator.motions import (
     EQUILIBRIA,
     found_equilibria,
+    mean_speed,
+    orbit_quantities,
     static_stiffness,
     static_torque,
 )
-from mbcheck.reference.speed_regulator.scene import SCENE
 
 Array = NDArray[np.float64]
 
@@ -75,73 +75,6 @@ def random_points() -> list[tuple[float, float, SpeedRegulator]]:
 
 
 # --- Lagrange --------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def lagrange() -> Callable[..., Any]:
-    """Return (phi, v, parameters) -> M, f, E by Lagrange's equation, from positions alone."""
-    t = sp.symbols("t")
-    r, l, J, m_b, m, k, c, torque, y_0, g_x, g_y = sp.symbols(
-        "r l J m_b m k c M_m y_0 g_x g_y", real=True
-    )
-    phi = sp.Function("phi")(t)
-    b = sp.asin(r * sp.cos(phi) / l)
-    pin = sp.Matrix([r * sp.cos(phi), r * sp.sin(phi)])
-    slider = pin - l * sp.Matrix([sp.sin(b), sp.cos(b)])
-    assert sp.simplify(slider[0]) == 0
-    centre = (pin + slider) / 2
-    speed = centre.diff(t)
-    kinetic = (
-        J * phi.diff(t) ** 2
-        + m_b * speed.dot(speed)
-        + m_b * l**2 / 12 * b.diff(t) ** 2
-        + m * slider[1].diff(t) ** 2
-    ) / 2
-    spring = k * (slider[1] - y_0) ** 2 / 2
-    load = torque - c * slider[1].diff(t) * slider[1].diff(phi)
-    lagrangian = kinetic - spring
-    fall = m_b * (g_x * centre[0] + g_y * centre[1]) + m * g_y * slider[1]
-    lagrangian += fall
-    row = lagrangian.diff(phi.diff(t)).diff(t) - lagrangian.diff(phi) - load
-    q, v, a = sp.symbols("q v a")
-    swap = [(phi.diff(t, 2), a), (phi.diff(t), v), (phi, q)]
-    row, total = row.subs(swap), (kinetic + spring - fall).subs(swap)
-    symbols = (q, v, r, l, J, m_b, m, k, c, torque, y_0, g_x, g_y)
-    return sp.lambdify(symbols, (row.diff(a), -row.subs(a, 0), total), cse=True)
-
-
-def test_hand_written_equations_are_those_of_lagrange(lagrange: Callable[..., Any]) -> None:
-    for phi, speed, light in random_points():
-        p = light.replace(gravity_x=5.0, gravity_y=-8.0)
-        c = coefficients(p)
-        mass, load, total = lagrange(phi, speed, *p.as_dict().values())
-        at = position(phi, c)
-        size = abs(c.torque) + abs(inertia_slope(at, c)) * speed**2
-        size += abs(at.y_phi) * (c.damping * abs(at.y_phi * speed) + c.stiffness * abs(at.y))
-        size += c.stiffness * abs(at.y_phi * c.rest)
-        size += 10 * (c.rod_mass + c.slider_mass) * (c.radius + abs(at.y_phi))
-        assert SCENE.mass_matrix([phi], c)[0][0] == pytest.approx(mass, rel=1e-12)
-        found = SCENE.forces(0.0, [phi], [speed], c)[0]
-        assert found == pytest.approx(load, rel=1e-12, abs=1e-12 * size)
-        solved = SCENE.accelerations(0.0, [phi], [speed], c)[0]
-        assert solved == pytest.approx(load / mass, rel=1e-12, abs=1e-12 * size / mass)
-        assert SCENE.energy([phi], [speed], c) == pytest.approx(total, rel=1e-12)
-
-
-def test_equations_read_the_same_in_every_arithmetic() -> None:
-    phi, speed = 0.7, 3.0
-    c = coefficients(DEFAULT)
-    plain = SCENE.accelerations(0.0, [phi], [speed], c, np)[0]
-    assert SCENE.accelerations(0.0, [phi], [speed], c, math)[0] == pytest.approx(plain, rel=1e-15)
-    assert float(
-        SCENE.accelerations(0.0, [sp.Float(phi)], [sp.Float(speed)], c, sp)[0]
-    ) == pytest.approx(plain, rel=1e-14)
-    torques = np.array([0.1, 0.32, 1.0])
-    many = SCENE.right_hand_side(SpeedRegulator(torque=torques))  # type: ignore[arg-type]
-    states = np.random.default_rng(3).normal(size=(2, 3))
-    for i, torque in enumerate(torques):
-        one = SCENE.right_hand_side(SpeedRegulator(torque=float(torque)))
-        np.testing.assert_allclose(many(0.0, states)[:, i], one(0.0, states[:, i]), rtol=1e-14)
 
 
 def test_power_is_the_rate_of_energy() -> None:
@@ -419,18 +352,6 @@ def test_21_takes_the_exact_mean_and_the_printed_one_holds_at_one_fifth() -> Non
     assert theory.printed_mean_speed(DEFAULT) == pytest.approx(mean_speed(DEFAULT), rel=1e-5)
     long = DEFAULT.replace(crank_radius=1.0)
     assert theory.printed_mean_speed(long) > 1.2 * mean_speed(long)
-
-
-def test_21_is_an_asymptote_in_1_over_the_inertia() -> None:
-    inertias = 2.0 ** np.arange(5, 10)
-    errors = [
-        abs(theory.rotation(p).mean_speed / float(mean_speed(p)) - 1)
-        for p in (DEFAULT.replace(flywheel_inertia=float(value)) for value in inertias)
-    ]
-    slopes = np.diff(np.log2(errors))
-    assert np.all(np.abs(slopes + 1) < 0.03)
-    assert abs(slopes[-1] + 1) < 0.005
-    assert errors[0] > 1e-5
 
 
 LIMIT_CYCLES: list[dict[str, float]] = [

@@ -13,21 +13,19 @@ from scipy.integrate import quad, solve_ivp
 
 from mbcheck.reference.errors import NoOrbitError
 from mbcheck.reference.linear import linearise
-from mbcheck.reference.solve.flow import growths
+from mbcheck.reference.solve.batched import growths
 from mbcheck.reference.solve.single import solve
-from mbcheck.reference.speed_regulator import theory
-from mbcheck.reference.speed_regulator.cases import COEXISTENCE
+from mbcheck.reference.speed_regulator import COEXISTENCE, SCENE, theory
 from mbcheck.reference.speed_regulator.equations import (
     SpeedRegulator,
     coefficients,
     inertia,
     position,
 )
-from mbcheck.reference.speed_regulator.outcome import outcome
-from mbcheck.reference.speed_regulator.rest import (
+from mbcheck.reference.speed_regulator.motions import (
     found_equilibria,
+    outcome,
 )
-from mbcheck.reference.speed_regulator.scene import SCENE
 
 Array = NDArray[np.float64]
 

@@ -7,9 +7,8 @@ import pytest
 from mbcheck.reference.cost import within
 from mbcheck.reference.errors import UsageError
 from mbcheck.reference.orbits import find_orbit
-from mbcheck.reference.speed_regulator import theory
+from mbcheck.reference.speed_regulator import SCENE, theory
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
-from mbcheck.reference.speed_regulator.scene import SCENE
 
 DEFAULT = SpeedRegulator()
 

@@ -1,4 +1,4 @@
-"""Bodies on hinges that float, by the laws of each body: a formulation without a tree.
+"""Bodies on hinges that float: Lagrange's equations from the velocity of each body.
 
 Body 0 is the base. Positions are x, y, z of the base's point, the angles of the hinges, and the
 quaternion from the base's frame to the world's.
@@ -51,11 +51,6 @@ Torques = Callable[[Any, Any], Any]
 def about(axis: Array, angle: Any) -> Array:
     """Return the rotation (3, 3) about a unit axis."""
     return np.array(quaternions.matrix([np.cos(angle / 2), *(np.sin(angle / 2) * axis)]))
-
-
-def tilde(a: Array) -> Array:
-    """Return the matrix of a x."""
-    return np.asarray(np.cross(AXES, a))
 
 
 def frames(parts: list[Part], angles: Any) -> list[tuple[Array, Array]]:
@@ -112,66 +107,6 @@ def lagrange(
     by_q = np.array([one.T @ weights @ matrix + matrix.T @ weights @ one for one in slopes])
     right = by_q @ v @ v / 2 - np.tensordot(v, by_q, 1) @ v + pull @ matrix[: 3 * count]
     return mass, right, float(v @ mass @ v / 2 - pull @ centres(parts, q))
-
-
-def by_constraints(
-    parts: list[Part], torques: Torques, gravity: Array
-) -> Callable[..., tuple[Array, Array]]:
-    """Return accelerations from Newton's and Euler's laws of k bodies and forces in hinges.
-
-    Unknown are the acceleration of each centre of mass and each angular acceleration in the
-    world (6 k), and for each hinge a force and a torque across its axis (5). They are those that
-    `charts.by_rotation_vector` asks for.
-    """
-    count = len(parts)
-
-    def accelerate(
-        t: float, rotation: Array, omega: Array, at: Array, rates: Array
-    ) -> tuple[Array, Array]:
-        placed = [(rotation @ own, rotation @ origin) for own, origin in frames(parts, at[3:])]
-        acting, spins = torques(at[3:], rates[3:]), [rotation @ omega]
-        whole, right = np.zeros((6 * count, 6 * count)), np.zeros(6 * count)
-        rows, known, axes = [], [], []
-        for k, one in enumerate(parts[1:], 1):
-            axis, rate, torque = placed[k][0][:, 2], rates[2 + k], acting[k - 1]
-            spin = spins[one.parent]
-            own = spin + rate * axis
-            spins.append(own)
-            axes.append(axis)
-            base = parts[one.parent]
-            near = placed[one.parent][0] @ (one.place - base.centre)
-            far = -placed[k][0] @ one.centre
-            row, across = np.zeros((5, 6 * count)), np.linalg.svd(axis[None])[2][1:]
-            before, mine = (slice(6 * i, 6 * i + 6) for i in (one.parent, k))
-            row[:3, before] = np.hstack([AXES, -tilde(near)])
-            row[:3, mine] = -np.hstack([AXES, -tilde(far)])
-            row[3:, before.start + 3 : before.stop] = -across
-            row[3:, mine.start + 3 : mine.stop] = across
-            rows.append(row)
-            swing = np.cross(own, np.cross(own, far)) - np.cross(spin, np.cross(spin, near))
-            known.append(np.append(swing, across @ np.cross(spin, axis) * rate))
-            right[before.start + 3 : before.stop] -= torque * axis
-            right[mine.start + 3 : mine.stop] += torque * axis
-        for k, (one, (frame, _), own) in enumerate(zip(parts, placed, spins, strict=True)):
-            first, then = slice(6 * k, 6 * k + 3), slice(6 * k + 3, 6 * k + 6)
-            tensor = frame @ one.tensor @ frame.T
-            whole[first, first], whole[then, then] = one.mass * AXES, tensor
-            right[first] += one.mass * gravity
-            right[then] -= np.cross(own, tensor @ own)
-        both = np.vstack(rows)
-        none = np.zeros((len(both), len(both)))
-        matrix = np.block([[whole, both.T], [both, none]])
-        found = np.linalg.solve(matrix, np.concatenate([right, *known]))[: 6 * count]
-        linear, angular = np.moveaxis(found.reshape(count, 2, 3), 1, 0)
-        arm, spin = rotation @ parts[0].centre, spins[0]
-        moved = linear[0] - np.cross(angular[0], arm) - np.cross(spin, np.cross(spin, arm))
-        more = [
-            axis @ (angular[k] - angular[one.parent])
-            for k, (one, axis) in enumerate(zip(parts[1:], axes, strict=True), 1)
-        ]
-        return np.array([*moved, *more]), rotation.T @ angular[0]
-
-    return accelerate
 
 
 def momenta(parts: list[Part], q: Array, v: Array) -> tuple[Array, Array]:

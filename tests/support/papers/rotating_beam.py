@@ -15,18 +15,17 @@ from mbcheck.comparisons.engines.registry import REFERENCE
 from mbcheck.comparisons.papers.rotating_beam.results import BEAM, response
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference.linear import linearise
-from mbcheck.reference.rotating_beam.cases import FIGURE_5
+from mbcheck.reference.rotating_beam import EXTENSIBLE, FIGURE_5, SCENE, beam_scene
 from mbcheck.reference.rotating_beam.equations import prepare_truncated
 from mbcheck.reference.rotating_beam.frequencies.assumed_modes import (
     assumed_modes,
     rest_modes,
     rest_roots,
 )
-from mbcheck.reference.rotating_beam.frequencies.continua import frequencies
 from mbcheck.reference.rotating_beam.frequencies.numbers import numbers, time_unit
 from mbcheck.reference.rotating_beam.frequencies.ritz import ritz
+from mbcheck.reference.rotating_beam.frequencies.stretching import frequencies
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam, coefficients
-from mbcheck.reference.rotating_beam.scene import EXTENSIBLE, SCENE, beam_scene
 from mbcheck.reference.rotating_beam.shapes import cantilever_modes
 from mbcheck.reference.scene import Array, Scene
 

@@ -17,7 +17,7 @@ from typing import Any
 import gmpy2
 import numpy as np
 
-from mbcheck.reference.rotating_beam.scene import BENDING
+from mbcheck.reference.rotating_beam import BENDING
 from mbcheck.reference.rotating_beam.shapes import MORE_POINTS, polynomials
 from mbcheck.tests.support.precise.series import Numbers
 

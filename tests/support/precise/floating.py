@@ -12,9 +12,9 @@ from typing import Any
 import gmpy2
 import sympy as sp
 
-from mbcheck.reference.body.parameters import PLACES
-from mbcheck.reference.floating_beam import equations as beam
-from mbcheck.reference.floating_platform import equations as platform
+from mbcheck.reference import floating_beam as beam
+from mbcheck.reference import floating_platform as platform
+from mbcheck.reference.body.rotation import PLACES
 from mbcheck.tests.support.precise.body import Body
 from mbcheck.tests.support.precise.program import Program, compile_expressions
 from mbcheck.tests.support.precise.series import Lagrangian

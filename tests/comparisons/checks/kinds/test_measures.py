@@ -25,7 +25,7 @@ from mbcheck.models.rotating_beam.mjcf import side
 from mbcheck.reference import get_scene
 from mbcheck.reference.linear import modes
 from mbcheck.reference.orbits import Orbit, trivial_multiplier
-from mbcheck.reference.rotating_beam.scene import SCENE as BEAM
+from mbcheck.reference.rotating_beam import SCENE as BEAM
 from mbcheck.reference.scene import Array
 from mbcheck.tests.support.subjects import Subject, check_of
 

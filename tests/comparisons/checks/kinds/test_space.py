@@ -24,7 +24,7 @@ from mbcheck.models import exudyn_body
 from mbcheck.models.floating_beam import exudyn_model as beam_model
 from mbcheck.models.floating_platform import exudyn_model as platform_model
 from mbcheck.reference import get_scene
-from mbcheck.reference.body.parameters import without_products
+from mbcheck.reference.body.rotation import without_products
 from mbcheck.reference.quaternions import matrix, of_rotation, product
 from mbcheck.reference.scene import Case
 from mbcheck.tests.support.draws import case_near, some_are_slow

@@ -24,8 +24,7 @@ from mbcheck.comparisons.papers.rotating_beam.derivation import (
 from mbcheck.comparisons.papers.rotating_beam.derivation import LOADED as LOADED_16
 from mbcheck.comparisons.papers.rotating_beam.rows import MISPRINTS, SYMBOLS
 from mbcheck.comparisons.papers.session import Session
-from mbcheck.reference.rotating_beam.cases import FIGURE_5
-from mbcheck.reference.rotating_beam.scene import beam_scene
+from mbcheck.reference.rotating_beam import FIGURE_5, beam_scene
 from mbcheck.tests.support.papers import rotating_beam as formulas
 from mbcheck.tests.support.papers.rotating_beam import linear_pulse
 from mbcheck.tests.support.words import agree

@@ -32,12 +32,11 @@ from mbcheck.comparisons.papers.rotating_beam.results import (
 from mbcheck.comparisons.papers.rotating_beam.rows import ROWS
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference.linear import linearise
-from mbcheck.reference.rotating_beam.cases import FIGURE_5
+from mbcheck.reference.rotating_beam import FIGURE_5, SCENE, beam_scene, critical_speed
 from mbcheck.reference.rotating_beam.frequencies.assumed_modes import best_mass_position, crossover
-from mbcheck.reference.rotating_beam.frequencies.continua import frequencies
 from mbcheck.reference.rotating_beam.frequencies.numbers import numbers
+from mbcheck.reference.rotating_beam.frequencies.stretching import frequencies
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
-from mbcheck.reference.rotating_beam.scene import SCENE, beam_scene, critical_speed
 from mbcheck.reference.rotating_beam.shapes import cantilever_modes
 from mbcheck.reference.solve.single import states_at
 from mbcheck.tests.support.papers.rotating_beam import linear_pulse

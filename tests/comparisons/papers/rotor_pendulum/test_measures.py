@@ -15,8 +15,7 @@ from mbcheck.comparisons.papers.rotor_pendulum import cases, regions, results
 from mbcheck.comparisons.papers.rotor_pendulum.rows import ROWS
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference import get_scene
-from mbcheck.reference.rotor_pendulum import theory
-from mbcheck.reference.rotor_pendulum.cases import CASE_1, CASE_2, CASE_3
+from mbcheck.reference.rotor_pendulum import CASE_1, CASE_2, CASE_3, theory
 from mbcheck.reference.rotor_pendulum.phase import wrapped
 
 BY_NAME = {row.name: row for row in ROWS}

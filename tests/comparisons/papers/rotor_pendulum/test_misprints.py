@@ -12,8 +12,7 @@ from mbcheck.comparisons.papers.rotor_pendulum.derivation import stiffness
 from mbcheck.comparisons.papers.rotor_pendulum.rows import ROWS
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference import get_scene
-from mbcheck.reference.rotor_pendulum import theory
-from mbcheck.reference.rotor_pendulum.cases import CASE_1, CASE_2
+from mbcheck.reference.rotor_pendulum import CASE_1, CASE_2, theory
 from mbcheck.reference.rotor_pendulum.equations import coefficients
 from mbcheck.reference.rotor_pendulum.phase import coupling_torque
 

@@ -34,8 +34,7 @@ from mbcheck.comparisons.papers.rotor_pendulum.rows import (
 )
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.comparisons.queries.query import choose_engine, choose_method
-from mbcheck.reference.rotor_pendulum import theory
-from mbcheck.reference.rotor_pendulum.cases import CASE_1, CASE_2
+from mbcheck.reference.rotor_pendulum import CASE_1, CASE_2, theory
 from mbcheck.reference.rotor_pendulum.equations import RotorPendulum, coefficients, operating_speed
 from mbcheck.reference.rotor_pendulum.phase import wrapped
 from mbcheck.reference.scene import Case

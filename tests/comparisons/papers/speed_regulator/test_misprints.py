@@ -29,8 +29,7 @@ from mbcheck.reference.speed_regulator.equations import (
     coefficients,
     position,
 )
-from mbcheck.reference.speed_regulator.orbit import mean_speed
-from mbcheck.reference.speed_regulator.rest import static_torque
+from mbcheck.reference.speed_regulator.motions import mean_speed, static_torque
 from mbcheck.reference.speed_regulator.theory import printed_mean_speed, rotation
 
 PARAMETERS = (

@@ -26,7 +26,7 @@ from mbcheck.reference import get_scene
 from mbcheck.reference.scene import Array
 from mbcheck.reference.speed_regulator import theory
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
-from mbcheck.reference.speed_regulator.rest import found_equilibria
+from mbcheck.reference.speed_regulator.motions import found_equilibria
 from mbcheck.reference.speed_regulator.theory import least_torque, printed_mean_speed, rotation
 from mbcheck.tests.support.papers.shared import holds
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from mbcheck.reference import get_scene
-from mbcheck.reference.rotating_beam.scene import BENDING
+from mbcheck.reference.rotating_beam import BENDING
 from mbcheck.tests.support.precise.kinds.common import Rng, parameters_at, turns
 
 NEAR, WIDE = 0.3, 1.0

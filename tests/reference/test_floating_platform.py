@@ -11,23 +11,18 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from mbcheck.reference import get_scene, quaternions
-from mbcheck.reference.body.floating import symmetric_solution
 from mbcheck.reference.body.floating_scene import LINEAR
-from mbcheck.reference.body.parameters import central_inertia
-from mbcheck.reference.body.rotation import COORDINATES, MOMENTUM, RATES, ROTATION
+from mbcheck.reference.body.rotation import COORDINATES, MOMENTUM, central_inertia
 from mbcheck.reference.errors import NoOrbitError
-from mbcheck.reference.floating_platform.cases import IN_PLANE, PLANAR, TUMBLING
-from mbcheck.reference.floating_platform.equations import FloatingPlatform
+from mbcheck.reference.floating_platform import IN_PLANE, PLANAR, TUMBLING, FloatingPlatform
 from mbcheck.reference.orbits import find_orbit
 from mbcheck.reference.scene import Array
 from mbcheck.reference.solve.single import solve
-from mbcheck.tests.support.exact.charts import by_rotation_vector
 from mbcheck.tests.support.exact.tree import (
     AXES,
     Part,
     Torques,
     about,
-    by_constraints,
     lagrange,
     momenta,
 )
@@ -73,35 +68,12 @@ def test_they_are_lagranges(p: FloatingPlatform) -> None:
         assert SCENE.accelerations(0.0, q, v, c) == pytest.approx(a, rel=1e-10, abs=1e-11)
 
 
-NAMES = ("x", "y", "z", "phi", "theta")
-
-
 def run(p: FloatingPlatform, start: Any, times: Any) -> tuple[dict[str, Array], float]:
     """Return what is observed of the reference, and the bound on its error."""
     solution = solve(SCENE, p, SCENE.state(start), np.asarray(times))
     bound = float(np.max(solution.error_bound))
     assert bound < 1e-9
     return SCENE.observe(solution.states, p), bound
-
-
-def test_a_second_formulation_agrees() -> None:
-    times = np.array([0.05, 0.1])
-    values, bound = run(WEIGHED, TUMBLING, times)
-    rotation = np.array(quaternions.matrix([TUMBLING[name] for name in COORDINATES]))
-    omega = np.array([TUMBLING[name] for name in RATES])
-    others = np.array([TUMBLING.get(f"{name}{dot}", 0.0) for dot in ("", "_dot") for name in NAMES])
-    turned, spins, rest = by_rotation_vector(
-        by_constraints(parts(WEIGHED), torques(WEIGHED), WEIGHED.gravity),
-        rotation,
-        omega,
-        times,
-        others,
-    )
-    found = np.array([values[name] for name in ROTATION]).T.reshape(-1, 3, 3)
-    assert np.max(np.abs(found - turned)) < 4 * bound + 1e-12
-    assert np.max(np.abs(np.array([values[name] for name in RATES]).T - spins)) < 4 * bound + 1e-11
-    names = [f"{name}{dot}" for dot in ("", "_dot") for name in NAMES]
-    assert np.max(np.abs(np.array([values[name] for name in names]).T - rest)) < bound + 1e-11
 
 
 def plane_rates(p: FloatingPlatform) -> Callable[[float, Array], Array]:
@@ -206,14 +178,6 @@ def test_at_rest_nothing_accelerates_and_nothing_drives_an_orbit() -> None:
         SCENE.equilibria["afloat"](WEIGHED)
     with pytest.raises(NoOrbitError):
         find_orbit(SCENE, p)
-
-
-def test_symmetric_equations_are_solved_by_their_upper_triangle() -> None:
-    random = np.random.default_rng(1)
-    root = random.normal(size=(5, 5))
-    matrix, right = root @ root.T, random.normal(size=5)
-    found = symmetric_solution(np.triu(matrix).tolist(), right.tolist())
-    assert found == pytest.approx(np.linalg.solve(matrix, right), rel=1e-9)
 
 
 def test_heavy_arms_keep_their_digits() -> None:

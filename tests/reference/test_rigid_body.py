@@ -8,24 +8,21 @@ import numpy as np
 import pytest
 from scipy.special import ellipj, ellipkinc
 
-from mbcheck.reference import quaternions
-from mbcheck.reference.body.parameters import body_inertia
-from mbcheck.reference.body.rotation import COORDINATES, RATES, ROTATION
+from mbcheck.reference.body.rotation import COORDINATES, RATES, ROTATION, body_inertia
 from mbcheck.reference.differences import by_complex_step
 from mbcheck.reference.errors import NoOrbitError, ParameterError, UnknownNameError
-from mbcheck.reference.rigid_body import SCENE
-from mbcheck.reference.rigid_body.cases import FREE, HEAVY, KOVALEVSKAYA, LAGRANGE, TUMBLING
-from mbcheck.reference.rigid_body.equations import (
+from mbcheck.reference.rigid_body import (
+    FREE,
+    HEAVY,
+    KOVALEVSKAYA,
+    LAGRANGE,
+    SCENE,
+    TUMBLING,
     RigidBody,
-    accelerations,
     coefficients,
-    energy,
-    forces,
-    mass_matrix,
 )
 from mbcheck.reference.scene import Array
 from mbcheck.reference.solve.single import solve
-from mbcheck.tests.support.exact.charts import by_rotation_vector
 
 RANDOM = np.random.default_rng(36)
 
@@ -60,12 +57,14 @@ def test_they_are_lagranges() -> None:
         slopes_by_q = by_complex_step(both, q)[1]
         by_q, momentum_by_q = slopes_by_q[0], slopes_by_q[1:]
         right = by_q - momentum_by_q @ v
-        assert np.array(mass_matrix(q, c)) == pytest.approx(mass, rel=1e-11, abs=1e-13)
-        assert forces(0.0, q, v, c) == pytest.approx(right, rel=1e-10, abs=1e-11)
-        a = np.array(accelerations(0.0, q, v, c))
-        assert np.array(mass_matrix(q, c)) @ a == pytest.approx(forces(0.0, q, v, c), rel=1e-11)
-        right = -lagrangian(q, 0 * v, HEAVY) + v @ np.array(mass_matrix(q, c)) @ v / 2
-        assert energy(q, v, c) == pytest.approx(right, rel=1e-12)
+        assert np.array(SCENE.mass_matrix(q, c)) == pytest.approx(mass, rel=1e-11, abs=1e-13)
+        assert SCENE.forces(0.0, q, v, c) == pytest.approx(right, rel=1e-10, abs=1e-11)
+        a = np.array(SCENE.accelerations(0.0, q, v, c))
+        assert np.array(SCENE.mass_matrix(q, c)) @ a == pytest.approx(
+            SCENE.forces(0.0, q, v, c), rel=1e-11
+        )
+        right = -lagrangian(q, 0 * v, HEAVY) + v @ np.array(SCENE.mass_matrix(q, c)) @ v / 2
+        assert SCENE.energy(q, v, c) == pytest.approx(right, rel=1e-12)
 
 
 def shown(p: RigidBody, state: Array, times: Array) -> tuple[Array, Array, Any]:
@@ -74,26 +73,6 @@ def shown(p: RigidBody, state: Array, times: Array) -> tuple[Array, Array, Any]:
     values = SCENE.observe(solution.states, p)
     rotations = np.array([values[name] for name in ROTATION]).T.reshape(-1, 3, 3)
     return rotations, np.array([values[name] for name in RATES]).T, solution
-
-
-@pytest.mark.parametrize("p", [HEAVY, LAGRANGE], ids=["heavy", "lagrange"])
-def test_a_second_formulation_agrees(p: RigidBody) -> None:
-    state, times = SCENE.state({"q_w": 0.6, "q_y": 0.8} | TUMBLING), np.array([0.2, 0.6])
-    rotations, rates, solution = shown(p, state, times)
-    tensor, arm = body_inertia(p), p.mass * p.centre
-
-    def accelerate(t: float, rotation: Array, omega: Array, *rest: Array) -> tuple[Array, Array]:
-        """Return Euler's equations."""
-        moment = np.cross(arm, rotation.T @ p.gravity) - np.cross(omega, tensor @ omega)
-        faster = np.asarray(np.linalg.solve(tensor, moment), dtype=np.float64)
-        return np.empty(0), faster
-
-    omega = 2 * np.array(quaternions.spin(state[:4], state[4:])[1:])
-    start = np.array(quaternions.matrix(state[:4]))
-    others, spins, _ = by_rotation_vector(accelerate, start, omega, times, np.zeros(0))
-    bound = float(np.max(solution.error_bound))
-    assert np.max(np.abs(rotations - others)) < 4 * bound + 1e-12
-    assert np.max(np.abs(rates - spins)) < 4 * bound + 1e-11
 
 
 def free_rates(moments: Array, omega: Array, times: Array) -> Array:
@@ -201,16 +180,6 @@ def test_a_free_body_moves_by_jacobis_functions_within_its_bound(seed: int) -> N
     assert error < 2 * np.sum(bound[4:]) + 10 * np.sum(bound[:4]) + 10 * room
 
 
-def test_steady_rotation_and_the_separatrix_are_limits() -> None:
-    moments, times = np.array([1.0, 2.0, 3.0]), np.array([0.0, 1.0])
-    for axis in np.eye(3):
-        assert pytest.approx(np.tile(4 * axis, (2, 1))) == free_rates(moments, 4 * axis, times).T
-    one = np.array([1.0, 0.0, 1.0 / np.sqrt(3)])  # L^2 = 2 T I_2
-    rates = free_rates(moments, one, np.array([0.0, 30.0]))
-    assert rates[:, 0] == pytest.approx(one, abs=1e-12)
-    assert abs(rates[1, 1]) == pytest.approx(1.0, rel=1e-6)
-
-
 @pytest.mark.parametrize("case", SCENE.cases, ids=lambda case: case.name)
 def test_what_a_top_conserves(case: Any) -> None:
     p, c = case.parameters, coefficients(case.parameters)
@@ -275,12 +244,3 @@ def test_at_rest_it_hangs_or_stands(name: str, sign: int) -> None:
         assert np.max(np.abs(SCENE.right_hand_side(p)(0.0, state))) < 1e-12
     with pytest.raises(NoOrbitError):
         SCENE.equilibria[name](FREE)
-
-
-def test_the_turn_from_one_direction_to_another_is_a_unit_quaternion() -> None:
-    a, b = np.array([1.0, 2.0, -2.0]), np.array([0.5, -3.0, 1.0])
-    turn = quaternions.to(a, b)
-    assert np.linalg.norm(turn) == pytest.approx(1)
-    cosine = a @ b / np.linalg.norm(a) / np.linalg.norm(b)
-    assert 2 * turn[0] ** 2 - 1 == pytest.approx(cosine)
-    assert turn[1:] @ a == pytest.approx(0)

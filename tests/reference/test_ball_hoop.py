@@ -9,16 +9,14 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from mbcheck.reference import get_scene, quaternions
-from mbcheck.reference.ball_hoop.equations import BallHoop
-from mbcheck.reference.body.parameters import body_inertia, central_inertia
-from mbcheck.reference.body.rotation import RATES, ROTATION
+from mbcheck.reference import get_scene
+from mbcheck.reference.ball_hoop import BallHoop
+from mbcheck.reference.body.rotation import RATES, ROTATION, body_inertia, central_inertia
 from mbcheck.reference.errors import NoOrbitError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
 from mbcheck.reference.orbits import find_orbit
 from mbcheck.reference.scene import Array
 from mbcheck.reference.solve.single import solve
-from mbcheck.tests.support.exact.charts import by_rotation_vector
 
 SCENE = get_scene("ball_hoop")
 GENERAL = BallHoop(gravity_x=3.0, gravity_y=-5.0, gravity_z=-7.0)
@@ -66,38 +64,6 @@ def test_they_are_lagranges(kinematics: Callable[..., Any]) -> None:
         assert SCENE.accelerations(u, q, v, c) == pytest.approx(a, rel=1e-10, abs=1e-11)
 
 
-def by_newton(p: BallHoop) -> Callable[..., tuple[Array, Array]]:
-    """Return y'' and omega' from Newton's and Euler's laws about the centre of mass.
-
-    Unknown are y'', the angular acceleration in the world, and the force on the body at the joint.
-    """
-    central, direction = central_inertia(p), np.array([0.0, 1.0, 0.0])
-
-    def tilde(a: Array) -> Array:
-        """Return the matrix of a x."""
-        return np.cross(np.eye(3), a)
-
-    def accelerate(
-        t: float, rotation: Array, omega: Array, y: Array, speed: Array
-    ) -> tuple[Array, Array]:
-        arm, spin = rotation @ p.centre, rotation @ omega
-        tensor = rotation @ central @ rotation.T
-        drive = p.force_amplitude * np.cos(2 * np.pi * p.force_frequency * t)
-        slide = drive - p.damping * speed[0] - p.stiffness * y[0] + p.main_mass * p.gravity[1]
-        matrix = np.block([
-            [np.array([[p.main_mass]]), np.zeros((1, 3)), direction[None]],
-            [p.mass * direction[:, None], -p.mass * tilde(arm), -np.eye(3)],
-            [np.zeros((3, 1)), tensor, tilde(arm)],
-        ])  # fmt: skip
-        swing = np.cross(spin, np.cross(spin, arm))
-        friction = p.joint_damping * spin
-        right = [[slide], p.mass * (p.gravity - swing), -np.cross(spin, tensor @ spin) - friction]
-        solution = np.linalg.solve(matrix, np.concatenate(right))
-        return solution[:1], rotation.T @ solution[1:4]
-
-    return accelerate
-
-
 def observed(p: BallHoop, start: dict[str, float], times: Array) -> tuple[dict[str, Any], Any]:
     """Return what is observed of the reference, and its solution."""
     solution = solve(SCENE, p, SCENE.state(start), times)
@@ -106,21 +72,6 @@ def observed(p: BallHoop, start: dict[str, float], times: Array) -> tuple[dict[s
 
 START = {"y": 0.02, "y_dot": -0.3, "q_w": 0.9, "q_x": 0.3, "q_y": -0.3, "q_z": 0.1,
          "omega_x": 5.0, "omega_y": -4.0, "omega_z": 8.0}  # fmt: skip
-
-
-def test_a_second_formulation_agrees() -> None:
-    times = np.array([0.2, 0.6])
-    values, solution = observed(GENERAL, START, times)
-    rotation = np.array(quaternions.matrix([START[f"q_{axis}"] for axis in "wxyz"]))
-    omega = np.array([START[name] for name in RATES])
-    sliding = np.array([START["y"], START["y_dot"]])
-    turned, spins, slides = by_rotation_vector(by_newton(GENERAL), rotation, omega, times, sliding)
-    bound = float(np.max(solution.error_bound))
-    assert bound < 1e-11
-    found = np.array([values[name] for name in ROTATION]).T.reshape(-1, 3, 3)
-    assert np.max(np.abs(found - turned)) < 4 * bound + 1e-12
-    assert np.max(np.abs(np.array([values[name] for name in RATES]).T - spins)) < 4 * bound + 1e-11
-    assert np.max(np.abs(np.array([values["y"], values["y_dot"]]).T - slides)) < bound + 1e-12
 
 
 def in_plane(p: HulaHoop) -> BallHoop:

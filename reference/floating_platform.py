@@ -12,7 +12,7 @@ r"""floating_platform: the platform of `rotor_pendulum` afloat, with a rotor and
 
 Source: a textbook example on the mechanism of Fang, Hou, Nan, Yu (2015), J. Vibroengineering 17(5),
 whose platform slides on a sprung guide in a plane; nothing holds it here. The equations are those
-of `..body.floating`, with two hinges side by side on the platform. Rotor and pendulum are bodies of
+of `.body.floating`, with two hinges side by side on the platform. Rotor and pendulum are bodies of
 revolution about the axes of their hinges, and the torques are
 
     tau_1 = k_e (omega_s - phi')  of the motor,    tau_3 = -k theta - d theta'.
@@ -26,10 +26,12 @@ from typing import Any
 
 import numpy as np
 
-from ..body.floating import BASE_NUMBERS, FloatingTree, Link, base_numbers
-from ..body.parameters import BodyParameters, body_inertia
-from ..parameters import quantity
-from ..scene import Array
+from .body.floating import BASE_NUMBERS, FloatingTree, Link, base_numbers
+from .body.floating_scene import floating_scene
+from .body.rotation import BodyParameters
+from .parameters import quantity
+from .rotor_pendulum import SCENE as ROTOR_PENDULUM
+from .scene import Array, case_maker
 
 
 @dataclass(frozen=True)
@@ -75,13 +77,8 @@ Coefficients: Any = namedtuple("Coefficients", NUMBERS)  # type: ignore[misc]
 """Numbers of (1)-(4): those of `base_numbers`, then rotor, rod, spring, damper and motor."""
 
 
-def coefficients(p: FloatingPlatform) -> Any:
-    """Return the numbers of (1)-(4)."""
-    return coefficients_of(p, body_inertia(p))
-
-
-def coefficients_of(p: FloatingPlatform, tensor: Array) -> Any:
-    """Return these numbers of an inertia tensor (3, 3, ...) of the platform about its point."""
+def coefficients(p: FloatingPlatform, tensor: Array | None = None) -> Any:
+    """Return the numbers of the equations; the inertia tensor (3, 3, ...) may be another."""
     rotor = [p.rotor_mass, p.eccentricity, p.polar_moment, p.cross_moment, p.rotor_height]
     rod = [p.rod_mass, p.rod_length, p.rod_moment, p.rod_place, -np.sin(p.tilt), np.cos(p.tilt)]
     others = [p.installation_angle, p.rod_stiffness, p.rod_damping]
@@ -122,3 +119,64 @@ def damping_matrix(c: Any) -> Array:
 def powers(u: Any, q: Any, v: Any, c: Any) -> dict[str, Any]:
     """Return the powers [W] of the motor and of the rod's damper."""
     return {"motor": torques(q, v, c)[0] * v[3], "damper": -c.damping * v[4] ** 2}
+
+
+DRIVEN = FloatingPlatform()
+CONSERVATIVE = DRIVEN.replace(motor_slope=0.0, rod_damping=0.0)
+FALLING = CONSERVATIVE.replace(gravity_x=3.0, gravity_y=-5.0, gravity_z=-7.0)
+PLANAR = DRIVEN.replace(
+    centre_z=0.0, axes_x=0.0, axes_y=0.0, axes_z=0.0, rotor_height=0.0, tilt=0.0
+)
+"""All axes along z and all centres of mass in one plane, which then holds the motion for ever."""
+
+TUMBLING = {
+    "x_dot": 0.9, "y_dot": -0.3, "z_dot": 0.5, "phi": 0.7, "theta": 0.3,
+    "q_w": 0.9, "q_x": 0.3, "q_y": -0.3, "q_z": 0.1, "phi_dot": 40.0, "theta_dot": -3.0,
+    "omega_x": 2.0, "omega_y": -3.0, "omega_z": 4.0,
+}  # fmt: skip
+
+IN_PLANE = {"x_dot": 0.4, "y_dot": -0.3, "theta": 0.3, "phi_dot": 40.0, "omega_z": 3.0}
+
+
+case = case_maker("floating_platform")
+
+CASES = (
+    case("tumbling", DRIVEN, TUMBLING, 0.125, "algebra", "trajectory", "energy", methods="best"),
+    case("afloat", DRIVEN, {}, 0.5, "frequency", about="afloat"),
+    case(
+        "conservative", CONSERVATIVE, TUMBLING, 0.5, "order", "trajectory", "energy", full_only=True
+    ),
+    case("falling", FALLING, TUMBLING, 0.5, "algebra", "energy", full_only=True),
+    case("planar", PLANAR, IN_PLANE, 0.5, "trajectory", "order", full_only=True),
+)
+"""Of `tumbling` *energy* looks at the momenta alone: the motor drives, and the rod is damped."""
+
+
+def keeps_energy(p: FloatingPlatform) -> bool:
+    """Return whether the motor is off and the rod undamped."""
+    return not np.any(p.motor_slope) and not np.any(p.rod_damping)
+
+
+def period(p: FloatingPlatform) -> Any:
+    """Return the time [s] of a turn of the rotor at the motor's own speed, at most 1 s."""
+    return 2 * np.pi / np.maximum(np.abs(p.synchronous_speed), 2 * np.pi)
+
+
+SCENE = floating_scene(
+    TREE,
+    coefficients,
+    keeps_energy,
+    placed=CASES[3],
+    name="floating_platform",
+    title="platform afloat in space with a rotor and a sprung pendulum",
+    paper=ROTOR_PENDULUM.paper,
+    parameters=FloatingPlatform,
+    coordinates=("phi", "theta"),
+    units={"phi": "rad", "theta": "rad"},
+    coefficients=coefficients,
+    damping_matrix=damping_matrix,
+    powers=powers,
+    period=period,
+    unforced=lambda p: p.replace(motor_slope=0.0),
+    cases=CASES,
+)

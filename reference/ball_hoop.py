@@ -18,7 +18,7 @@ direction b = R^T e_y and the lever h = s x b
     h y'' + J omega' = s x (R^T g) - omega x (J omega) - r omega                      (2)
     q' = q (0, omega) / 2                                                             (3)
 
-The quaternion may have any length, see `..body.rotation`. Without d, r and
+The quaternion may have any length, see `.body.rotation`. Without d, r and
 F (1)-(3) are Lagrange's equations of
 
     L = (M + m) y'^2 / 2 + y' h . omega + omega^T J omega / 2 + mu rho^2 / 2
@@ -32,32 +32,45 @@ drives and damps the slide.
 from __future__ import annotations
 
 from collections import namedtuple
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from ..body.parameters import NUMBERS, BodyParameters, body_inertia, body_numbers
-from ..body.rotation import (
+from .body.mistakes import with_mistakes
+from .body.rotation import (
+    COORDINATES,
+    NUMBERS,
+    QUATERNION,
+    RATES,
+    ROTATION,
+    UNITS,
+    BodyAccelerations,
+    BodyParameters,
     Moment,
     accelerations_by,
+    body_numbers,
     body_rates,
     euler,
+    inexact_accelerations,
+    inexact_numbers,
     inner,
     momentum_of,
     rest_attitude,
     rotation_columns,
     rotation_energy,
     rotation_forces,
-    rotation_mass_matrix,
     rotation_outputs,
     sum_of,
     times,
+    turned_inertia,
 )
-from ..errors import NoOrbitError
-from ..parameters import quantity
-from ..quaternions import cross, matrix, square
-from ..scene import Array
+from .errors import NoOrbitError
+from .hula_hoop import SCENE as HULA_HOOP
+from .parameters import quantity
+from .quaternions import cross, matrix, square
+from .scene import Array, Scene, case_maker, with_placements, with_rates
 
 
 @dataclass(frozen=True)
@@ -81,13 +94,8 @@ Coefficients: Any = namedtuple("Coefficients", (*NUMBERS, *OTHERS))  # type: ign
 """Numbers of (1)-(4): those of `body_numbers`, then M + m, k, d, r, F, 2 pi f."""
 
 
-def coefficients(p: BallHoop) -> Any:
-    """Return the numbers of (1)-(4)."""
-    return coefficients_of(p, body_inertia(p))
-
-
-def coefficients_of(p: BallHoop, tensor: Array) -> Any:
-    """Return these numbers of an inertia tensor (3, 3, ...) about the ball joint."""
+def coefficients(p: BallHoop, tensor: Array | None = None) -> Any:
+    """Return the numbers of the equations; the inertia tensor (3, 3, ...) may be another."""
     drive = (p.force_amplitude, 2 * np.pi * p.force_frequency)
     slide = [p.main_mass + p.mass, p.stiffness, p.damping, p.joint_damping, *drive]
     return Coefficients(*(body_numbers(p, tensor) + slide))
@@ -118,7 +126,7 @@ def mass_matrix(q: Any, c: Any, xp: Any = np) -> list[list[Any]]:
     """Return the mass matrix of (4)."""
     lever, size = cross(c[0:3], slide_axis(q)), square(q[TURN])
     mixed = [2 * inner(column, lever) / size for column in rotation_columns(q[TURN])]
-    block = rotation_mass_matrix(q[TURN], c)
+    block = turned_inertia(q[TURN], c[3:9], c[18])
     return [
         [c.mass, *mixed],
         *([side, *row] for side, row in zip(mixed, block, strict=True)),
@@ -221,3 +229,111 @@ def weightless(p: BallHoop) -> dict[str, float]:
     if np.any(p.gravity) and np.any(p.centre):
         raise NoOrbitError("gravity turns the body of ball_hoop: it hangs, or it is inverted")
     return {"y": sagging(p)}
+
+
+def coupled_by(axis_in_body: bool, inertia: float, pull: float, transport: float) -> Any:
+    """Return `body_accelerations` with the factors 1, 1 and 0 changed, or another axis."""
+
+    def accelerate(u: Any, motion: Any, c: Any, moment: Moment, xp: Any) -> list[Any]:
+        q, v, omega = motion
+        axis = [0.0, 1.0, 0.0] if axis_in_body else slide_axis(q)
+        push = slide_force(u, q, v, c) - pull * inner(axis, centripetal(omega, c))
+        lever = [inertia * part for part in cross(c[0:3], axis)]
+        turning = braked_by(moment)(q[TURN], omega, times(c[3:9], omega), c)
+        convected = cross(axis, cross(omega, c[0:3]))
+        return joined(push, lever, sum_of(turning, convected, transport * v[0]), c)
+
+    return accelerate
+
+
+COUPLINGS: dict[str, BodyAccelerations] = {
+    "the inertia that couples slide and ball joint is lost": coupled_by(False, 0.0, 1.0, 0.0),
+    "the turning body does not pull at the slide": coupled_by(False, 1.0, 0.0, 0.0),
+    "the slide's direction is taken in the frame of the body": coupled_by(True, 1.0, 1.0, 0.0),
+    "the moment about the moving joint lacks v x p": coupled_by(False, 1.0, 1.0, 1.0),
+}
+
+
+def invariants(p: BallHoop) -> Mapping[str, Callable[..., Any]]:
+    """Return the energy without dampers, and the angular momentum that gravity leaves.
+
+    The latter without friction in the joint, also while a force drives the slide.
+    """
+    known: dict[str, Callable[..., Any]] = {}
+    if not np.any(p.damping) and not np.any(p.joint_damping):
+        known["energy"] = energy
+    if not np.any(p.gravity[[0, 2]]) and not np.any(p.joint_damping):
+        known["momentum"] = along_slide
+    return known
+
+
+WEIGHED = BallHoop(gravity_x=3.0, gravity_y=-5.0, gravity_z=-7.0)
+CONSERVATIVE = WEIGHED.replace(damping=0.0, joint_damping=0.0, force_amplitude=0.0)
+ALONG = CONSERVATIVE.replace(gravity_x=0.0, gravity_z=0.0)
+FREELY = BallHoop(joint_damping=0.0)
+PLANAR = BallHoop(
+    mass=0.45, centre_x=0.15, centre_y=0.0, centre_z=0.0, axes_x=0.0, axes_y=0.0, axes_z=0.0
+)
+"""Turns about z for ever where it does so at the start, as the rod of `hula_hoop` does."""
+
+SPINNING = {
+    "y": 0.02, "q_w": 0.9, "q_x": 0.3, "q_y": -0.3, "q_z": 0.1,
+    "omega_x": 5.0, "omega_y": -4.0, "omega_z": 8.0,
+}  # fmt: skip
+
+
+case = case_maker("ball_hoop")
+
+CASES = (
+    case("weighed", WEIGHED, SPINNING, 0.25, "algebra", "trajectory", methods="best"),
+    case("hanging", WEIGHED, {}, 0.5, "frequency", about="hanging"),
+    case("driven", FREELY, SPINNING, 0.5, "order", "trajectory", "energy", full_only=True),
+    case("conservative", CONSERVATIVE, SPINNING, 0.5, "energy", full_only=True),
+    case("gravity_along", ALONG, SPINNING, 2.0, "trajectory", "energy", full_only=True),
+    case("planar", PLANAR, {"omega_z": 18.0}, 0.5, "trajectory", "order", full_only=True),
+)
+"""Of `driven` *energy* looks at the angular momentum about the slide alone."""
+
+SCENE = Scene(
+    name="ball_hoop",
+    title="rigid body on a ball joint that a sprung mass drives",
+    paper=HULA_HOOP.paper,
+    parameters=BallHoop,
+    coordinates=("y", *COORDINATES),
+    quaternions=(QUATERNION,),
+    units=with_rates(y="m", **dict.fromkeys(COORDINATES, "1")) | UNITS,
+    coefficients=coefficients,
+    inexact_numbers=inexact_numbers,
+    inexact_accelerations=lambda change: inexact_accelerations(body_accelerations, FIRST, change),
+    drive=HULA_HOOP.drive,
+    drive_form="force on y: F cos(2 pi f t), largest at t = 0, whenever a run starts",
+    mass_matrix=mass_matrix,
+    forces=forces,
+    accelerations=accelerations,
+    damping_matrix=damping_matrix,
+    energy=energy,
+    powers=powers,
+    outputs=outputs,
+    observed=(*ROTATION, *RATES),
+    equilibria={
+        "hanging": lambda p: rest(p, 1.0),
+        "inverted": lambda p: rest(p, -1.0),
+        "weightless": weightless,
+    },
+    period=HULA_HOOP.period,
+    unforced=lambda p: p.replace(force_amplitude=0.0),
+    invariants=invariants,
+    cases=CASES,
+    placed=with_placements(CASES[0], "algebra")[:1],  # a mirror has other quaternions
+)
+
+SCENE = replace(
+    SCENE,
+    mistakes={
+        **with_mistakes(SCENE, body_accelerations, coefficients),
+        **{
+            words: replace(SCENE, accelerations=accelerations_by(accelerate, FIRST), cases=())
+            for words, accelerate in COUPLINGS.items()
+        },
+    },
+)

@@ -9,22 +9,17 @@ import pytest
 
 from mbcheck.reference import get_scene, quaternions
 from mbcheck.reference.body.floating_scene import LINEAR
-from mbcheck.reference.body.parameters import central_inertia
-from mbcheck.reference.body.rotation import COORDINATES, MOMENTUM, RATES, ROTATION
+from mbcheck.reference.body.rotation import MOMENTUM, central_inertia
 from mbcheck.reference.errors import NoOrbitError
-from mbcheck.reference.floating_beam.cases import IN_PLANE, PLANAR, TUMBLING
-from mbcheck.reference.floating_beam.equations import ANGLES, RODS, FloatingBeam
+from mbcheck.reference.floating_beam import ANGLES, IN_PLANE, PLANAR, RODS, TUMBLING, FloatingBeam
 from mbcheck.reference.rotating_beam.chain import chain_scene
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
-from mbcheck.reference.scene import Array
 from mbcheck.reference.solve.single import solve
-from mbcheck.tests.support.exact.charts import by_rotation_vector
 from mbcheck.tests.support.exact.tree import (
     AXES,
     Part,
     Torques,
     about,
-    by_constraints,
     lagrange,
     momenta,
 )
@@ -76,37 +71,6 @@ def test_they_are_lagranges(p: FloatingBeam) -> None:
         turning, moving = momenta(parts(p), q, v)
         assert [values[name] for name in MOMENTUM] == pytest.approx(turning, rel=1e-10)
         assert [values[name] for name in LINEAR] == pytest.approx(moving, rel=1e-10)
-
-
-NAMES = ("x", "y", "z", *ANGLES)
-
-
-def compare(p: FloatingBeam, start: Any, times: Array) -> None:
-    """Hold a run against Newton's and Euler's laws of four bodies in charts."""
-    solution = solve(SCENE, p, SCENE.state(start), times)
-    values, bound = SCENE.observe(solution.states, p), float(np.max(solution.error_bound))
-    assert bound < 1e-9
-    whole = SCENE.completed(start)
-    rotation = np.array(quaternions.matrix([whole[name] for name in COORDINATES]))
-    omega = np.array([start.get(name, 0.0) for name in RATES])
-    names = [f"{name}{dot}" for dot in ("", "_dot") for name in NAMES]
-    laws = by_constraints(parts(p), torques(p), p.gravity)
-    others = np.array([whole[name] for name in names])
-    turned, spins, rest = by_rotation_vector(laws, rotation, omega, times, others)
-    found = np.array([values[name] for name in ROTATION]).T.reshape(-1, 3, 3)
-    assert np.max(np.abs(found - turned)) < 4 * bound + 1e-12
-    assert np.max(np.abs(np.array([values[name] for name in RATES]).T - spins)) < 4 * bound + 1e-10
-    assert np.max(np.abs(np.array([values[name] for name in names]).T - rest)) < bound + 1e-10
-
-
-def test_a_second_formulation_agrees() -> None:
-    compare(WEIGHED, TUMBLING, np.array([2.0**-6]))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("p", "start"), [(WEIGHED, TUMBLING), (PLANAR, IN_PLANE)])
-def test_a_second_formulation_agrees_for_long(p: FloatingBeam, start: Any) -> None:
-    compare(p, start, np.array([0.25, 0.5]))
 
 
 def test_on_a_hub_that_hardly_moves_it_is_the_chain_of_rotating_beam() -> None:

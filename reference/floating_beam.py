@@ -11,7 +11,7 @@ r"""floating_beam: the hub of `rotating_beam` afloat, with a twisted beam as a c
 
 Source: a textbook example on the mechanism of Yang, Wang, Chen, Wu (2016), Shock and Vibration
 8935247, whose hub turns about a fixed axis; nothing holds it here. The equations are those of
-`..body.floating`. The beam is a chain in the scheme A of `..rotating_beam.chain`: three rods of
+`.body.floating`. The beam is a chain in the scheme A of `.rotating_beam.chain`: three rods of
 h = L/3, with torsion springs k = EI/h in their hinges, of 2k at the clamp. A rod of mass m has
 m h^2/12 + I_r/2 across its length and I_r about it, the last one a point mass at its end as well.
 The axis of a hinge is that of the hinge before it turned by tau about the rod between them: with
@@ -21,15 +21,17 @@ tau = 0 the chain bends in one plane, else, as a twisted blade, in two.
 from __future__ import annotations
 
 from collections import namedtuple
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from ..body.floating import BASE_NUMBERS, FloatingTree, Link, base_numbers
-from ..body.parameters import BodyParameters, body_inertia
-from ..parameters import quantity
-from ..scene import Array
+from .body.floating import BASE_NUMBERS, FloatingTree, Link, base_numbers
+from .body.floating_scene import chain_mistakes, floating_scene
+from .body.rotation import BodyParameters
+from .parameters import quantity
+from .rotating_beam import SCENE as ROTATING_BEAM
+from .scene import Array, case_maker
 
 RODS = 3
 ANGLES = tuple(f"theta_{k}" for k in range(1, RODS + 1))
@@ -83,13 +85,8 @@ Coefficients: Any = namedtuple("Coefficients", NUMBERS)  # type: ignore[misc]
 """Numbers of the equations: those of `base_numbers`, then rods, twist, springs and damper."""
 
 
-def coefficients(p: FloatingBeam) -> Any:
-    """Return the numbers of the equations."""
-    return coefficients_of(p, body_inertia(p))
-
-
-def coefficients_of(p: FloatingBeam, tensor: Array) -> Any:
-    """Return these numbers of an inertia tensor (3, 3, ...) of the hub about its point."""
+def coefficients(p: FloatingBeam, tensor: Array | None = None) -> Any:
+    """Return the numbers of the equations; the inertia tensor (3, 3, ...) may be another."""
     rods = [number for rod in p.rods[-2:] for number in rod]
     own = [p.polar_moment, p.hub_radius, p.rod_length, np.cos(p.twist), np.sin(p.twist)]
     base = base_numbers(p, tensor, p.beam_mass + p.tip_mass)
@@ -137,3 +134,65 @@ def damping_matrix(c: Any) -> Array:
 def powers(u: Any, q: Any, v: Any, c: Any) -> dict[str, Any]:
     """Return the power [W] of the dampers."""
     return {"dampers": -c.damping * sum(rate**2 for rate in v[3 : 3 + RODS])}
+
+
+DAMPED = FloatingBeam()
+WEIGHED = DAMPED.replace(gravity_x=3.0, gravity_y=-5.0, gravity_z=-7.0)
+CONSERVATIVE = DAMPED.replace(hinge_damping=0.0)
+PLANAR = DAMPED.replace(centre_z=0.0, axes_x=0.0, axes_y=0.0, axes_z=0.0, twist=0.0)
+"""All axes along z and all centres of mass in one plane, which then holds the motion for ever."""
+
+TUMBLING = {
+    "x_dot": 0.9, "y_dot": -0.3, "z_dot": 0.5, "theta_1": 0.3, "theta_2": -0.5, "theta_3": 0.7,
+    "q_w": 0.9, "q_x": 0.3, "q_y": -0.3, "q_z": 0.1,
+    "theta_1_dot": -3.0, "theta_2_dot": 5.0, "theta_3_dot": 4.0,
+    "omega_x": 2.0, "omega_y": -3.0, "omega_z": 4.0,
+}  # fmt: skip
+
+IN_PLANE = {
+    "x_dot": 0.4, "y_dot": -0.3, "theta_1": 0.3, "theta_2": -0.5, "theta_3_dot": 4.0, "omega_z": 3.0
+}  # fmt: skip
+
+
+case = case_maker("floating_beam")
+
+CASES = (
+    case("tumbling", WEIGHED, TUMBLING, 0.0625, "algebra", "trajectory", methods="best"),
+    case("afloat", DAMPED, {}, 0.5, "frequency", about="afloat"),
+    case(
+        "conservative", CONSERVATIVE, TUMBLING, 0.5, "order", "trajectory", "energy", full_only=True
+    ),
+    case("falling", WEIGHED.replace(hinge_damping=0.0), TUMBLING, 0.25, "energy", full_only=True),
+    case("planar", PLANAR, IN_PLANE, 0.5, "trajectory", "order", full_only=True),
+)
+
+
+def period(p: FloatingBeam) -> Any:
+    """Return the period [s] of a clamped beam, 1 s if it has no stiffness.
+
+    Rayleigh's: 33/140 of its mass move with the tip.
+    """
+    moving = (33 / 140 * p.beam_mass + p.tip_mass) * p.length**3 / 3
+    stiff = np.where(np.asarray(p.bending_stiffness) > 0, p.bending_stiffness, np.inf)
+    return np.where(np.isfinite(stiff), 2 * np.pi * np.sqrt(moving / stiff), 1.0)
+
+
+SCENE = floating_scene(
+    TREE,
+    coefficients,
+    lambda p: not np.any(p.hinge_damping),
+    placed=CASES[0],
+    name="floating_beam",
+    title="hub afloat in space with a twisted beam as a chain of rods",
+    paper=ROTATING_BEAM.paper,
+    parameters=FloatingBeam,
+    coordinates=ANGLES,
+    units=dict.fromkeys(ANGLES, "rad"),
+    coefficients=coefficients,
+    damping_matrix=damping_matrix,
+    powers=powers,
+    period=period,
+    cases=CASES,
+)
+
+SCENE = replace(SCENE, mistakes={**SCENE.mistakes, **chain_mistakes(SCENE, TREE)})

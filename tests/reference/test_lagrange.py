@@ -1,0 +1,64 @@
+"""The equations of motion against those of Lagrange, by SymPy from positions and energies alone."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from mbcheck.reference import get_scene
+from mbcheck.tests.support.precise.lagrange import MECHANISMS, mass_and_load
+
+
+@pytest.mark.parametrize(("name", "word"), MECHANISMS)
+def test_equations_are_those_of_lagrange(name: str, word: str) -> None:
+    """Over two orders of magnitude of each parameter, with gravity."""
+    scene, system = get_scene(name), MECHANISMS[name, word]()
+    gravity = sp.symbols("gravity_x gravity_y", real=True)
+    weight = sum(m * (gravity[0] * at[0] + gravity[1] * at[1]) for m, at in system.masses)
+    matrix, load = mass_and_load(system._replace(potential=system.potential - weight))
+    names = scene.parameters.numeric_names()
+    symbols = [system.time, *system.q, *system.v, *(sp.Symbol(one, real=True) for one in names)]
+    exact, random = sp.lambdify(symbols, (matrix, load), cse=True), np.random.default_rng(7)
+    n, words = len(system.q), {key: word for key in scene.parameters.choices()}
+    for _ in range(40):
+        p = drawn(scene, random, words)
+        t, q, v = random.uniform(0, 9), random.normal(size=n), 10 * random.normal(size=n)
+        numbers = [getattr(p, one) for one in names]
+        mass, right = (np.array(part, dtype=float) for part in exact(t, *q, *v, *numbers))
+        c = scene.coefficients(p)
+        u = scene.drive(t, c, np) if scene.drive else 0.0
+        size = np.sqrt(np.diag(mass))
+        unit = mass / np.outer(size, size)
+        np.testing.assert_allclose(scene.mass_matrix(q, c) / np.outer(size, size), unit, atol=1e-12)
+        forces = np.array(scene.forces(u, q, v, c))
+        np.testing.assert_allclose(forces, right, rtol=1e-11, atol=1e-12 * largest(scene, p, q, v))
+        wanted = np.linalg.solve(unit, right / size)
+        room = 1e-13 * np.linalg.cond(unit) * largest(scene, p, q, v) / np.min(size)
+        found = np.array(scene.accelerations(u, q, v, c)) * size
+        np.testing.assert_allclose(found, wanted, atol=room)
+
+
+def drawn(scene: Any, random: Any, words: dict[str, str]) -> Any:
+    """Return parameters about the defaults, with gravity."""
+    values = {
+        name: (value or 5.0) * 10 ** random.uniform(-1, 1)
+        for name, value in scene.parameters().as_dict().items()
+        if name not in words
+    }
+    if "crank_radius" in values:
+        values["crank_radius"] = values["rod_length"] * random.uniform(0.02, 0.9)
+    return scene.parameters(**values, **words)
+
+
+def largest(scene: Any, p: Any, q: Any, v: Any) -> float:
+    """Return the size of the terms of forces: with each sign of speed, and by each coefficient."""
+    c = scene.coefficients(p)
+    parts = [scene.forces(1.0, q, sign * v, c) for sign in (1, -1, 0)]
+    parts += [
+        (np.array(scene.forces(1.0, q, v, c._replace(**{name: 1.5 * value}))) - parts[0]) / 0.5
+        for name, value in zip(c._fields, c, strict=True)
+    ]
+    return float(np.max(np.abs(parts)))
