@@ -50,8 +50,8 @@ def sections(result: Tradeoff | ModelTradeoff) -> list[Section]:
             (LIMITS, LIMIT, [limit_cells(one) for one in result.series]),
         ]
         lines, last = [f"note: {note}" for note in result.failures], []
-    shown = [Section(*table, digits=DIGITS) for table in tables if table[2]]
-    parts = [Section(lines=lines), *shown, Section(lines=last)]
+    full_tables = [Section(*table, digits=DIGITS) for table in tables if table[2]]
+    parts = [Section(lines=lines), *full_tables, Section(lines=last)]
     return [part for part in parts if part.rows or part.lines]
 
 
