@@ -29,7 +29,7 @@ from ..engines.registry import (
 )
 from ..engines.run import describe, excerpt, noting, traceback_of
 from ..engines.setup import Setup
-from ..engines.variants.catalogue import Variant
+from ..faults.variants import Variant
 from .diagnosis.cause import cause
 from .kinds import (
     algebra,

@@ -11,7 +11,7 @@ from rich.console import Console
 
 from ..checks.suite import EXTREMES
 from ..checks.verdict import ENGINE, REFERENCE, Result
-from ..engines.variants.catalogue import NOT_PROVOKED
+from ..faults.variants import NOT_PROVOKED
 from ..reports.text import markdown_table, print_line, print_table, print_wrapped
 
 RIGHT, WRONG, FAILED, REFUSED, SKIPPED = "right", "wrong", "failed", "refused", "skipped"

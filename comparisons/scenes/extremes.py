@@ -20,7 +20,7 @@ from ..checks.kinds.pushed import FEWEST
 from ..checks.suite import EXTREMES, Check, best_method, matching
 from ..engines.registry import REFERENCE, get_engine, resolve_selection
 from ..engines.setup import Setup, default_step, power_of_two, shortest_period
-from ..engines.variants.catalogue import EXTRA_METHODS, LONG_METHODS, Variant
+from ..faults.variants import EXTRA_METHODS, LONG_METHODS, Variant
 from .data import scene_data
 
 

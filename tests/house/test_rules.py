@@ -80,7 +80,7 @@ def test_rule_sees_what_breaks_it(rule: str, path: str, source: str, breach: str
         ("scenes_by_name", HERE, "HELP = 'mbcheck check rotating_beam'"),
         ("scenes_by_name", "comparisons/scenes/hula_hoop/a.py", "NAME = 'hula_hoop'"),
         ("engines_by_name", HERE, "TEXT = 'MuJoCo'"),
-        ("engines_by_name", "comparisons/engines/variants/a.py", "NAME = 'mujoco'"),
+        ("engines_by_name", "comparisons/faults/a.py", "NAME = 'mujoco'"),
         ("asked_engines", HERE, "def f(engine): return engine.batch"),
         ("broad_excepts", HERE, "def f():\n    try: g()\n    except EngineError: pass"),
         ("broad_excepts", HERE, "def f():\n    try: g()\n    except Exception:\n        raise"),

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from mbcheck.comparisons.engines.exudyn.engine import EXPLICIT, IMPLICIT
 from mbcheck.comparisons.engines.run import Trajectory
-from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
+from mbcheck.comparisons.faults.exudyn import ExudynAdapter
 from mbcheck.models.exudyn_system import items
 from mbcheck.models.rotating_beam import exudyn_model
 from mbcheck.models.rotating_beam.exudyn_model import MODELS, stations

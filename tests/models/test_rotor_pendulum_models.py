@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from mbcheck.comparisons.engines.setup import Setup, run
-from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
+from mbcheck.comparisons.faults.exudyn import ExudynAdapter
 from mbcheck.models.mjcf import export
 from mbcheck.models.rotor_pendulum import exudyn_model
 from mbcheck.models.rotor_pendulum.mjcf import INERTIA_FLOOR, MODELS

@@ -11,8 +11,8 @@ import numpy as np
 
 import mbcheck
 from mbcheck.comparisons.checks.diagnosis.placement import as_placed, with_axes_of_world
-from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
-from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
+from mbcheck.comparisons.faults.exudyn import ExudynAdapter
+from mbcheck.comparisons.faults.mujoco import MujocoAdapter
 from mbcheck.examples.mujoco_engine import MujocoPlugin
 from mbcheck.models import kinematics
 from mbcheck.models.mechanism import mechanism

@@ -6,7 +6,7 @@ from functools import partial
 from math import pi
 
 from ...checks.kinds.long_runs import CONSERVATIVE, FREE, LOCKED
-from ...engines.variants.catalogue import (
+from ...faults.variants import (
     AUTOMATIC_STEPS,
     DEFAULT_NEWTON,
     DEFAULT_STEPS,

@@ -9,7 +9,7 @@ from ....reference.rotating_beam.parameters import steady_speed
 from ....reference.rotating_beam.scene import critical_speed
 from ...checks.kinds.long_runs import AFTER_PULSE
 from ...engines.registry import REFERENCE
-from ...engines.variants.catalogue import DEFAULT_STEPS, Variant, exudyn
+from ...faults.variants import DEFAULT_STEPS, Variant, exudyn
 from ..extremes import EngineFailure, Extreme, LongMotion
 
 LINE = 2766.7 * 7.2968e-5

@@ -10,7 +10,7 @@ from ....reference.rotor_pendulum.cases import AT_SPEED, CASE_2
 from ....reference.rotor_pendulum.equations import operating_speed
 from ....reference.rotor_pendulum.phase import coupling_harmonics
 from ...checks.kinds.long_runs import CONSERVATIVE, FREE, LOCKED
-from ...engines.variants.catalogue import EXUDYN
+from ...faults.variants import EXUDYN
 from ..extremes import Extreme, LongMotion
 
 MASS = 114.0

@@ -9,7 +9,7 @@ from ....models.speed_regulator.mjcf import closed_by
 from ....reference.speed_regulator.equations import SpeedRegulator
 from ....reference.speed_regulator.rest import equilibrium
 from ...checks.kinds.long_runs import CONSERVATIVE, FREE, LOCKED
-from ...engines.variants.catalogue import exudyn, mujoco
+from ...faults.variants import exudyn, mujoco
 from ..extremes import EngineFailure, Extreme, LongMotion
 
 crank = partial(Extreme, case="rotation")

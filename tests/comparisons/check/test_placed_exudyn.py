@@ -13,7 +13,7 @@ from mbcheck.comparisons.checks.suite import checks_of, run_check
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.exudyn.engine import Exudyn
 from mbcheck.comparisons.engines.protocol import System
-from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
+from mbcheck.comparisons.faults.exudyn import ExudynAdapter
 from mbcheck.models.placement import right_handed, world_axes
 from mbcheck.reference import get_scene
 from mbcheck.reference.rotating_beam.elements import element_scene

@@ -12,7 +12,7 @@ from mbcheck.comparisons.checks.request import CheckRequest
 from mbcheck.comparisons.checks.suite import checks_of, kinds_of, plan_cases, run_check
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.adapter import adapt
-from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
+from mbcheck.comparisons.faults.mujoco import MujocoAdapter
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import UsageError
 from mbcheck.reference.scene import Case

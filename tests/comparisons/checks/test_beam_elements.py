@@ -18,13 +18,14 @@ from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.setup import Setup
-from mbcheck.comparisons.engines.variants.catalogue import Misread, Wrapped
+from mbcheck.comparisons.faults.catalogue import ENGINES, scaled
+from mbcheck.comparisons.faults.exudyn import OtherItems, Rebuilt
+from mbcheck.comparisons.faults.variants import Misread, Wrapped
 from mbcheck.models.exudyn_system import items
 from mbcheck.models.rotating_beam import exudyn_model
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 from mbcheck.reference.rotating_beam.scene import SCENE
 from mbcheck.reference.scene import Array, Case
-from mbcheck.tests.support.faults import ENGINES, OtherItems, RebuiltExudyn, scaled
 from mbcheck.tests.support.subjects import is_seen
 
 METHOD = "GeneralizedAlpha"
@@ -37,7 +38,7 @@ def rebuilt(kind: str, name: str, factor: float) -> Callable[[], Adapter]:
     def made(**values: Any) -> Any:
         return getattr(items, kind)(**{**values, name: factor * values[name]})
 
-    return lambda: RebuiltExudyn(exudyn_model, items=OtherItems(**{kind: made}))
+    return lambda: Rebuilt(exudyn_model, items=OtherItems(**{kind: made}))
 
 
 EXACT, ANCF = "ObjectBeamGeometricallyExact2D", "ObjectANCFCable2D"

@@ -22,7 +22,7 @@ from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.run import Trajectory
-from mbcheck.comparisons.engines.variants.catalogue import Delegating, Wrapped
+from mbcheck.comparisons.faults.variants import Delegating, Wrapped
 from mbcheck.reference import SCENES
 from mbcheck.reference.errors import EngineUnavailableError, UsageError
 from mbcheck.reference.hula_hoop.equations import HulaHoop

@@ -9,16 +9,9 @@ import pytest
 
 from mbcheck.comparisons.checks.suite import run_check
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.tests.support.faults import (
-    ENGINES,
-    FAULTS,
-    FLIPPED,
-    Fault,
-    Impostor,
-    Resetting,
-    scaled,
-    wrapped,
-)
+from mbcheck.comparisons.faults.catalogue import ENGINES, FAULTS, FLIPPED, Fault, scaled, wrapped
+from mbcheck.comparisons.faults.reference import Impostor
+from mbcheck.comparisons.faults.runs import Resetting
 from mbcheck.tests.support.subjects import Subject, check_of, is_seen, label, results_of
 
 SUBJECTS = (

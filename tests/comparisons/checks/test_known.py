@@ -22,10 +22,10 @@ from mbcheck.comparisons.checks.known import Entry, Listing
 from mbcheck.comparisons.checks.request import Execution
 from mbcheck.comparisons.checks.verdict import Result, Verdict
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.faults.catalogue import FAULTS
 from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import invoke, refusal
 from mbcheck.tests.support.documents import validated
-from mbcheck.tests.support.faults import FAULTS
 from mbcheck.tests.support.results import HOSTILE, changed, result
 
 RUN = "check hula_hoop --engine mujoco --kind frequency -j 1"

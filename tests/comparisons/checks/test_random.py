@@ -14,7 +14,8 @@ from mbcheck.comparisons.checks.kinds import pushed
 from mbcheck.comparisons.checks.verdict import REFERENCE
 from mbcheck.comparisons.engines.isolation import STATM, isolated
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.engines.variants.catalogue import Misread
+from mbcheck.comparisons.faults.catalogue import ENGINES
+from mbcheck.comparisons.faults.variants import Misread
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.scene import Case
 from mbcheck.tests.support import draws
@@ -26,7 +27,6 @@ from mbcheck.tests.support.draws import (
     shape,
     silent,
 )
-from mbcheck.tests.support.faults import ENGINES
 
 SECONDS, MEGABYTES = 60.0, 4000.0 if STATM.exists() else None
 """Contained, not waited for: no draw takes as long."""

@@ -22,9 +22,11 @@ from mbcheck.comparisons.engines.exudyn.engine import EXPLICIT
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import Trajectory, grid_indices
 from mbcheck.comparisons.engines.setup import Setup, run
-from mbcheck.comparisons.engines.variants.catalogue import Delegating, Misread, Wrapped
-from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
-from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
+from mbcheck.comparisons.faults.catalogue import ENGINES, Fault, misread, scaled
+from mbcheck.comparisons.faults.exudyn import ExudynAdapter, Rebuilt
+from mbcheck.comparisons.faults.mujoco import MujocoAdapter
+from mbcheck.comparisons.faults.reference import Impostor
+from mbcheck.comparisons.faults.variants import Delegating, Misread, Wrapped
 from mbcheck.models.exudyn_system import items
 from mbcheck.models.rotating_beam import exudyn_model
 from mbcheck.reference.errors import EngineError
@@ -33,7 +35,6 @@ from mbcheck.reference.rotating_beam.chain import scene_of
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 from mbcheck.reference.rotating_beam.scene import SCENE, beam_scene
 from mbcheck.reference.scene import Array, Case
-from mbcheck.tests.support.faults import ENGINES, Fault, Impostor, RebuiltExudyn, misread, scaled
 from mbcheck.tests.support.subjects import Subject, check_of, is_seen, label, results_of
 
 CHAIN = Subject("rotating_beam", "mujoco", "chain", "RK4")
@@ -272,7 +273,7 @@ def test_a_clamp_that_keeps_the_slope_vector_costs_part_of_an_order(
     case: str, profile: str, seen: bool
 ) -> None:
     """It converges to the same beam from ten times as far; its elements have other frequencies."""
-    wrong = RebuiltExudyn(exudyn_model, clamp=whole_clamp)
+    wrong = Rebuilt(exudyn_model, clamp=whole_clamp)
     assert is_seen(results_of(ELEMENTS, "order", wrong, case, profile)) == seen
     assert is_seen(results_of(ELEMENTS, "frequency", wrong, case, profile)) == seen
 

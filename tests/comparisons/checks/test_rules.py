@@ -18,7 +18,7 @@ from mbcheck.comparisons.engines.exudyn.engine import Exudyn
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup, run
-from mbcheck.comparisons.engines.variants.catalogue import Delegating
+from mbcheck.comparisons.faults.variants import Delegating
 from mbcheck.comparisons.queries.simulate import simulate
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import EngineError

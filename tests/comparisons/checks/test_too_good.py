@@ -13,8 +13,8 @@ from mbcheck.comparisons.checks.kinds import elements, one_step, order
 from mbcheck.comparisons.checks.verdict import Finding, judge
 from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.comparisons.engines.setup import Setup
-from mbcheck.comparisons.engines.variants.catalogue import Wrapped
-from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
+from mbcheck.comparisons.faults.exudyn import ExudynAdapter
+from mbcheck.comparisons.faults.variants import Wrapped
 from mbcheck.reference import get_scene
 from mbcheck.reference.scene import Array, Case
 from mbcheck.tests.support.engines.floating import Floating

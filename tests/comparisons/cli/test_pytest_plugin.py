@@ -14,9 +14,9 @@ import pytest
 
 from mbcheck.comparisons.checks import suite
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.faults.catalogue import FAULTS
 from mbcheck.tests.support.command import invoke
 from mbcheck.tests.support.documents import validated
-from mbcheck.tests.support.faults import FAULTS
 
 pytest_plugins = "pytester"
 
@@ -291,7 +291,7 @@ def test_processes_of_xdist_report_together(
     (tmp_path / "wrong.py").write_text(
         "from mbcheck.comparisons.checks import suite\n"
         "from mbcheck.comparisons.engines.registry import get_engine\n"
-        "from mbcheck.tests.support.faults import FAULTS\n"
+        "from mbcheck.comparisons.faults.catalogue import FAULTS\n"
         "wrong = FAULTS['hula_hoop']['spring_0.1_percent'].make['mujoco']()\n"
         "suite.get_engine = lambda name: wrong if name == 'mujoco' else get_engine(name)\n"
     )

@@ -21,12 +21,12 @@ from mbcheck.comparisons.diff import report as printed
 from mbcheck.comparisons.diff.changes import FACTOR, SHARE, SORTS, Diff, compare
 from mbcheck.comparisons.diff.document import read
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.faults.catalogue import FAULTS
 from mbcheck.comparisons.queries.environment import environment
 from mbcheck.comparisons.reports.run.outcome import Report, Run
 from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import invoke, refusal
 from mbcheck.tests.support.documents import validated
-from mbcheck.tests.support.faults import FAULTS
 from mbcheck.tests.support.results import HOSTILE, changed, result
 
 VERSIONS = {"mbcheck": "0.1.0", "mujoco": "3.6.0"}

@@ -16,7 +16,7 @@ from mbcheck.comparisons.engines.exudyn import engine as exudyn
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import contained
 from mbcheck.comparisons.engines.setup import Setup, run
-from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
+from mbcheck.comparisons.faults.exudyn import ExudynAdapter
 from mbcheck.reference.errors import EngineError, EngineUnavailableError, UnknownNameError
 from mbcheck.reference.hula_hoop.equations import SCENE, SEMICIRCLE, HulaHoop, coefficients
 from mbcheck.reference.scene import Array, Case

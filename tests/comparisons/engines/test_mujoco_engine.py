@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import contained
 from mbcheck.comparisons.engines.setup import Setup, run
-from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
+from mbcheck.comparisons.faults.mujoco import MujocoAdapter
 from mbcheck.models.hula_hoop.mjcf import MODELS
 from mbcheck.models.mjcf import bind, export, models, number
 from mbcheck.reference.errors import EngineError, EngineUnavailableError, UnknownNameError

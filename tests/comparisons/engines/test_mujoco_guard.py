@@ -11,14 +11,13 @@ import pytest
 from mbcheck.comparisons.engines.mujoco.library import integrate, quiet
 from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.setup import Setup, guard, run
-from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
+from mbcheck.comparisons.faults.mujoco import Edited, MujocoAdapter
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.hula_hoop.equations import (
     SPINNING,
     HulaHoop,
 )
 from mbcheck.reference.scene import Case
-from mbcheck.tests.support.faults import Edited
 
 ENGINE = MujocoAdapter()
 
@@ -69,7 +68,7 @@ def without_warnings(trajectory: Trajectory) -> Trajectory:
 
 @pytest.mark.parametrize("samples", ["dense", "end"])
 def test_automatic_reset_is_caught(samples: str) -> None:
-    engine = Edited('<flag contact="disable" autoreset="disable"/>', '<flag contact="disable"/>')
+    engine = Edited(('<flag contact="disable" autoreset="disable"/>', '<flag contact="disable"/>'))
     times = UNSTABLE * np.arange(1.0, 201.0)
     case = case_of(None, SPINNING)
     chosen = times if samples == "dense" else times[-1:]

@@ -17,7 +17,7 @@ from mbcheck.comparisons.engines.equations import invariants_of, scene_equations
 from mbcheck.comparisons.engines.registry import remote_plugin
 from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.setup import Setup
-from mbcheck.comparisons.engines.variants.catalogue import Wrapped
+from mbcheck.comparisons.faults.variants import Wrapped
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import UnknownNameError, UsageError
 from mbcheck.reference.solve import schemes

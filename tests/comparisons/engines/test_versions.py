@@ -20,7 +20,7 @@ from mbcheck.comparisons.engines.exudyn import engine as exudyn
 from mbcheck.comparisons.engines.exudyn.engine import RENAMED, Exudyn, assign
 from mbcheck.comparisons.engines.mujoco import engine as mujoco
 from mbcheck.comparisons.engines.mujoco.engine import MuJoCo
-from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
+from mbcheck.comparisons.faults.exudyn import ExudynAdapter
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineUnavailableError
 

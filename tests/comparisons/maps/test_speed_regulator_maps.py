@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.engines.variants.catalogue import Misread
+from mbcheck.comparisons.faults.variants import Misread
 from mbcheck.comparisons.queries.simulate import simulate
 from mbcheck.comparisons.scenes import quantity as motion
 from mbcheck.comparisons.scenes.quantity import NO_VALUE, Points

@@ -9,7 +9,7 @@ import pytest
 
 from mbcheck.comparisons import scenes
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.engines.variants.reference import Undeclared
+from mbcheck.comparisons.faults.reference import Undeclared
 from mbcheck.comparisons.scenes import data
 from mbcheck.comparisons.scenes.data import scene_data
 from mbcheck.comparisons.scenes.quantity import NO_VALUE, QuantityValues

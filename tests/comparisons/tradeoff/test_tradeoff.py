@@ -16,7 +16,7 @@ from mbcheck.comparisons.cli.group import program
 from mbcheck.comparisons.engines.equations import scene_equations
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import run
-from mbcheck.comparisons.engines.variants.catalogue import Misread
+from mbcheck.comparisons.faults.variants import Misread
 from mbcheck.comparisons.reports.files import Destination
 from mbcheck.comparisons.tradeoff.report import Tradeoff, tradeoff
 from mbcheck.comparisons.tradeoff.request import TradeoffRequest

@@ -14,9 +14,9 @@ from mbcheck.comparisons.engines.equations import ModelEquations
 from mbcheck.comparisons.engines.mujoco.engine import joint_force
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup
-from mbcheck.comparisons.engines.variants.catalogue import Delegating
-from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
-from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
+from mbcheck.comparisons.faults.exudyn import ExudynAdapter
+from mbcheck.comparisons.faults.mujoco import MujocoAdapter
+from mbcheck.comparisons.faults.variants import Delegating
 from mbcheck.models.speed_regulator import exudyn_model
 from mbcheck.models.speed_regulator.mjcf import MODELS
 from mbcheck.reference.errors import UnknownNameError

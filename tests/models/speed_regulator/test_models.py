@@ -11,7 +11,7 @@ from mbcheck.comparisons.engines.exudyn.engine import (
     place_initial,
     quiet,
 )
-from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
+from mbcheck.comparisons.faults.exudyn import ExudynAdapter
 from mbcheck.models.mjcf import export
 from mbcheck.models.speed_regulator import exudyn_model
 from mbcheck.models.speed_regulator.mjcf import MODELS

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.engines.setup import Setup
-from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
+from mbcheck.comparisons.faults.mujoco import MujocoAdapter
 from mbcheck.comparisons.queries.simulate import simulate
 from mbcheck.models.speed_regulator import mjcf
 from mbcheck.models.speed_regulator.mjcf import HARD_SOLIMP, HARD_SOLREF, MODELS, closed_by

@@ -20,14 +20,14 @@ from mbcheck.comparisons.checks.suite import Check, checks_of, kinds_of, run_che
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines import registry
 from mbcheck.comparisons.engines.adapter import Adapter, adapt
-from mbcheck.comparisons.engines.variants.catalogue import Misread
+from mbcheck.comparisons.faults.catalogue import ENGINES
+from mbcheck.comparisons.faults.variants import Misread
 from mbcheck.comparisons.reports.run.located import LEVELS, located
 from mbcheck.examples.mujoco_engine import MujocoPlugin
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import MbcheckError
 from mbcheck.reference.scene import Case
 from mbcheck.tests.support.engines.solved import Solved
-from mbcheck.tests.support.faults import ENGINES
 
 PLANE = sorted(name for name in SCENES if not get_scene(name).quaternions)
 SPACE = sorted({*SCENES} - {*PLANE})

@@ -20,11 +20,11 @@ from mbcheck.comparisons.checks.suite import Check, checks_of, kinds_of, run_che
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.setup import Setup, power_of_two
+from mbcheck.comparisons.faults.catalogue import ENGINES
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import MbcheckError
 from mbcheck.reference.scene import Case
 from mbcheck.tests.support.draws import with_moments_of_a_body
-from mbcheck.tests.support.faults import ENGINES
 
 SEEDS = (
     "hula_hoop",

@@ -13,7 +13,7 @@ ALLOWED: Mapping[str, Mapping[str, str]] = {
         "comparisons/engines/registry.py::mujoco": "loads it",
     },
     "asked_engines": {
-        "comparisons/engines/variants/catalogue.py::Wrapped.__getattr__": "delegates all there is",
+        "comparisons/faults/variants.py::Wrapped.__getattr__": "delegates all there is",
     },
     "broad_excepts": {
         "comparisons/checks/diagnosis/cause.py::cause": "runs the engine again, for words only",

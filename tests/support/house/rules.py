@@ -20,7 +20,18 @@ from mbcheck.tests.support.house.module import (
 ENGINES: Mapping[str, tuple[str, ...]] = {"mujoco": ("mujoco", "mjcf"), "exudyn": ("exudyn",)}
 """Engine -> the words one of which a module's path has if it may know that engine."""
 
-DOWN = ("cli", "", "terminal", "reports", "scenes", "queries", "checks", "engines", "documents")
+DOWN = (
+    "cli",
+    "",
+    "terminal",
+    "reports",
+    "scenes",
+    "queries",
+    "checks",
+    "faults",
+    "engines",
+    "documents",
+)
 """Folders of `comparisons` from the highest layer down; features, all others, stand for ""."""
 
 BESIDE = {
@@ -62,7 +73,7 @@ def scenes_by_name(house: Sequence[Module]) -> Iterator[str]:
     Commands that are shown as examples do so: they begin with "mbcheck ".
     """
     pattern = re.compile(rf"(?<![\w.])({'|'.join(SCENES)})(?!\w)")
-    free = ("comparisons/scenes/", "comparisons/papers/")
+    free = ("comparisons/scenes/", "comparisons/papers/", "comparisons/faults/")
     for module in house:
         if module.path.startswith("comparisons/") and not module.path.startswith(free):
             texts = (
@@ -74,12 +85,12 @@ def scenes_by_name(house: Sequence[Module]) -> Iterator[str]:
 
 
 def engines_by_name(house: Sequence[Module]) -> Iterator[str]:
-    """Yield modules that name an engine in a literal, but those of the engine and of variants.
+    """Yield modules that name an engine in a literal, but the engine's own and those of faults.
 
     Commands that are shown as examples do so too.
     """
     for module in house:
-        if not module.path.startswith("comparisons/") or "variants" in module.folders:
+        if not module.path.startswith("comparisons/") or "faults" in module.folders:
             continue
         for engine, words in ENGINES.items():
             if any(word in module.path for word in words):

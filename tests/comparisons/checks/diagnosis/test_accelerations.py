@@ -9,10 +9,10 @@ import pytest
 
 import mbcheck
 from mbcheck.comparisons.checks.suite import run_check
+from mbcheck.comparisons.faults.mujoco import Edited
 from mbcheck.tests.support.engines.reading import Reader
 from mbcheck.tests.support.engines.solved import Solved
 from mbcheck.tests.support.example import bad, results
-from mbcheck.tests.support.faults import Edited
 from mbcheck.tests.support.subjects import Subject, check_of
 
 LOOP = Subject("speed_regulator", "mujoco", "connect", "RK4")
@@ -28,7 +28,7 @@ LOOP = Subject("speed_regulator", "mujoco", "connect", "RK4")
 )
 def test_another_softness_of_a_loop_is_named_by_accelerations(solref: str, what: str) -> None:
     """With the loop closed nothing shows it."""
-    wrong = Edited('solref="0.02 1"', f'solref="{solref}"')
+    wrong = Edited(('solref="0.02 1"', f'solref="{solref}"'))
     (one, *more) = bad(run_check(check_of(LOOP, "algebra", "rotation"), engine=wrong))
     assert {item.quantity for item in (one, *more)} == {"accelerations"}
     assert one.cause

@@ -12,19 +12,21 @@ import pytest
 from mbcheck.comparisons.checks.diagnosis.steps import ANOTHER_MODEL
 from mbcheck.comparisons.checks.suite import run_check
 from mbcheck.comparisons.checks.verdict import Result
-from mbcheck.comparisons.engines.variants.mujoco import Controlled
-from mbcheck.comparisons.reports.run.located import located
-from mbcheck.reference import get_scene
-from mbcheck.reference.speed_regulator.soft import NO_DRIFT
-from mbcheck.tests.support.engines.mistaken import (
+from mbcheck.comparisons.faults.catalogue import ENGINES, FAULTS
+from mbcheck.comparisons.faults.mujoco import Controlled
+from mbcheck.comparisons.faults.reference import Mistaken
+from mbcheck.comparisons.faults.runs import (
     Exchanged,
+    LateForce,
     LateSamples,
-    Mistaken,
     OtherMethod,
+    Resetting,
     Restarting,
     Starting,
 )
-from mbcheck.tests.support.faults import ENGINES, FAULTS, LateForce, Resetting
+from mbcheck.comparisons.reports.run.located import located
+from mbcheck.reference import get_scene
+from mbcheck.reference.speed_regulator.soft import NO_DRIFT
 from mbcheck.tests.support.results import changed, result
 from mbcheck.tests.support.subjects import Subject, check_of, label, results_of
 

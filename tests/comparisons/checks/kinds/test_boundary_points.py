@@ -15,7 +15,7 @@ from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup
-from mbcheck.comparisons.engines.variants.catalogue import Misread
+from mbcheck.comparisons.faults.variants import Misread
 from mbcheck.reference import get_scene
 from mbcheck.reference.parameters import BoundarySearch
 from mbcheck.reference.scene import Case

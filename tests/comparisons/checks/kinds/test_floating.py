@@ -13,6 +13,8 @@ from mbcheck.comparisons.checks.kinds.energy import sensor_gaps
 from mbcheck.comparisons.checks.suite import plan_cases, run_check
 from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.faults.catalogue import scaled
+from mbcheck.comparisons.faults.exudyn import Rebuilt
 from mbcheck.models import exudyn_body
 from mbcheck.models.floating_platform import exudyn_model
 from mbcheck.models.floating_platform.exudyn_model import rods
@@ -22,7 +24,6 @@ from mbcheck.reference.quaternions import of_rotation, product
 from mbcheck.tests.support.draws import case_near, some_are_slow
 from mbcheck.tests.support.engines.floating import floating
 from mbcheck.tests.support.example import by_quantity, seen
-from mbcheck.tests.support.faults import RebuiltExudyn, scaled
 
 SCENE = get_scene("floating_platform")
 TUMBLING, CONSERVATIVE = SCENE.case("tumbling"), SCENE.case("conservative")
@@ -129,14 +130,14 @@ BUILT: Mapping[str, tuple[Callable[[], Any], str, str, str]] = {
     "damper": (scaled("rod_damping", 1.01).make["exudyn"], "afloat", "frequency", "C is off at"),
     "gravity": (scaled("gravity_z", -1.0).make["exudyn"], "falling", "algebra", ""),
     "products": (
-        lambda: RebuiltExudyn(exudyn_body, body_inertia=without_products),
+        lambda: Rebuilt(exudyn_body, body_inertia=without_products),
         "tumbling", "algebra", "products of inertia are dropped",
     ),
     "hinge": (
-        lambda: RebuiltExudyn(exudyn_model, rods=tilted_last), "tumbling", "algebra", "",
+        lambda: Rebuilt(exudyn_model, rods=tilted_last), "tumbling", "algebra", "",
     ),
     "attitude": (
-        lambda: RebuiltExudyn(exudyn_body, turn_quaternion=lambda axes: np.eye(4)),
+        lambda: Rebuilt(exudyn_body, turn_quaternion=lambda axes: np.eye(4)),
         "falling+turned-1", "algebra", ONLY_TURNED,
     ),
 }  # fmt: skip

@@ -10,13 +10,14 @@ import pytest
 
 from mbcheck.comparisons.checks.suite import plan_cases, run_check
 from mbcheck.comparisons.engines.adapter import adapt
+from mbcheck.comparisons.faults.catalogue import scaled
+from mbcheck.comparisons.faults.exudyn import Rebuilt
 from mbcheck.models.floating_beam import exudyn_model
 from mbcheck.models.floating_beam.exudyn_model import rods
 from mbcheck.reference import get_scene
 from mbcheck.tests.support.draws import case_near, some_are_slow
 from mbcheck.tests.support.engines.floating import floating
 from mbcheck.tests.support.example import by_quantity, seen
-from mbcheck.tests.support.faults import RebuiltExudyn, scaled
 
 SCENE = get_scene("floating_beam")
 TUMBLING, PLANAR = SCENE.case("tumbling"), SCENE.case("planar")
@@ -106,9 +107,9 @@ def on_hub(p: Any) -> list[Any]:
 
 BUILT: Mapping[str, tuple[Callable[[], Any], str, str, str]] = {
     "tip": (scaled("tip_mass").make["exudyn"], "tumbling", "algebra", ""),
-    "twist": (lambda: RebuiltExudyn(exudyn_model, rods=twisted_last), "tumbling", "algebra", ""),
+    "twist": (lambda: Rebuilt(exudyn_model, rods=twisted_last), "tumbling", "algebra", ""),
     "springs": (
-        lambda: RebuiltExudyn(exudyn_model, rods=on_hub), "afloat", "frequency",
+        lambda: Rebuilt(exudyn_model, rods=on_hub), "afloat", "frequency",
         "K is off at (theta_2, theta_2) and (theta_3, theta_3)",
     ),
 }  # fmt: skip

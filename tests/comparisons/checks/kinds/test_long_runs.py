@@ -15,12 +15,12 @@ from mbcheck.comparisons.checks.verdict import GUARD, REFERENCE, Result
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.setup import Setup
-from mbcheck.comparisons.engines.variants.catalogue import Misread, Wrapped
+from mbcheck.comparisons.faults.catalogue import ENGINES
+from mbcheck.comparisons.faults.variants import Misread, Wrapped
 from mbcheck.comparisons.scenes.data import scene_data
 from mbcheck.comparisons.scenes.extremes import LongMotion, check_of, prepared
 from mbcheck.reference import get_scene
 from mbcheck.reference.scene import Array, Case
-from mbcheck.tests.support.faults import ENGINES
 
 PERIODS = 20
 

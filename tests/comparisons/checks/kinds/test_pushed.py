@@ -23,13 +23,13 @@ from mbcheck.comparisons.engines.equations import scene_equations
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.setup import Setup
-from mbcheck.comparisons.engines.variants.catalogue import Misread
-from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
-from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
+from mbcheck.comparisons.faults.exudyn import ExudynAdapter
+from mbcheck.comparisons.faults.mujoco import MujocoAdapter
+from mbcheck.comparisons.faults.runs import Resetting
+from mbcheck.comparisons.faults.variants import Misread
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.scene import Array, Case
-from mbcheck.tests.support.faults import Resetting
 
 SPINNING = get_scene("hula_hoop").case("spinning_3hz_60n")
 STEP = 2.0**-10
@@ -68,7 +68,7 @@ def test_a_wrong_mass_is_seen_by_the_reference_alone() -> None:
 
 
 def test_halving_sees_a_force_through_controls() -> None:
-    from mbcheck.comparisons.engines.variants.mujoco import Controlled
+    from mbcheck.comparisons.faults.mujoco import Controlled
 
     for moment, order in ((0.0, "1.0"), (0.5, "2.0")):
         row = verdict(Controlled(moment))
@@ -90,8 +90,8 @@ def test_the_guard_sees_what_is_not_a_number() -> None:
 
 
 def test_the_engine_counts_its_warnings_and_the_guard_reads_clocks() -> None:
-    from mbcheck.comparisons.engines.variants.catalogue import mujoco
-    from mbcheck.comparisons.engines.variants.mujoco import Edited, Unwarned
+    from mbcheck.comparisons.faults.mujoco import Edited, Unwarned
+    from mbcheck.comparisons.faults.variants import mujoco
 
     reset = (' autoreset="disable"', "")
     engines = (
@@ -112,7 +112,7 @@ def test_a_reset_that_nobody_counts_is_wrong() -> None:
 
 
 def test_the_adapter_refuses_and_the_engine_refuses() -> None:
-    from mbcheck.comparisons.engines.variants.mujoco import Edited
+    from mbcheck.comparisons.faults.mujoco import Edited
 
     row = verdict(MujocoAdapter(), "discrete")
     assert (row.verdict, row.noticed_by) == ("skipped", (ENGINE,))
@@ -175,7 +175,7 @@ def test_halved_steps() -> None:
 
 
 def test_a_soft_closure_that_is_told_is_right_and_one_that_is_not_is_wrong() -> None:
-    from mbcheck.comparisons.engines.variants.mujoco import WithoutEquations
+    from mbcheck.comparisons.faults.mujoco import WithoutEquations
 
     case = get_scene("speed_regulator").case("rotation")
     assert verdict(MujocoAdapter(), case=case).verdict == "pass"

@@ -11,9 +11,9 @@ import pytest
 from mbcheck.comparisons.checks.kinds.limits import bisected
 from mbcheck.comparisons.checks.suite import Check, run_check
 from mbcheck.comparisons.checks.verdict import Result
-from mbcheck.comparisons.engines.variants.catalogue import Misread
+from mbcheck.comparisons.faults.catalogue import ENGINES
+from mbcheck.comparisons.faults.variants import Misread
 from mbcheck.comparisons.scenes.extremes import limits
-from mbcheck.tests.support.faults import ENGINES
 
 
 def checks(scene: str, engine: str) -> dict[tuple[str, str], Check]:

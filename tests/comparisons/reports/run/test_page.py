@@ -19,13 +19,13 @@ from mbcheck.comparisons.checks import suite
 from mbcheck.comparisons.checks.known import Entry, Use
 from mbcheck.comparisons.checks.request import CheckRequest
 from mbcheck.comparisons.checks.verdict import Result, Series
+from mbcheck.comparisons.faults.catalogue import FAULTS
 from mbcheck.comparisons.reports import drawing
 from mbcheck.comparisons.reports.run.outcome import Report, Run
 from mbcheck.comparisons.reports.run.page import check_page
 from mbcheck.comparisons.reports.words import printable
 from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import invoke
-from mbcheck.tests.support.faults import FAULTS
 from mbcheck.tests.support.results import MIXED, changed, result
 
 WHEN = datetime(2026, 1, 2, 3, 4, tzinfo=UTC)

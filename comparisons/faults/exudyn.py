@@ -1,14 +1,22 @@
-"""Exudyn with something undone that its adapter does, or with more than the adapter offers."""
+"""Wrong engines that are Exudyn with something changed or undone, or with more than it offers."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
+from types import ModuleType
 from typing import Any
+from unittest.mock import patch
 
-from ....reference.scene import Case
-from ..adapter import OwnModelsAdapter
-from ..exudyn.engine import Exudyn, assign
-from ..protocol import Engine, Method
+import numpy as np
+
+from ...models import exudyn_system
+from ...reference.scene import Array, Case
+from ..engines.adapter import OwnModelsAdapter
+from ..engines.exudyn.engine import Exudyn, assign
+from ..engines.protocol import Engine, Method
+from .variants import Law
 
 VELOCITY_VERLET = Method("VelocityVerlet", 2)
 DVERK6 = Method("DVERK6", 6)
@@ -103,3 +111,70 @@ class Unrestricted(ExudynAdapter):
         if method in (VELOCITY_VERLET, DVERK6):
             return self.inner.exudyn.MainSolverExplicit()
         return super().solver(method)
+
+
+class PushedExudyn(ExudynAdapter):
+    """Exudyn with one more load on the first coordinate, which is its first too."""
+
+    def __init__(self, law: Law) -> None:
+        super().__init__()
+        self.law = law
+
+    def system(self, case: Case, model: str) -> Any:
+        """Return the assembled system of a case, with the load."""
+        system = super().system(case, model)
+        mbs, items = system.mbs, exudyn_system.items
+
+        def push(mbs: Any, time: float, load: float) -> float:
+            data = mbs.systemData
+            q, v = (
+                system.readout @ np.array(values)
+                for values in (data.GetODE2Coordinates(), data.GetODE2Coordinates_t())
+            )
+            return float(self.law(q, v, case.parameters))
+
+        first = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=0, coordinate=0))
+        mbs.AddLoad(items.LoadCoordinate(markerNumber=first, load=1.0, loadUserFunction=push))
+        mbs.Assemble()
+        return system
+
+
+class Rebuilt(ExudynAdapter):
+    """Exudyn with other functions or other items in a scene's ``exudyn_model`` module."""
+
+    def __init__(self, module: ModuleType, **changes: Any) -> None:
+        super().__init__()
+        self.patched = partial(patch.multiple, module, **changes)
+
+    def system(self, case: Case, model: str) -> Any:
+        """Return the system that is built with them."""
+        with self.patched():
+            return super().system(case, model)
+
+
+class OtherItems:
+    """Exudyn's items, some of them exchanged."""
+
+    def __init__(self, **items: Any) -> None:
+        self.__dict__.update(items)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(exudyn_system.items, name)
+
+
+class FlippedExudyn(ExudynAdapter):
+    """The same of Exudyn's bodies."""
+
+    def system(self, case: Case, model: str) -> Any:
+        """Return a system that is placed so."""
+        system = super().system(case, model)
+        r = case.parameters.crank_radius
+
+        def place(q: Array, v: Array) -> tuple[Array, Array]:
+            places, rates = (np.array(values) for values in system.place(q, v))
+            pin, climb = r * np.sin(q[0]), r * np.cos(q[0]) * v[0]
+            places[[2, 3, 5]] = 2 * pin - places[2], np.pi - places[3], 2 * pin - places[5]
+            rates[[2, 3, 5]] = 2 * climb - rates[2], -rates[3], 2 * climb - rates[5]
+            return places, rates
+
+        return replace(system, place=place)

@@ -1,21 +1,24 @@
-"""MuJoCo with something undone that its adapter does."""
+"""Wrong engines that are MuJoCo with something changed or undone."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from ....models import mjcf
-from ....reference.scene import Array, Case
-from ..adapter import Adapter
-from ..mujoco.engine import MuJoCo, Order
-from ..mujoco.library import inputs, quiet, recorded
-from ..protocol import Method
-from ..run import Trajectory, grid_indices
-from .catalogue import Variant, Wrapped
+from ...models import mjcf
+from ...models.system import System
+from ...reference import get_scene
+from ...reference.scene import Array, Case
+from ..engines.adapter import Adapter
+from ..engines.mujoco.engine import MuJoCo, Order
+from ..engines.mujoco.library import inputs, quiet, recorded
+from ..engines.protocol import Method
+from ..engines.run import Trajectory, grid_indices
+from .variants import Law, Variant, Wrapped
 
 
 class MujocoAdapter(Adapter):
@@ -149,3 +152,73 @@ class Controlled(MujocoAdapter):
             rows = np.array(states)
             motion = recorded(mujoco, compiled, system.start_time, data, rows, before)
         return self.trajectory(system, step, times, motion)
+
+
+class PushedMujoco(MuJoCo):
+    """MuJoCo with one more force on the first coordinate, which is its first joint.
+
+    The force acts through MuJoCo's hook for passive forces, one for all models, which must see none
+    being compiled.
+    """
+
+    def __init__(self, law: Law) -> None:
+        super().__init__()
+        self.law = law
+
+    def load(self, system: System) -> Any:
+        """Return the compiled model of a system."""
+        hook = self.mujoco.get_mjcb_passive()
+        self.mujoco.set_mjcb_passive(None)
+        try:
+            return super().load(system)
+        finally:
+            self.mujoco.set_mjcb_passive(hook)
+
+    @contextmanager
+    def opened(self, system: System) -> Iterator[None]:
+        """Let the force act meanwhile."""
+        source = mjcf.models(system.case.scene)[system.model]
+        coordinates = get_scene(system.case.scene).coordinates
+        sums = [source.readout.get(name, {name: 1.0}) for name in coordinates]
+
+        def push(compiled: Any, data: Any) -> None:
+            q, v = (
+                [sum(f * getattr(data.joint(j), what)[0] for j, f in s.items()) for s in sums]
+                for what in ("qpos", "qvel")
+            )
+            data.qfrc_passive[0] += self.law(q, v, system.case.parameters)
+
+        with super().opened(system):
+            self.mujoco.set_mjcb_passive(push)
+            try:
+                yield
+            finally:
+                self.mujoco.set_mjcb_passive(None)
+
+
+class Rebound(MujocoAdapter):
+    """MuJoCo with other values in the MJCF."""
+
+    def __init__(self, bindings: Mapping[tuple[str, str], mjcf.Binding]) -> None:
+        super().__init__()
+        self.bindings = bindings
+
+    def source(self, case: Case, model: str) -> mjcf.Mjcf:
+        """Return the model with those values."""
+        found = super().source(case, model)
+        return replace(found, bindings={**found.bindings, **self.bindings})
+
+
+class FlippedMujoco(MujocoAdapter):
+    """MuJoCo with the slider-crank put together the other way round, the slider on top."""
+
+    def motion(self, case: Case, model: str, time: float, state: Array) -> mjcf.Motion:
+        """Return the motion of the joints with the rod mirrored at the height of the pin."""
+        found = dict(super().motion(case, model, time, state))
+        if not case.name:  # as the file opens, which is right
+            return found
+        (phi, speed), (pin, turn), (y, rate) = (found[n] for n in ("phi", "pin_angle", "y"))
+        r = case.parameters.crank_radius
+        found["pin_angle"] = np.pi - pin - 2 * phi, -turn - 2 * speed
+        found["y"] = 2 * r * np.sin(phi) - y, 2 * r * np.cos(phi) * speed - rate
+        return found

@@ -1,4 +1,4 @@
-"""The catalogue of engines undone on purpose: what is undone is data, made where it is needed."""
+"""Engines changed on purpose as data: a variant is made where it runs."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from functools import partial
 from importlib import import_module
 from typing import Any
 
-from ....reference.scene import Case
-from ..adapter import Adapter
-from ..registry import get_engine
+from ...reference.scene import Case
+from ..engines.adapter import Adapter
+from ..engines.registry import get_engine
 
 MUJOCO, EXUDYN = "mujoco", "exudyn"
 
@@ -103,6 +103,9 @@ NOT_PROVOKED: tuple[tuple[str, str], ...] = (
     ),
 )
 """Failure modes that the scenes cannot provoke, and why."""
+
+Law = Callable[[Any, Any, Any], float]
+"""(q, v, parameters) -> generalised force on the scene's first coordinate."""
 
 COMPUTED = ("simulate", "accelerations", "reactions", "mass_matrices", "linearise")
 """What an engine computes of a case, which is its first argument."""

@@ -1,1 +1,0 @@
-"""Engines that are modified on purpose."""

@@ -1,0 +1,1 @@
+"""Engines that are wrong on purpose: what checks must catch, and how engines are known to fail."""

@@ -1,0 +1,131 @@
+"""Engines whose runs are wrong, whatever engine computes them: late, reset, exchanged."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from ...reference import get_scene
+from ...reference.scene import Array, Case
+from ..engines.adapter import Adapter
+from ..engines.protocol import Method
+from ..engines.run import Trajectory
+from .variants import Wrapped
+
+
+class LateForce(Wrapped):
+    """An engine that evaluates the force one step late."""
+
+    def simulate(
+        self, case: Case, model: str, method: Method, step: float, times: Array
+    ) -> Trajectory:
+        """Integrate with the force of a step before."""
+        earlier = replace(case, start_time=case.start_time - step)
+        found = self.engine.simulate(earlier, model, method, step, times - step)
+        return replace(found, times=times, clock=times)
+
+
+class LateSamples(Wrapped):
+    """An engine that returns each sample as it was one step before."""
+
+    def simulate(
+        self, case: Case, model: str, method: Method, step: float, times: Array
+    ) -> Trajectory:
+        """Integrate, and look one step too early."""
+        numbers = np.rint((times - case.start_time) / step).astype(int)
+        needed = np.union1d(numbers - 1, numbers)[int(numbers[0] == 1) :]
+        found = self.engine.simulate(case, model, method, step, case.start_time + needed * step)
+        scene = get_scene(case.scene)
+        first = scene.observe(scene.state(case.state), case.parameters)
+        values = {
+            name: np.array(
+                [rows[needed == n - 1][0] if n > 1 else first.get(name, 0.0) for n in numbers]
+            )
+            for name, rows in found.values.items()
+        }
+        return replace(found, times=times, values=values, clock=times)
+
+
+class Resetting(Wrapped):
+    """An engine that sets itself to zero half-way without a word, and stays there."""
+
+    def simulate(
+        self, case: Case, model: str, method: Method, step: float, times: Array
+    ) -> Trajectory:
+        """Integrate the first half."""
+        before = max(1, len(times) // 2)
+        found = self.engine.simulate(case, model, method, step, times[:before])
+        scene = get_scene(case.scene)
+        zero = scene.observe(np.zeros(len(scene.state_names)), case.parameters)
+        values = {
+            name: np.append(rows, np.full(len(times) - before, zero.get(name, 0.0)))
+            for name, rows in found.values.items()
+        }
+        steps = round((times[-1] - case.start_time) / step)
+        return replace(found, times=times, values=values, clock=times, steps=steps)
+
+
+class Restarting(Wrapped):
+    """An engine that goes back to its start half-way without a word, and goes on from there."""
+
+    def simulate(
+        self, case: Case, model: str, method: Method, step: float, times: Array
+    ) -> Trajectory:
+        """Integrate to half of the samples, and again from the start."""
+        half = len(times) // 2
+        found = self.engine.simulate(case, model, method, step, times[: max(1, half)])
+        if not half:
+            return found
+        again = replace(case, start_time=float(times[half - 1]))
+        rest = self.engine.simulate(again, model, method, step, times[half:])
+        values = {name: np.append(rows, rest.values[name]) for name, rows in found.values.items()}
+        steps = found.steps + rest.steps
+        return replace(found, times=times, values=values, clock=times, steps=steps)
+
+
+class Exchanged(Wrapped):
+    """An engine that puts observables in each other's place."""
+
+    def __init__(self, engine: Adapter, first: str, second: str) -> None:
+        super().__init__(engine)
+        self.pair = first, second
+
+    def simulate(
+        self, case: Case, model: str, method: Method, step: float, times: Array
+    ) -> Trajectory:
+        """Integrate, and exchange two observables."""
+        found = self.engine.simulate(case, model, method, step, times)
+        first, second = (found.values[name] for name in self.pair)
+        return replace(found, values={**found.values, self.pair[0]: second, self.pair[1]: first})
+
+
+class Starting(Wrapped):
+    """An engine that starts elsewhere than it is told: what is left of a start's values."""
+
+    def __init__(self, engine: Adapter, keeps: Callable[[str], bool]) -> None:
+        super().__init__(engine)
+        self.keeps = keeps
+
+    def simulate(
+        self, case: Case, model: str, method: Method, step: float, times: Array
+    ) -> Trajectory:
+        """Integrate from what is left."""
+        state = {name: value for name, value in case.state.items() if self.keeps(name)}
+        return self.engine.simulate(replace(case, state=state), model, method, step, times)
+
+
+class OtherMethod(Wrapped):
+    """An engine that integrates by another method than it is asked for."""
+
+    def __init__(self, engine: Adapter, other: str) -> None:
+        super().__init__(engine)
+        self.other = other
+
+    def simulate(
+        self, case: Case, model: str, method: Method, step: float, times: Array
+    ) -> Trajectory:
+        """Integrate by the other method."""
+        (other,) = (one for one in self.engine.methods if one.name == self.other)
+        return self.engine.simulate(case, model, other, step, times)
