@@ -282,7 +282,9 @@ def refined(grid: Grid) -> Iterator[Places]:
     """
     asked = grid.asked
     key = next(name for name, item in asked.mapped.variables.items() if item.classes)
-    spacing = coarse_spacing(min(asked.shape))
+    count = min(asked.shape) - 1
+    cells = max(1, min(COARSE_CELLS, count / 4))
+    spacing = 1 << max(0, int(np.floor(np.log2(count / cells))))
     yield everywhere(asked, spacing)
     while True:
         spread(grid, spacing)
@@ -317,12 +319,6 @@ def straight_on(before: Places, places: Places, shape: tuple[int, int], spacing:
     wanted = np.unique(about.reshape(-1, 2), axis=0)
     inside = np.all((wanted >= 0) & (wanted < [len(one) for one in lines]), axis=1)
     return np.stack([one[i] for one, i in zip(lines, wanted[inside].T, strict=True)], axis=1)
-
-
-def coarse_spacing(count: int) -> int:
-    """Return the spacing of the coarse lattice, a power of two."""
-    cells = min(COARSE_CELLS, (count - 1) / 4)
-    return 1 << max(0, int(np.floor(np.log2((count - 1) / max(cells, 1)))))
 
 
 def lattice(count: int, spacing: int) -> Places:
