@@ -9,6 +9,8 @@ import pytest
 import mbcheck
 from mbcheck.comparisons.queries.simulate import simulate
 
+VERBS = "check diff export extremes frequencies inspect list orbit simulate"
+
 
 @pytest.mark.parametrize(
     "line",
@@ -16,12 +18,12 @@ from mbcheck.comparisons.queries.simulate import simulate
         "import mbcheck",
         *(
             f"from mbcheck.comparisons.cli.group import program; program.exit_code({words})"
-            for words in (["--help"], ["check", "--help"], ["extremes", "--help"])
+            for words in (["--help"], *([verb, "--help"] for verb in VERBS.split()))
         ),
     ],
 )
 def test_import_and_help_are_cheap(tmp_path: Path, line: str) -> None:
-    heavy = {"numpy", "scipy", "mujoco", "exudyn", "msgspec"}
+    heavy = {"numpy", "scipy", "mujoco", "exudyn", "msgspec", "jinja2", "matplotlib"}
     loaded = f"import sys; {line}; print(sorted({heavy} & set(sys.modules)))"
     done = subprocess.run(
         [sys.executable, "-c", loaded], cwd=tmp_path, capture_output=True, text=True, check=True

@@ -27,7 +27,7 @@ from ..documents.fields import OptionMark, number_from
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup
 from ..queries.axis import ParameterRange, refuse_axes
-from ..queries.query import MethodQuery
+from ..queries.request import MethodQuery
 
 ORBITS, EQUILIBRIA = "orbits", "equilibria"
 SUBJECTS = (ORBITS, EQUILIBRIA)

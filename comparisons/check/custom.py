@@ -26,7 +26,7 @@ from ..checks.truth import (
 )
 from ..engines.equations import scene_equations
 from ..engines.setup import STEPS_PER_PERIOD, shortest_period
-from ..queries.query import Query
+from ..queries.request import Query
 from ..reports.run.outcome import CustomReference
 
 NAME = "custom"

@@ -21,7 +21,7 @@ from ..documents.fields import OptionMark, takes_fields_of
 from ..engines.protocol import Engine
 from ..engines.registry import LENT, checked_engines, lent, resolve_selection
 from ..queries.environment import environment, versions
-from ..reports.run.outcome import Report, Run
+from ..reports.run.outcome import Report
 from .custom import NAME as CUSTOM
 from .custom import CustomCase, applied, custom_case
 
@@ -178,18 +178,17 @@ class CheckPlan:
 
         every = partial(ids, request.full), partial(ids, True)
         uses = self.listing.uses(reported, *every, set(checked_engines()) - names)
-        about = Run(
+        participants = (name for check in self.checks for name in check.participants)
+        return Report(
+            tuple(reported),
+            versions(participants),
             planned=len(self.checks),
             selection=request,
             environment=environment(),
-            known_file=self.listing.file,
-            uses=tuple(map(self.without_others, uses)),
-            strict_known=request.strict_known,
+            known=tuple(map(self.without_others, uses)),
             command=HERE if LENT.get() else None,
             reference=None if self.custom is None else self.custom.reference,
         )
-        participants = (name for check in self.checks for name in check.participants)
-        return Report(tuple(reported), versions(participants), about)
 
     def without_others(self, use: known_deviations.Use) -> known_deviations.Use:
         """Return an entry's use, open where it is stale and of other parameters than this run."""

@@ -150,13 +150,13 @@ def check_verb(
         markdown_file.write(summary)
     if html_file:
         write_page(html_file, outcome)
-    if draft_file and not outcome.run.interrupted:
+    if draft_file and not outcome.interrupted:
         draft_file.write(known.draft(outcome.results))
     github.append_step_summary(summary)
     items = partial(sections.run_annotations, outcome)
     with github.annotated(items, annotations, err=to_stdout(*files)):
         sections.print_report(console(*files), outcome, verbosity=int(verbose) - int(quiet))
-    if outcome.run.interrupted:
+    if outcome.interrupted:
         return complain("interrupted", INTERRUPTED)
     return outcome.exit_code
 
@@ -181,5 +181,4 @@ def checked(plan: CheckPlan, execution: Execution, bar: bool) -> Report:
 
             return plan.report(plan.run(execution, progress))
     except KeyboardInterrupt:
-        outcome = plan.report(results)
-        return replace(outcome, run=replace(outcome.run, interrupted=True))
+        return replace(plan.report(results), interrupted=True)

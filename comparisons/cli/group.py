@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from importlib import import_module
+from typing import Annotated
 
 import click
 
 from ...reference.errors import UnknownNameError, UsageError
+from ..documents.fields import OptionMark
 from ..reports.files import Destination
+from ..terminal.options import with_options_of
 from ..terminal.program import JSON, MISUSED, Program, deliver, examples
 
 VERBS: Mapping[str, tuple[str, str]] = {
@@ -98,6 +102,22 @@ def program(context: click.Context) -> None:
         context.exit(MISUSED)
 
 
+@dataclass(frozen=True)
+class ListRequest:
+    """What is listed.
+
+    Attributes
+    ----------
+    scene : str or None
+        This scene alone, with all that it has.
+    coverage : bool
+        Show which kinds of check each scene has.
+    """
+
+    scene: Annotated[str | None, OptionMark(flags=())] = None
+    coverage: Annotated[bool, OptionMark()] = False
+
+
 @click.command(
     "list",
     epilog=examples(
@@ -106,18 +126,17 @@ def program(context: click.Context) -> None:
         "mbcheck list --coverage",
     ),
 )
-@click.argument("scene", required=False)
-@click.option("--coverage", is_flag=True, help="Show which kinds of check each scene has.")
+@with_options_of(ListRequest)
 @JSON
 def list_(scene: str | None, coverage: bool, json_file: Destination | None) -> None:
     """List what there is, what a scene consists of, or what is checked."""
-    from . import catalogue, listing
+    from . import catalogue
 
     if coverage and scene is not None:
         raise UsageError("--coverage is of all scenes: leave the scene out")
     if coverage:
-        deliver(catalogue.coverage(), listing.print_coverage, json_file)
+        deliver(catalogue.coverage(), catalogue.print_coverage, json_file)
     elif scene is None:
-        deliver(catalogue.overview(), listing.print_overview, json_file)
+        deliver(catalogue.overview(), catalogue.print_overview, json_file)
     else:
-        deliver(catalogue.scene_sheet(scene), listing.print_scene, json_file)
+        deliver(catalogue.scene_sheet(scene), catalogue.print_scene, json_file)

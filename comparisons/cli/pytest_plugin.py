@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from ..documents.fields import option_fields
 from ..engines import use_one_thread
 
 if TYPE_CHECKING:
@@ -25,13 +26,18 @@ if TYPE_CHECKING:
 PACKAGE = "mbcheck.tests.conformance"
 FOLDER = Path(__file__).resolve().parents[2] / "tests" / "conformance"
 
-SEVERAL = {
-    "engine": "Check only this engine: a name, or package.module:Class",
-    "scene": "Check only this scene",
-    "kind": "Make only this kind of check",
-    "id": "Check only results whose id matches; * and ? are wildcards",
+OPTIONS: dict[str, Any] = {
+    "engines": "linelist",
+    "scenes": None,
+    "kinds": None,
+    "ids": None,
+    "profile": "string",
+    "full": None,
+    "known": "paths",
+    "strict_known": "bool",
 }
-"""Options that may be repeated."""
+"""Fields of `CheckRequest` that are options here, and their type in the ini file if they stand in
+it."""
 
 PLAN: pytest.StashKey[CheckPlan] = pytest.StashKey()
 RESULTS: pytest.StashKey[list[Result]] = pytest.StashKey()
@@ -41,31 +47,21 @@ REPORT: pytest.StashKey[Report] = pytest.StashKey()
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add the options of `mbcheck check` that choose checks, and those for known deviations."""
+    from ..checks.request import CheckRequest
+
     group = parser.getgroup("mbcheck", "checks of multibody engines (mbcheck)")
-    for name, text in SEVERAL.items():
-        group.addoption(
-            f"--mbcheck-{name}",
-            action="append",
-            default=[],
-            metavar=name.upper(),
-            help=f"{text} (repeatable).",
-        )
+    for field in option_fields(CheckRequest):
+        if field.name in OPTIONS:
+            how: dict[str, Any] = {"metavar": field.mark.metavar}
+            if field.is_repeatable:
+                how = {"action": "append", "default": [], "metavar": field.word.upper()}
+            elif field.kind is bool:
+                how = {"action": "store_true"}
+            group.addoption(f"--mbcheck-{field.word}", help=field.help, **how)
+            if kind := OPTIONS[field.name]:
+                parser.addini(f"mbcheck_{field.word.replace('-', '_')}", field.help, kind, None)
     add = group.addoption
-    add("--mbcheck-profile", metavar="PROFILE", help="Scales every tolerance.")
-    add("--mbcheck-full", action="store_true", help="Add what the default set leaves out.")
-    add("--mbcheck-known", metavar="FILE", help="TOML file of known deviations.")
-    add("--mbcheck-strict-known", action="store_true", help="Fail if one of its entries is stale.")
     add("--mbcheck-json", metavar="FILE", help="Write the JSON document of `mbcheck check`.")
-    parser.addini("mbcheck_engine", "Engines to check, one a line.", "linelist", [])
-    parser.addini("mbcheck_profile", "Scales every tolerance.", "string", "")
-    parser.addini("mbcheck_known", "TOML file of known deviations.", "paths", [])
-    parser.addini("mbcheck_strict_known", "Fail if an entry is stale.", "bool", False)
-
-
-def has_options(config: pytest.Config) -> bool:
-    """Return whether an option of this plugin stands on the command line."""
-    options = vars(config.option)
-    return any(value for name, value in options.items() if name.startswith("mbcheck_"))
 
 
 def asked(config: pytest.Config) -> bool:
@@ -75,7 +71,10 @@ def asked(config: pytest.Config) -> bool:
         place = Path(argument.split("::")[0]).resolve()
         return argument.startswith(PACKAGE) or place == FOLDER or FOLDER in place.parents
 
-    return has_options(config) or any(map(ours, config.args))
+    options = vars(config.option).items()
+    return any(value for name, value in options if name.startswith("mbcheck_")) or any(
+        map(ours, config.args)
+    )
 
 
 def is_worker(config: pytest.Config) -> bool:
@@ -84,37 +83,27 @@ def is_worker(config: pytest.Config) -> bool:
 
 
 def check_plan(config: pytest.Config) -> CheckPlan:
-    """Return the checks that the options choose; planned once.
-
-    Raises
-    ------
-    UsageError
-    """
+    """Return the checks that the options choose; planned once."""
     if PLAN not in config.stash:
         from ..check.request import plan_checks
         from ..checks.request import CheckRequest
 
-        lists: dict[str, Any] = {
-            f"{name}s": option(config, f"mbcheck_{name}") or [] for name in SEVERAL
+        values = {
+            field.name: option(config, field.word)
+            for field in option_fields(CheckRequest)
+            if field.name in OPTIONS
         }
-        known = option(config, "mbcheck_known")
-        if isinstance(known, list):
-            known = str(known[0]) if known else None
-        request = CheckRequest(
-            **lists,
-            profile=option(config, "mbcheck_profile") or "default",
-            full=bool(option(config, "mbcheck_full")),
-            known=known,
-            strict_known=bool(option(config, "mbcheck_strict_known")),
-        )
+        if isinstance(values["known"], list):  # of the ini file
+            values["known"] = next(map(str, values["known"]), None)
+        request = CheckRequest(**{name: value for name, value in values.items() if value})
         config.stash[PLAN] = plan_checks(request)
     return config.stash[PLAN]
 
 
-def option(config: pytest.Config, name: str) -> Any:
+def option(config: pytest.Config, word: str) -> Any:
     """Return an option from the command line, else from the ini file; None without the plugin."""
-    value = config.getoption(name, None)
-    if value:
+    name = f"mbcheck_{word.replace('-', '_')}"
+    if value := config.getoption(name, None):
         return value
     try:
         return config.getini(name)
@@ -180,7 +169,7 @@ def parametrize(metafunc: pytest.Metafunc) -> None:
 def run_test(check: Check, node: pytest.Item) -> None:
     """Run a check as a test: fails, or is skipped or expected to fail, with its reasons."""
     from ..checks import suite
-    from ..reports.run.outcome import Report, Run
+    from ..reports.run.outcome import Report
     from ..reports.run.results import FAILURES, why_known
 
     plan = check_plan(node.config)
@@ -193,8 +182,8 @@ def run_test(check: Check, node: pytest.Item) -> None:
         as_failures = [
             replace(r, verdict="deviation") if r.verdict == "known" else r for r in failed
         ]
-        run = Run(selection=plan.request)
-        pytest.fail(Report(tuple(as_failures), {}, run).text(1), pytrace=False)
+        report = Report(tuple(as_failures), {}, selection=plan.request)
+        pytest.fail(report.text(1), pytrace=False)
     reasons = dict.fromkeys(why_known(r) for r in results if r.verdict == "known")
     if reasons:
         pytest.xfail(f"known deviation: {'; '.join(reasons)}")
@@ -239,7 +228,8 @@ def pytest_sessionstart(session: pytest.Session) -> None:
 def pytest_sessionfinish(session: pytest.Session) -> None:
     """Write the document, and fail if nothing ran or an entry is stale that must not be."""
     config = session.config
-    if is_worker(config) or config.option.collectonly or not concerned(config):
+    ran = asked(config) or bool(config.stash.get(DOCUMENTS, None))
+    if is_worker(config) or config.option.collectonly or PLAN not in config.stash or not ran:
         return
     from ..checks.verdict import result_from
     from ..reports import github
@@ -262,13 +252,6 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
         session.exitstatus = outcome.exit_code or int(bool(unwritten))
     for words in unwritten:
         print(f"mbcheck: {words}", file=sys.stderr)
-
-
-def concerned(config: pytest.Config) -> bool:
-    """Return whether checks were asked for, or ran."""
-    return config.stash.get(PLAN, None) is not None and (
-        asked(config) or bool(config.stash.get(DOCUMENTS, None))
-    )
 
 
 def pytest_terminal_summary(

@@ -7,15 +7,8 @@ from typing import Any
 import click
 
 from ...reference.errors import UsageError
-from ..engines.registry import REFERENCE
-from ..queries.export import mjcf_text
-from ..queries.frequencies import FrequenciesRequest
-from ..queries.frequencies import frequencies as find_modes
-from ..queries.orbit import orbit as find_orbit
-from ..queries.query import MethodQuery, ModelQuery
-from ..queries.simulate import SimulateRequest
-from ..queries.simulate import simulate as run_simulation
-from ..reports import queries
+from ..engines import REFERENCE
+from ..queries.request import FrequenciesRequest, MethodQuery, ModelQuery, SimulateRequest
 from ..reports.files import Destination, refuse_conflicts
 from ..terminal.budget import QUERY, budget_option, budgeted
 from ..terminal.options import with_options_of
@@ -63,6 +56,8 @@ def simulate(
         raise UsageError("--bounds adds columns to a CSV file: name it with --csv FILE")
     if bounds and asked["engine"] != REFERENCE:
         raise UsageError("--bounds: an engine states no bound on its error; the reference does")
+    from ..queries.simulate import simulate as run_simulation
+    from ..reports import queries
 
     with budgeted(budget, "simulate"):
         result = run_simulation(**asked)
@@ -96,9 +91,12 @@ def orbit(json_file: Destination | None, budget: float, **asked: Any) -> None:
     harmonics are amplitude cos(order Omega t + phase), the secular part removed. An
     engine's orbit is that of its own discrete flow. No orbit: exit code 1.
     """
+    from ..queries.orbit import orbit as find_orbit
+    from ..reports.queries import print_orbit
+
     with budgeted(budget, "orbit"):
         result = find_orbit(**asked)
-    deliver(result, queries.print_orbit, json_file)
+    deliver(result, print_orbit, json_file)
 
 
 @click.command(
@@ -117,9 +115,12 @@ def frequencies(json_file: Destination | None, budget: float, **asked: Any) -> N
     From the engine's own mass, damping and stiffness matrices; ascending in omega =
     |eigenvalue|, zero modes listed.
     """
+    from ..queries.frequencies import frequencies as find_modes
+    from ..reports.queries import print_frequencies
+
     with budgeted(budget, "frequencies"):
         result = find_modes(**asked)
-    deliver(result, queries.print_frequencies, json_file)
+    deliver(result, print_frequencies, json_file)
 
 
 @click.command(
@@ -139,4 +140,6 @@ def frequencies(json_file: Destination | None, budget: float, **asked: Any) -> N
 )
 def export(output: Destination, **asked: Any) -> None:
     """Write a scene's MJCF with these parameters."""
+    from ..queries.query import mjcf_text
+
     output.write(mjcf_text(**asked))

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from fnmatch import fnmatchcase
-from typing import Any
+from functools import partial
+from typing import Any, NoReturn
+
+from msgspec import convert, to_builtins
 
 from ...reference.errors import UsageError
 from ..checks.request import CheckRequest
-from ..checks.verdict import Result
-from ..documents import document
+from ..checks.verdict import NOT_APPLICABLE, Result, result_from
+from ..documents import SCHEMA, document
+from ..documents.core import record
 from ..documents.fields import HIDDEN, documented
+from ..documents.reading import read_document
+from ..reports.run.outcome import Report
 from ..reports.run.results import ratio
-from .document import Document
 
 FACTOR = 1.5
 """An error that grows by less has not changed: what the suite grants where it cannot predict an
@@ -24,6 +30,102 @@ SHARE = 0.5
 """Of the tolerance; nor has one that grows by less than this. The arithmetic of another processor
 (no FMA, no AVX, other BLAS kernels) moved errors of a whole run by up to 0.42 of it: a tolerance
 allows for rounding, and an error far below it is made of nothing else."""
+
+
+@dataclass(frozen=True)
+class Document:
+    """One run of checks.
+
+    Attributes
+    ----------
+    file : str
+        file that was read
+    environment : mapping of str to str
+        what rounding may depend on: python, system, machine, processor, libc
+    results : mapping of id to Result
+        Without those that stand for an engine that cannot be imported.
+    selection : CheckRequest
+    not_reached : int
+        Number of checks that were planned, and for which there was no time.
+    unavailable : mapping of str to str
+        Why an engine could not be imported, by its name.
+    """
+
+    file: str
+    versions: Mapping[str, str]
+    environment: Mapping[str, str]
+    results: Mapping[str, Result] = field(metadata=HIDDEN)
+    selection: CheckRequest = field(metadata=HIDDEN)
+    not_reached: int = field(metadata=HIDDEN)
+    unavailable: Mapping[str, str] = field(metadata=HIDDEN)
+
+    @property
+    @documented
+    def result_count(self) -> int:
+        """Number of results."""
+        return len(self.results)
+
+    @property
+    def engines(self) -> tuple[str, ...]:
+        """Engines that have results."""
+        return tuple(dict.fromkeys(result.engine for result in self.results.values()))
+
+
+def read(file: str) -> Document:
+    """Return the ``check`` document of a file.
+
+    Raises
+    ------
+    UsageError
+        If it cannot be read, or is no such document of a schema that is known here.
+    """
+
+    def constant(word: str) -> NoReturn:
+        raise ValueError(f"{word} is no JSON")
+
+    _, content = read_document(file, "JSON", partial(json.loads, parse_constant=constant))
+    if not isinstance(content, dict) or "schema" not in content:
+        raise UsageError(f"{file!r} is no document of mbcheck: write one with `check --json`")
+    if content["schema"] != SCHEMA:
+        raise UsageError(
+            f"{file!r} has schema {content['schema']!r}; this mbcheck reads schema {SCHEMA}"
+        )
+    try:
+        return run_of(file, convert(content, record(Report, is_root=True)))
+    except ValueError as error:
+        raise UsageError(f"{file!r} is not what `mbcheck check --json` writes: {error}") from None
+
+
+def run_of(file: str, content: Any) -> Document:
+    """Return a run from its document.
+
+    Raises
+    ------
+    ValueError
+        If an id stands twice.
+    """
+    results: dict[str, Result] = {}
+    unavailable = {}
+    for item in content.results:
+        result = result_from(to_builtins(item))
+        if result.id in results:
+            raise ValueError(f"the id {result.id!r} stands twice")
+        if result.kind == NOT_APPLICABLE:
+            unavailable[result.engine] = result.reason
+        else:
+            results[result.id] = result
+    return Document(
+        file,
+        content.versions,
+        content.environment,
+        results,
+        CheckRequest(**to_builtins(content.selection)),
+        content.checks.not_reached,
+        unavailable,
+    )
+
+
+# Changes
 
 
 @dataclass(frozen=True)
@@ -165,20 +267,17 @@ def compare(old: Document, new: Document) -> Diff:
         raise UsageError(
             f"{old.file!r} and {new.file!r} have no result in common: nothing to compare"
         )
-    changes = []
-    for id in both:
-        sort = sort_of(old.results[id], new.results[id])
-        if sort is not None:
-            changes.append(Change(sort, old.results[id], new.results[id]))
+    pairs = [(old.results[id], new.results[id]) for id in both]
+    sorts = [sort_of(*pair) for pair in pairs]
+    changes = [Change(sort, *pair) for sort, pair in zip(sorts, pairs, strict=True) if sort]
     same = len(both) - len(changes)
-    for result in new.results.values():
-        if result.id not in old.results:
-            failed = {"deviation": "new_deviation", "error": "new_error"}
-            changes.append(Change(failed.get(result.verdict, "appeared"), None, result))
-    absence = Absence(old, new)
-    for result in old.results.values():
-        if result.id not in new.results:
-            changes.append(Change(absence.sort(result), result, None))
+    failed = {"deviation": "new_deviation", "error": "new_error"}
+    changes += [
+        Change(failed.get(result.verdict, "appeared"), None, result)
+        for result in new.results.values()
+        if result.id not in old.results
+    ]
+    changes += absent(old, new)
     changes.sort(key=lambda change: change.weight)
     return Diff(old, new, tuple(changes), len(both), same, tuple(notes(old, new)))
 
@@ -187,20 +286,14 @@ def sort_of(old: Result, new: Result) -> str | None:
     """Return the sort of change between two results of one id; None if there is none."""
     if old.verdict == new.verdict:
         return growth(old, new)
-    match old.verdict, new.verdict:
-        case _, "error":
-            return "new_error"
-        case "error", "deviation":
-            return "other_failure"
-        case _, "deviation":
-            return "new_deviation"
-        case _, "skipped":
-            return "now_skipped"
-        case _, "known":
-            return "now_known"
-        case "skipped", _:
-            return "now_runs"
-    return "fixed"
+    sorts: dict[str, str] = {
+        "error": "new_error",
+        "deviation": "other_failure" if old.verdict == "error" else "new_deviation",
+        "skipped": "now_skipped",
+        "known": "now_known",
+        "pass": "now_runs" if old.verdict == "skipped" else "fixed",
+    }
+    return sorts[new.verdict]
 
 
 def growth(old: Result, new: Result) -> str | None:
@@ -215,40 +308,30 @@ def growth(old: Result, new: Result) -> str | None:
     return None
 
 
-class Absence:
-    """Tells whether the new run left an id out on purpose."""
-
-    def __init__(self, old: Document, new: Document) -> None:
-        self.new = new
-        self.narrower = old.selection.full and not new.selection.full
-        self.narrower |= new.selection.quick and not old.selection.quick
-        named = [name for name in new.selection.engines if ":" not in name]
-        self.engines = {*named, *new.engines} if new.selection.engines else set()
-        patterns = new.selection.ids
-        self.checks = {
-            result.check_id
-            for result in old.results.values()
-            if any(fnmatchcase(result.id, pattern) for pattern in patterns)
-        }
-
-    def sort(self, result: Result) -> str:
-        """Return the sort of change of a result that is not in the new run."""
-        if self.new.not_reached or self.narrower or self.filtered(result):
-            return "left_out"
-        return "dropped" if result.verdict == "skipped" else "vanished"
-
-    def filtered(self, result: Result) -> bool:
-        """Return whether the options of the new run leave a result out."""
-        selection = self.new.selection
+def absent(old: Document, new: Document) -> Iterator[Change]:
+    """Yield the results that are not in the new run: left out by its options, dropped, vanished."""
+    before, asked = old.selection, new.selection
+    narrower = (before.full and not asked.full) or (asked.quick and not before.quick)
+    named = [name for name in asked.engines if ":" not in name]
+    engines = {*named, *new.engines} if asked.engines else set()
+    checks = {
+        result.check_id
+        for result in old.results.values()
+        if any(fnmatchcase(result.id, pattern) for pattern in asked.ids)
+    }
+    for result in old.results.values():
         restrictions = (
-            (selection.scenes, result.scene),
-            (selection.kinds, result.kind),
-            (selection.methods, result.method),
-            (self.engines, result.engine),
+            (asked.scenes, result.scene),
+            (asked.kinds, result.kind),
+            (asked.methods, result.method),
+            (engines, result.engine),
         )
-        return any(names and name not in names for names, name in restrictions) or bool(
-            selection.ids and result.check_id not in self.checks
-        )
+        filtered = any(names and name not in names for names, name in restrictions)
+        filtered |= bool(asked.ids) and result.check_id not in checks
+        if result.id not in new.results:
+            sort = "dropped" if result.verdict == "skipped" else "vanished"
+            left_out = new.not_reached or narrower or filtered
+            yield Change("left_out" if left_out else sort, result, None)
 
 
 def notes(old: Document, new: Document) -> Iterator[str]:

@@ -10,8 +10,7 @@ from rich.console import Console
 from ..reports.sections import Section, markdown_sections, print_sections
 from ..reports.text import STYLES, print_line
 from ..reports.words import plural, with_unit
-from .changes import SORTS, Change, Diff
-from .document import Document
+from .changes import SORTS, Change, Diff, Document
 
 FEW = 3
 """So many changes of a sort are shown one by one; more are grouped by engine and kind."""

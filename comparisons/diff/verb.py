@@ -2,10 +2,32 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Annotated
+
 import click
 
+from ..documents.fields import OptionMark
 from ..reports.files import Destination, refuse_conflicts
+from ..terminal.options import with_options_of
 from ..terminal.program import JSON, MARKDOWN, console, examples, json_text, to_stdout
+
+
+@dataclass(frozen=True)
+class DiffRequest:
+    """Two documents of `mbcheck check`, and how much is printed of what changed.
+
+    Attributes
+    ----------
+    old, new : str
+        Documents to compare.
+    verbose : bool
+        Print every change.
+    """
+
+    old: Annotated[str, OptionMark("OLD.json", flags=())]
+    new: Annotated[str, OptionMark("NEW.json", flags=())]
+    verbose: Annotated[bool, OptionMark(flags=("-v", "--verbose"))] = False
 
 
 @click.command(
@@ -14,11 +36,9 @@ from ..terminal.program import JSON, MARKDOWN, console, examples, json_text, to_
         "mbcheck diff old.json new.json --json diff.json --markdown diff.md",
     ),
 )
-@click.argument("old", metavar="OLD.json")
-@click.argument("new", metavar="NEW.json")
+@with_options_of(DiffRequest)
 @JSON
 @MARKDOWN
-@click.option("-v", "--verbose", is_flag=True, help="Print every change.")
 def diff(
     old: str,
     new: str,
@@ -35,8 +55,7 @@ def diff(
     refuse_conflicts(json_file, markdown_file)
     from ..reports.github import append_step_summary
     from . import report
-    from .changes import compare
-    from .document import read
+    from .changes import compare, read
 
     result = compare(read(old), read(new))
     if json_file:

@@ -44,15 +44,18 @@ DOCUMENTS: Mapping[str, tuple[str, str]] = {
     ),
     "diff": ("diff.changes.Diff", "What changed between two runs of checks."),
     "inspect": (
-        "inspect.document.InspectDocument",
+        "inspect.inspection.InspectDocument",
         "What is in an MJCF file, and what it could do without.",
     ),
-    "inspections": ("inspect.document.InspectionsDocument", "What is found in several MJCF files."),
+    "inspections": (
+        "inspect.inspection.InspectionsDocument",
+        "What is found in several MJCF files.",
+    ),
 }
 """Class of each document, below `comparisons`, and what it is."""
 
 
-def document(name: str, result: object, **parts: object) -> dict[str, Any]:
+def document(name: str, result: object, /, **parts: object) -> dict[str, Any]:
     """Return a document as JSON can hold it: NaN and the infinities are null.
 
     Parameters

@@ -9,10 +9,21 @@ from __future__ import annotations
 import inspect
 import os
 import re
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
 from functools import wraps
-from typing import Annotated, Any, ParamSpec, TypeVar
+from types import NoneType, UnionType
+from typing import (
+    Annotated,
+    Any,
+    NamedTuple,
+    ParamSpec,
+    TypeVar,
+    Union,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
 
 from ...reference.errors import UsageError
 
@@ -56,6 +67,68 @@ class OptionMark:
     parse: Callable[[str, str], Any] | None = None
     least: int = -(10**18)
     default: Any = None
+
+
+class OptionField(NamedTuple):
+    """A field of a request that the command line takes.
+
+    Attributes
+    ----------
+    name : str
+    word : str
+        Its name on the command line, without the plural of what may be repeated.
+    kind : type
+        Without None and metadata: of sequences and mappings the origin.
+    is_repeatable : bool
+        Whether it holds several values: a mapping, a tuple, and a sequence unless its text is
+        parsed as a whole.
+    mark : OptionMark
+    default
+        `dataclasses.MISSING` makes it required.
+    help : str
+        What it means, in a sentence.
+    """
+
+    name: str
+    word: str
+    kind: Any
+    is_repeatable: bool
+    mark: OptionMark
+    default: Any
+    help: str
+
+
+def option_fields(request: type) -> Iterator[OptionField]:
+    """Yield the fields of a request that have an `OptionMark`."""
+    hints, meanings = get_type_hints(request, include_extras=True), descriptions(request)
+    for item in fields(request):
+        marks = getattr(hints[item.name], "__metadata__", ())
+        mark = next((mark for mark in marks if isinstance(mark, OptionMark)), None)
+        if mark is None:
+            continue
+        kind = bare(hints[item.name])
+        several = kind in (Mapping, tuple) or (kind is Sequence and mark.parse is None)
+        yield OptionField(
+            name=item.name,
+            word=(item.name.removesuffix("s") if several else item.name).replace("_", "-"),
+            kind=kind,
+            is_repeatable=several,
+            mark=mark,
+            default=(item.default_factory() if callable(item.default_factory) else item.default)
+            if mark.default is None
+            else mark.default,
+            help=f"{meanings[item.name]}{' (repeatable)' if several else ''}.",
+        )
+
+
+def bare(hint: Any) -> Any:
+    """Return a type without None and metadata: of sequences and mappings the origin."""
+    origin, args = get_origin(hint), get_args(hint)
+    if origin is Annotated:
+        return bare(args[0])
+    if origin in (Union, UnionType):
+        return bare(next(item for item in args if item is not NoneType))
+    return origin if origin in (Sequence, Mapping, tuple) else hint
 
 
 JOBS = OptionMark("N", ("-j", "--jobs"), least=1, default=os.cpu_count() or 1)

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import os
 
+REFERENCE = "reference"
+"""What the other engines are checked against."""
+
 THREADS = (
     "OMP_NUM_THREADS",
     "OPENBLAS_NUM_THREADS",

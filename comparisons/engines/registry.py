@@ -21,14 +21,12 @@ from ...reference.errors import (
     UnknownNameError,
     UsageError,
 )
+from . import REFERENCE as REFERENCE
 from .adapter import Adapter, adapt, adapted
 from .isolation import RemoteEngine
 from .protocol import Engine
 from .run import IN_SIGHT, call_engine, captured
 from .validation import attributes
-
-REFERENCE = "reference"
-"""What the other engines are checked against."""
 
 ENGINES = (REFERENCE, "mujoco", "exudyn")
 """Engines that come with mbcheck."""

@@ -61,6 +61,6 @@ def extremes(
         markdown_file.write(page.markdown(report.results, run.full))
     if not to_stdout(json_file, markdown_file):
         page.show(console(), report.results, verbose)
-    if report.run.interrupted:
+    if report.interrupted:
         return complain("interrupted", INTERRUPTED)
     return FAILED if any(map(page.died, report.results)) else 0

@@ -113,6 +113,21 @@ class Unrestricted(ExudynAdapter):
         return super().solver(method)
 
 
+class Spatial(ExudynAdapter):
+    """Exudyn with the model ``spatial`` of a scene: the bodies of ``redundant`` in space."""
+
+    def models(self, scene: str) -> tuple[str, ...]:
+        """Return the names of the models."""
+        return (*super().models(scene), "spatial")
+
+    def own_source(self, case: Case, model: str) -> Any:
+        """Return the named Exudyn model."""
+        if model != "spatial":
+            return super().own_source(case, model)
+        plane = super().own_source(case, "redundant")
+        return replace(plane, build=lambda p: plane.in_axes(p, exudyn_system.UPRIGHT))
+
+
 class PushedExudyn(ExudynAdapter):
     """Exudyn with one more load on the first coordinate, which is its first too."""
 

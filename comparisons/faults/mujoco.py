@@ -205,8 +205,8 @@ class Rebound(MujocoAdapter):
 
     def source(self, case: Case, model: str) -> mjcf.Mjcf:
         """Return the model with those values."""
-        found = super().source(case, model)
-        return replace(found, bindings={**found.bindings, **self.bindings})
+        source = super().source(case, model)
+        return replace(source, bindings={**source.bindings, **self.bindings})
 
 
 class FlippedMujoco(MujocoAdapter):
@@ -214,11 +214,11 @@ class FlippedMujoco(MujocoAdapter):
 
     def motion(self, case: Case, model: str, time: float, state: Array) -> mjcf.Motion:
         """Return the motion of the joints with the rod mirrored at the height of the pin."""
-        found = dict(super().motion(case, model, time, state))
+        motion = dict(super().motion(case, model, time, state))
         if not case.name:  # as the file opens, which is right
-            return found
-        (phi, speed), (pin, turn), (y, rate) = (found[n] for n in ("phi", "pin_angle", "y"))
+            return motion
+        (phi, speed), (pin, turn), (y, rate) = (motion[n] for n in ("phi", "pin_angle", "y"))
         r = case.parameters.crank_radius
-        found["pin_angle"] = np.pi - pin - 2 * phi, -turn - 2 * speed
-        found["y"] = 2 * r * np.sin(phi) - y, 2 * r * np.cos(phi) * speed - rate
-        return found
+        motion["pin_angle"] = np.pi - pin - 2 * phi, -turn - 2 * speed
+        motion["y"] = 2 * r * np.sin(phi) - y, 2 * r * np.cos(phi) * speed - rate
+        return motion

@@ -67,11 +67,11 @@ class Impostor(ReferenceEngine):
             states = schemes.integrate(
                 schemes.ScalarEquations(scene, p), scheme, start, step, numbers, case.start_time
             )
-            found = Trajectory(times, scene.observe(states, p), times, int(numbers[-1]))
+            trajectory = Trajectory(times, scene.observe(states, p), times, int(numbers[-1]))
         else:
-            found = super().simulate(case, model, method, step, times)
+            trajectory = super().simulate(case, model, method, step, times)
         closed = dict.fromkeys(VIOLATIONS, np.zeros(len(times)))
-        return replace(found, values={**found.values, **closed})
+        return replace(trajectory, values={**trajectory.values, **closed})
 
 
 class Mistaken(Wrapped):

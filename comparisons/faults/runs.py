@@ -23,8 +23,8 @@ class LateForce(Wrapped):
     ) -> Trajectory:
         """Integrate with the force of a step before."""
         earlier = replace(case, start_time=case.start_time - step)
-        found = self.engine.simulate(earlier, model, method, step, times - step)
-        return replace(found, times=times, clock=times)
+        trajectory = self.engine.simulate(earlier, model, method, step, times - step)
+        return replace(trajectory, times=times, clock=times)
 
 
 class LateSamples(Wrapped):
@@ -36,16 +36,18 @@ class LateSamples(Wrapped):
         """Integrate, and look one step too early."""
         numbers = np.rint((times - case.start_time) / step).astype(int)
         needed = np.union1d(numbers - 1, numbers)[int(numbers[0] == 1) :]
-        found = self.engine.simulate(case, model, method, step, case.start_time + needed * step)
+        trajectory = self.engine.simulate(
+            case, model, method, step, case.start_time + needed * step
+        )
         scene = get_scene(case.scene)
         first = scene.observe(scene.state(case.state), case.parameters)
         values = {
             name: np.array(
                 [rows[needed == n - 1][0] if n > 1 else first.get(name, 0.0) for n in numbers]
             )
-            for name, rows in found.values.items()
+            for name, rows in trajectory.values.items()
         }
-        return replace(found, times=times, values=values, clock=times)
+        return replace(trajectory, times=times, values=values, clock=times)
 
 
 class Resetting(Wrapped):
@@ -56,15 +58,15 @@ class Resetting(Wrapped):
     ) -> Trajectory:
         """Integrate the first half."""
         before = max(1, len(times) // 2)
-        found = self.engine.simulate(case, model, method, step, times[:before])
+        trajectory = self.engine.simulate(case, model, method, step, times[:before])
         scene = get_scene(case.scene)
         zero = scene.observe(np.zeros(len(scene.state_names)), case.parameters)
         values = {
             name: np.append(rows, np.full(len(times) - before, zero.get(name, 0.0)))
-            for name, rows in found.values.items()
+            for name, rows in trajectory.values.items()
         }
         steps = round((times[-1] - case.start_time) / step)
-        return replace(found, times=times, values=values, clock=times, steps=steps)
+        return replace(trajectory, times=times, values=values, clock=times, steps=steps)
 
 
 class Restarting(Wrapped):
@@ -75,14 +77,16 @@ class Restarting(Wrapped):
     ) -> Trajectory:
         """Integrate to half of the samples, and again from the start."""
         half = len(times) // 2
-        found = self.engine.simulate(case, model, method, step, times[: max(1, half)])
+        trajectory = self.engine.simulate(case, model, method, step, times[: max(1, half)])
         if not half:
-            return found
+            return trajectory
         again = replace(case, start_time=float(times[half - 1]))
         rest = self.engine.simulate(again, model, method, step, times[half:])
-        values = {name: np.append(rows, rest.values[name]) for name, rows in found.values.items()}
-        steps = found.steps + rest.steps
-        return replace(found, times=times, values=values, clock=times, steps=steps)
+        values = {
+            name: np.append(rows, rest.values[name]) for name, rows in trajectory.values.items()
+        }
+        steps = trajectory.steps + rest.steps
+        return replace(trajectory, times=times, values=values, clock=times, steps=steps)
 
 
 class Exchanged(Wrapped):
@@ -96,9 +100,11 @@ class Exchanged(Wrapped):
         self, case: Case, model: str, method: Method, step: float, times: Array
     ) -> Trajectory:
         """Integrate, and exchange two observables."""
-        found = self.engine.simulate(case, model, method, step, times)
-        first, second = (found.values[name] for name in self.pair)
-        return replace(found, values={**found.values, self.pair[0]: second, self.pair[1]: first})
+        trajectory = self.engine.simulate(case, model, method, step, times)
+        first, second = (trajectory.values[name] for name in self.pair)
+        return replace(
+            trajectory, values={**trajectory.values, self.pair[0]: second, self.pair[1]: first}
+        )
 
 
 class Starting(Wrapped):

@@ -1,37 +1,25 @@
-"""Many files: which they are, what is waived in them from outside, and what they come to."""
+"""Many files: which they are, and what they come to."""
 
 from __future__ import annotations
 
 import glob
-import json
 import os
 import re
-import tomllib
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
-from fnmatch import fnmatchcase
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ...reference.errors import MbcheckError, UnknownNameError, UsageError
+from ...reference.errors import MbcheckError, UsageError
 from ..documents import document
-from ..documents.reading import read_bytes, read_document
+from ..documents.reading import read_bytes
 from ..reports.item import Outcome, ReportItem
 from ..reports.words import plural
-from .inspection import Selection
-from .mujoco.source import ROOT, OtherRootError, Waiver, read
-from .rules.table import RULES
+from .mujoco.source import ROOT, OtherRootError, read
+from .selection import unwaived
 from .subject import SEVERITIES, Severity
-
-BESIDE = "mbcheck-inspect.toml"
-"""File of waivers that is looked for beside a model."""
-
-KEYS = ("rule", "reason", "element", "file")
-"""What an entry of it may say; the first two it must."""
-
-HEADER = re.compile(r"^[ \t]*\[\[[ \t]*waive[ \t]*\]\]", re.MULTILINE)
 
 FAIL_ON: Mapping[str, tuple[Severity, ...]] = {
     "error": SEVERITIES[:1],
@@ -40,9 +28,6 @@ FAIL_ON: Mapping[str, tuple[Severity, ...]] = {
     "never": (),
 }
 """Which findings make exit code 1."""
-
-FIXED = ("repeated_default", "unused_option", "unused_setting")
-"""Rules whose findings are attributes that may be left out, where that changes no bit."""
 
 BEGIN = re.compile(rf"<{ROOT}[\s/>]".encode())
 """How MJCF begins, whether or not it can be parsed."""
@@ -96,148 +81,6 @@ def whole_models(names: Sequence[str]) -> list[str]:
             models.append(name)
         parts.update((Path(name).parent / one).resolve() for one in source.files[1:])
     return [name for name in models if Path(name).resolve() not in parts]
-
-
-# What is asked ------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class InspectRequest:
-    """Which rules are asked, and what is waived from outside.
-
-    Attributes
-    ----------
-    strict : bool
-        Whether the rules of the house are asked, too.
-    select, ignore : tuple of str
-        Patterns of rules: those that are asked alone, and those that are not.
-    waivers : str or None
-        File of waivers in place of `BESIDE`.
-    baseline : str or None
-        Document of findings that were there before.
-    """
-
-    strict: bool = False
-    select: tuple[str, ...] = ()
-    ignore: tuple[str, ...] = ()
-    waivers: str | None = None
-    baseline: str | None = None
-
-    def rules(self) -> frozenset[str]:
-        """Return the rules that are asked.
-
-        Raises
-        ------
-        UnknownNameError
-            If a pattern fits none.
-        """
-        for pattern in (*self.select, *self.ignore):
-            if not any(fnmatchcase(name, pattern) for name in RULES):
-                raise UnknownNameError("rule", pattern, RULES)
-        default = Selection.of_profile(self.strict).rules
-        asked = matching(self.select) if self.select else default
-        return frozenset(asked - matching(self.ignore))
-
-    def refuse_slips(self) -> None:
-        """Refuse names that nothing answers to, and files that cannot be read, before any work.
-
-        Raises
-        ------
-        UsageError
-        """
-        self.rules()
-        if self.waivers:
-            waivers_of(Path(self.waivers), "")
-        if self.baseline:
-            baseline_of(self.baseline)
-
-    def fixing(self) -> InspectRequest:
-        """Return the request for what can be fixed, which rules of the house find."""
-        return self if self.select else replace(self, select=FIXED)
-
-    def selection(self, file: str) -> Selection:
-        """Return what is asked of a file.
-
-        Raises
-        ------
-        UsageError
-            If the file of waivers, or the baseline, cannot be read.
-        """
-        beside = os.path.join(os.path.dirname(file), BESIDE)
-        place = self.waivers or (beside if os.path.isfile(beside) else None)
-        waivers = waivers_of(Path(place), file) if place else ()
-        old = baseline_of(self.baseline).get(Path(file).as_posix(), {}) if self.baseline else {}
-        return Selection(self.rules(), waivers, old)
-
-
-def matching(patterns: Sequence[str]) -> set[str]:
-    """Return the rules that some pattern fits."""
-    return {name for name in RULES if any(fnmatchcase(name, pattern) for pattern in patterns)}
-
-
-def waivers_of(place: Path, file: str) -> tuple[Waiver, ...]:
-    """Return the waivers of a TOML file that are about a model.
-
-    Raises
-    ------
-    UsageError
-        If it cannot be read, or an entry is not what it must be.
-    """
-    text, content = read_document(place, "TOML", tomllib.loads, "--waivers: ")
-    for key in content:
-        if key != "waive":
-            raise UnknownNameError(f"table of {place}", key, ("waive",))
-    entries = content.get("waive", [])
-    entries = entries if isinstance(entries, list) else [entries]
-    lines = [text[: match.start()].count("\n") + 1 for match in HEADER.finditer(text)]
-    waivers = []
-    for number, entry in enumerate(entries):
-        line = lines[number] if number < len(lines) else 1
-        where = f"{place}, line {line}"
-        if not isinstance(entry, dict) or not all(isinstance(v, str) for v in entry.values()):
-            raise UsageError(f"{where}: an entry is a table of strings")
-        odd = [key for key in entry if key not in KEYS]
-        if odd:
-            raise UnknownNameError("key", odd[0], KEYS)
-        missing = [key for key in KEYS[:2] if not entry.get(key, "").strip()]
-        if missing:
-            raise UsageError(f"{where}: there is no {missing[0]}")
-        if entry["rule"] not in RULES:
-            raise UnknownNameError("rule", entry["rule"], RULES)
-        name = Path(file).name
-        if fnmatchcase(name, entry.get("file", "*")) or fnmatchcase(file, entry.get("file", "*")):
-            waiver = Waiver(
-                rule=entry["rule"],
-                pattern=entry.get("element"),
-                reason=entry["reason"],
-                text=json.dumps(entry),
-                file=os.path.relpath(place, Path(file).parent),
-                line=line,
-                required=entry.get("file") in (name, file),
-            )
-            waivers.append(waiver)
-    return tuple(waivers)
-
-
-def baseline_of(name: str) -> dict[str, dict[tuple[str, str], float | None]]:
-    """Return the findings of a document: file -> rule and element -> how bad it was, if known.
-
-    Raises
-    ------
-    UsageError
-        If it cannot be read, or is no document of ``inspect``.
-    """
-    _, content = read_document(name, "JSON", json.loads, "--baseline: ")
-    baselines: dict[str, dict[tuple[str, str], float | None]] = {}
-    try:
-        for model in content.get("models", [content]):
-            known = baselines.setdefault(Path(model["file"]).as_posix(), {})
-            for one in unwaived(model):
-                key = one["rule"], one["element"]
-                known[key] = max(known.get(key) or 0.0, one["measure"] or 0.0) or None
-    except (KeyError, TypeError, AttributeError):
-        raise UsageError(f"--baseline: {name} is no document of inspect --json") from None
-    return baselines
 
 
 # What they come to --------------------------------------------------------------------------
@@ -330,11 +173,6 @@ def omissions(left_out: Sequence[str]) -> str:
     others = [part for part in left_out if not part.startswith("rule ")]
     others += [f"the rules {', '.join(rules)}"] if rules else []
     return f"it was stopped, and left out are {'; '.join(others)}" if others else ""
-
-
-def unwaived(model: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Return the findings of an ``inspect`` document that its file does not waive."""
-    return [one for one in model["findings"] if one["waived"] is None]
 
 
 def named_once(file: str, why: str) -> str:

@@ -183,7 +183,7 @@ def view_section(inspection: Inspection, view: View, full: bool) -> Section:
     words = [plural(len(kinds), "mode")]
     words += [f"{kinds.count(kind)} {kind}" for kind in ("rigid", "unstable") if kind in kinds]
     words += [f"{plural(linear.closed, 'direction')} closed by loops"] if linear.closed else []
-    ignored = {"contact": linear.contacts, "limit": linear.limits}
+    ignored = {"contact": linear.rows.contacts, "limit": linear.rows.limits}
     words += [f"{plural(count, noun)} left out" for noun, count in ignored.items() if count]
     rest = float(max(abs(linear.acceleration), default=0.0))
     fast = f"does not rest here (accelerates by {number(rest)}; held by constant forces)"
@@ -257,7 +257,9 @@ def conditions_of(inspection: Inspection) -> Iterator[str]:
         left_out += [words] if any(loaded.of_kind("actuator_dyntype", kind)) else []
     if left_out:
         yield f"left out of these limits: {', '.join(left_out)}"
-    apart = [one.state.name for one in inspection.views if one.linear and not one.linear.contacts]
+    apart = [
+        one.state.name for one in inspection.views if one.linear and not one.linear.rows.contacts
+    ]
     if apart and any(inspection.can_touch):
         yield (
             f"no contact is active in the state {', '.join(apart)}: what touches later may need "

@@ -66,8 +66,8 @@ def rows_of(old: Inspection, new: Inspection) -> Iterator[Row]:
             yield from changes(label, before[label], now[label])
         else:
             yield (label, "there", "gone") if label in before else (label, "not there", "new")
-    yield from changes("largest stable step,", limits_of(old), limits_of(new), ALIKE)
-    yield from changes("state", frequencies_of(old), frequencies_of(new), ALIKE)
+    for what, table in (("largest stable step,", limits_of), ("state", frequencies_of)):
+        yield from changes(what, table(old), table(new), ALIKE)
 
 
 def limits_of(one: Inspection) -> dict[str, Value]:

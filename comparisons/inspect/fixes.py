@@ -5,17 +5,20 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ...reference.errors import UsageError
 from ..documents.reading import read_bytes
 from ..reports.files import write_whole
 from ..reports.words import plural
-from .batch import FIXED
-from .inspection import Inspection
+from .inspection import whole_inspection
 from .mujoco.model import Loaded
 from .mujoco.source import Attribute, read
+from .request import InspectRequest
+
+FIXED = ("repeated_default", "unused_option", "unused_setting")
+"""Rules whose findings are attributes that may be left out, where that changes no bit."""
 
 START_TAG = re.compile(rb"""<[^\s/>]+(?:\s+[^\s=/>]+\s*=\s*(?:"[^"]*"|'[^']*'))*""")
 ATTRIBUTE = re.compile(rb"""\s+([^\s=/>]+)\s*=\s*(?:"[^"]*"|'[^']*')""")
@@ -67,20 +70,22 @@ class NeutralEdit:
             write_whole(Path(self.file), self.after)
 
 
-def neutral_edit(inspection: Inspection) -> NeutralEdit:
+def neutral_edit(asked: InspectRequest) -> NeutralEdit:
     """Return the edit that leaves out all attributes which a file can do without.
 
-    All of them together: the file as it is after the edit was compiled, and compared.
+    Those that rules of the house find are among them, unless rules are selected. All of them
+    together: the file as it is after the edit was compiled, and compared.
 
     Raises
     ------
     UsageError
         If the file cannot be read again, or does not compile to the same from one text.
     """
+    inspection = whole_inspection(replace(asked, modes=False, select=asked.select or FIXED))
     loaded, path = inspection.loaded, Path(inspection.file)
     raw = read_bytes(path, label=inspection.file)
-    asked = [one for one in inspection.unwaived if one.rule in FIXED]
-    places = {(one.file, one.line, one.element, one.attribute) for one in asked}
+    idle = [one for one in inspection.unwaived if one.rule in FIXED]
+    places = {(one.file, one.line, one.element, one.attribute) for one in idle}
     own = loaded.source.files[0]
     candidates = [
         (element, key)
@@ -93,7 +98,7 @@ def neutral_edit(inspection: Inspection) -> NeutralEdit:
         raise UsageError(f"--fix: {inspection.file} does not compile to the same from one text")
     attributes = neutral(loaded, raw, (), candidates)
     after = without(raw, attributes)
-    refused = len(asked) - len({(one.line, one.address, key) for one, key in attributes})
+    refused = len(idle) - len({(one.line, one.address, key) for one, key in attributes})
     return NeutralEdit(inspection.file, raw, after, tuple(attributes), max(0, refused))
 
 

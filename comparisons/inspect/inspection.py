@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from itertools import chain
 from pathlib import Path
@@ -14,17 +14,20 @@ from typing import Any
 import numpy as np
 
 from ..documents import document
+from ..documents.fields import takes_fields_of
 from ..engines.mujoco.library import quiet
 from ..queries.environment import versions
 from .mujoco.closures import ClosedLoop, closures
-from .mujoco.facts import facts
+from .mujoco.facts import BodyFacts, Options, facts
 from .mujoco.linear import Linear
 from .mujoco.model import ENGINE, Loaded, NotFiniteError, load
 from .mujoco.source import Element, Waiver
+from .request import InspectRequest
 from .rules.table import RULES
 from .rules.text import repeated_default
+from .selection import Baseline, Selection, selection_of
 from .spectrum import Shape
-from .subject import SEVERITIES, Hit, InspectedModel, Severity, View
+from .subject import SEVERITIES, Hit, InspectedModel, Severity, StepLimit, View
 from .views import MOST_STATES, state_views, step_limits
 
 BEFORE = "in the baseline"
@@ -81,26 +84,171 @@ class ModelFinding:
 
 
 @dataclass(frozen=True)
-class Selection:
-    """Which rules are asked, and what is waived beside the comments of a file.
+class ModelMode:
+    """A mode of small motions.
 
     Attributes
     ----------
-    rules : frozenset of str
-    waivers : tuple of Waiver
-        Those of a file beside it, for models of others.
-    baseline : mapping of (str, str) to float or None
-        Rule and element of findings that were there before, and how bad they were.
+    kind : {"rigid", "oscillating", "decaying", "unstable"}
+        what it does
+    re : float
+        real part of its eigenvalue [1/s]
+    im : float
+        imaginary part [1/s]
+    omega : float
+        modulus [rad/s]
+    hertz : float
+        omega / (2 pi) [Hz]
+    damping_ratio : float or None
+        -re / omega [1]; null for a rigid mode
+    joint : str
+        joint that moves most in it, by kinetic energy
     """
 
-    rules: frozenset[str]
-    waivers: tuple[Waiver, ...] = ()
-    baseline: Mapping[tuple[str, str], float | None] = field(default_factory=dict)
+    kind: str
+    re: float
+    im: float
+    omega: float
+    hertz: float
+    damping_ratio: float | None
+    joint: str
 
-    @classmethod
-    def of_profile(cls, strict: bool) -> Selection:
-        """Return the rules that are asked by default, or all."""
-        return cls(frozenset(name for name, rule in RULES.items() if strict or not rule.house))
+
+@dataclass(frozen=True)
+class ModelState:
+    """A state of the file, and small motions about it.
+
+    Attributes
+    ----------
+    names : tuple of str
+        keyframes that hold it; 'as opened' is qpos0
+    position : tuple of float
+        qpos [m, rad]
+    velocity : tuple of float
+        qvel [m/s, rad/s]
+    held : str or None
+        hinge that turns steadily, held at its speed; null in the file's states
+    reason : str or None
+        why there are no modes; null if there are
+    acceleration : float or None
+        largest, closed loops exact [m/s^2, rad/s^2]; null without modes
+    closed : int or None
+        directions that closed loops take away; null without modes
+    contacts : int or None
+        contacts that act; null without modes
+    limits : int or None
+        limits that act; null without modes
+    modes : tuple of ModelMode
+        loops closed exactly, contacts and limits left out; ascending in omega
+    simulated : tuple of ModelMode
+        all constraints as soft as MuJoCo has them; ascending in omega
+    """
+
+    names: tuple[str, ...]
+    position: tuple[float, ...]
+    velocity: tuple[float, ...]
+    held: str | None
+    reason: str | None
+    acceleration: float | None
+    closed: int | None
+    contacts: int | None
+    limits: int | None
+    modes: tuple[ModelMode, ...]
+    simulated: tuple[ModelMode, ...]
+
+
+@dataclass(frozen=True)
+class Unreadable:
+    """A file that could not be inspected.
+
+    Attributes
+    ----------
+    file : str
+        as it was given
+    reason : str
+        why it could not be inspected
+    """
+
+    file: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class InspectDocument:
+    """What is in an MJCF file, and what it could do without.
+
+    Attributes
+    ----------
+    file : str
+        the file, as it was given
+    files : tuple of str
+        it, and what it includes
+    name : str
+        of the model; empty if the file gives none
+    summary : mapping of str to int
+        number of findings by severity, waived ones apart; any `error` is exit code 1
+    options : Options
+        how the file is simulated
+    counts : mapping of str to int
+        number of positions nq, degrees of freedom nv, bodies, joints, geoms, ...
+    mass : float
+        of all bodies [kg]
+    size : float
+        MuJoCo's extent [m]
+    bodies : tuple of BodyFacts
+        in the order of the tree, without the world
+    states : tuple of ModelState
+        states of the file, then the steady rotation that was asked for
+    steps : tuple of StepLimit
+        largest stable step of each integrator; empty without modes
+    shortest_period : float or None
+        of all that oscillates as simulated [s]; null if nothing does
+    closures : tuple of ClosedLoop
+        closures of loops in each state, the stiffest first
+    findings : tuple of ModelFinding
+        unwaived ones first, errors first
+    untried : str or None
+        why some attributes were not tried for repeated_default; null if all were
+    left_out : tuple of str
+        modes, steps and rules that were not begun before it was stopped
+    """
+
+    file: str
+    files: tuple[str, ...]
+    name: str
+    summary: Mapping[str, int]
+    options: Options
+    counts: Mapping[str, int]
+    mass: float
+    size: float
+    bodies: tuple[BodyFacts, ...]
+    states: tuple[ModelState, ...]
+    steps: tuple[StepLimit, ...]
+    shortest_period: float | None
+    closures: tuple[ClosedLoop, ...]
+    findings: tuple[ModelFinding, ...]
+    untried: str | None
+    left_out: tuple[str, ...]
+    versions: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class InspectionsDocument:
+    """What is found in several MJCF files.
+
+    Attributes
+    ----------
+    summary : mapping of str to int
+        number of findings of all files
+    unreadable : tuple of Unreadable
+        files that could not be inspected
+    models : tuple of InspectDocument
+        the others, each as `inspect` describes it
+    """
+
+    summary: Mapping[str, int]
+    unreadable: tuple[Unreadable, ...]
+    models: tuple[InspectDocument, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -154,18 +302,9 @@ class Inspection(InspectedModel):
         """Return the ``inspect`` document of docs/json.md."""
         return document(
             "inspect",
-            self.facts,
-            file=self.file,
-            files=self.files,
-            summary=self.summary,
+            self,
+            **vars(self.facts),
             states=[self.state_document(view) for view in self.views],
-            steps=self.steps,
-            shortest_period=self.shortest_period,
-            closures=self.closures,
-            findings=self.findings,
-            untried=self.untried,
-            left_out=self.left_out,
-            versions=self.versions,
         )
 
     def state_document(self, view: View) -> dict[str, Any]:
@@ -179,8 +318,8 @@ class Inspection(InspectedModel):
             "reason": view.reason,
             "acceleration": linear and float(np.max(np.abs(linear.acceleration), initial=0.0)),
             "closed": linear and linear.closed,
-            "contacts": linear and linear.contacts,
-            "limits": linear and linear.limits,
+            "contacts": linear and linear.rows.contacts,
+            "limits": linear and linear.rows.limits,
             "modes": [self.mode_document(mode, linear) for mode in view.modes if linear],
             "simulated": [self.mode_document(mode, linear) for mode in view.simulated if linear],
         }
@@ -198,65 +337,48 @@ class Inspection(InspectedModel):
         }
 
 
-def inspect(
-    path: str | Path,
-    about_rotation: Mapping[str, float | str] | None = None,
-    modes: bool | None = None,
-    strict: bool = False,
-    selection: Selection | None = None,
-) -> Inspection:
-    """Inspect an MJCF file.
-
-    Parameters
-    ----------
-    path : str or Path
-    about_rotation : mapping of str to float, optional
-        One hinge and its speed [rad/s]: modes about the steady rotation, beside those of the
-        file's states.
-    modes : bool, optional
-        Whether to find modes; by default up to `MOST_DOFS` degrees of freedom.
-    strict : bool
-        Whether to look for what is a matter of taste, too: the rules of the house.
-    selection : Selection, optional
-        Which rules are asked instead, and what is waived beside the file's own comments.
+@takes_fields_of(InspectRequest)
+def inspect(asked: InspectRequest) -> Inspection:
+    """Inspect an MJCF file; takes the fields of `InspectRequest`.
 
     Raises
     ------
     UsageError
         If the file cannot be read, is no MJCF or does not compile, or if there is no such
-        rotation.
+        rotation or rule.
     EngineUnavailableError
         If MuJoCo cannot be imported.
     """
-    *_, (_, report) = inspect_in_parts(path, about_rotation, modes, strict, selection)
+    return whole_inspection(asked)
+
+
+def whole_inspection(asked: InspectRequest) -> Inspection:
+    """Return the whole inspection of a file, see `inspect`."""
+    *_, (_, report) = inspect_in_parts(asked)
     return report()
 
 
 def inspect_in_parts(
-    path: str | Path,
-    about_rotation: Mapping[str, float | str] | None = None,
-    modes: bool | None = None,
-    strict: bool = False,
-    selection: Selection | None = None,
+    asked: InspectRequest,
 ) -> Iterator[tuple[tuple[str, ...], Callable[[], Inspection]]]:
     """Inspect a file in parts; rules that look at the model alone come before what takes time.
 
     Yields before each part, and at the end, the parts that are to come, and what returns the
     inspection so far. See `inspect`.
     """
-    selection = selection or Selection.of_profile(strict)
+    path, selection = asked.path, selection_of(asked)
     loaded, hits, untried = load(path), list[tuple[str, Hit]](), None
     rules = {f"rule {name}": RULES[name] for name in RULES if name in selection.rules}
     repeated = [part for part in rules if part == "rule repeated_default"]
     quick, *slow = ([p for p, rule in rules.items() if rule.needs == need] for need in NEEDS)
     parts = [*quick, MODES, STEPS, LOOPS, *chain(*slow), *repeated]
-    s = InspectedModel(loaded, facts(loaded), strict)
+    s = InspectedModel(loaded, facts(loaded), asked.strict)
     with quiet(loaded.mujoco), np.errstate(all="ignore"):
         for number, part in enumerate(parts):
             left = tuple(parts[number:])
             yield left, partial(report_of, path, s, selection, hits, left)
             if part == MODES:
-                s = replace(s, views=state_views(loaded, about_rotation, modes))
+                s = replace(s, views=state_views(loaded, asked.about_rotation, asked.modes))
             elif part == STEPS:
                 s = replace(s, steps=step_limits(loaded, s.views))
             elif part == LOOPS:
@@ -322,7 +444,7 @@ def report_of(
     )
 
 
-def compared(baseline: Mapping[tuple[str, str], float | None], rule: str, hit: Hit) -> ModelFinding:
+def compared(baseline: Baseline, rule: str, hit: Hit) -> ModelFinding:
     """Return a finding: waived if it is in the baseline, unless it has become worse."""
     old = baseline.get((rule, hit.name))
     if old is not None and hit.measure is not None and hit.measure > WORSE * abs(old):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from math import inf
 from time import monotonic
@@ -14,11 +15,12 @@ from rich.console import Console
 
 from ...reference.errors import EngineError, MbcheckError, UsageError
 from ..engines.isolation import MEMORY, Worker, await_call, tell, within_limits
-from .batch import Inspections, InspectRequest
+from .batch import FAIL_ON, Inspections
 from .console import print_difference, print_inspection
 from .difference import model_difference
 from .fixes import neutral_edit
-from .inspection import Inspection, inspect, inspect_in_parts
+from .inspection import Inspection, inspect_in_parts, whole_inspection
+from .request import InspectRun
 
 T = TypeVar("T")
 
@@ -130,21 +132,16 @@ def in_folder(folder: str, work: Callable[[], T]) -> T | MbcheckError:
 # What is done in the process ------------------------------------------------------------------
 
 
-def inspect_file(
-    file: str, request: InspectRequest, options: Mapping[str, Any], screen: Screen
-) -> FileReport:
+def inspect_file(run: InspectRun, screen: Screen) -> FileReport:
     """Inspect a file; tell what is found so far, now and then."""
 
     def report_of(result: Inspection) -> FileReport:
-        report = partial(
-            print_inspection, inspection=result, full=options["full"], fail_on=options["fail_on"]
-        )
+        report = partial(print_inspection, inspection=result, full=run.full, fail_on=run.fail_on)
         return result.as_json(), text_on(screen, report)
 
     last_report, total = monotonic(), 0
-    asked = options["rotation"], options["modes"], request.strict, request.selection(file)
-    tell((0, 1, f"MuJoCo compiles {os.path.basename(file)}"))
-    for left, inspection in inspect_in_parts(file, *asked):
+    tell((0, 1, f"MuJoCo compiles {os.path.basename(run.path)}"))
+    for left, inspection in inspect_in_parts(run):
         total = max(total, len(left))
         for part in left[:1]:
             tell((total - len(left), total, part))
@@ -154,23 +151,20 @@ def inspect_file(
     return report_of(inspection())
 
 
-def fix(file: str, request: InspectRequest, dry_run: bool) -> tuple[str, str, bool]:
+def fix(run: InspectRun) -> tuple[str, str, bool]:
     """Leave out what a file does without; return the edit, a summary, and if there is any edit."""
-    selection = request.fixing().selection(file)
-    edit = neutral_edit(inspect(file, modes=False, selection=selection))
-    if not dry_run:
+    edit = neutral_edit(run)
+    if not run.dry_run:
         edit.write()
     return edit.diff, edit.summary, bool(edit.attributes)
 
 
-def compare_models(
-    files: Sequence[str], request: InspectRequest, modes: bool | None, screen: Screen
-) -> tuple[str, bool, list[str]]:
-    """Return a table of differences, if fields differ, and the severities of new findings."""
-    old, new = (inspect(x, None, modes, request.strict, request.selection(x)) for x in files)
-    result = model_difference(old, new)
+def compare_models(run: InspectRun, screen: Screen) -> tuple[str, bool]:
+    """Return a table of differences, and whether fields differ or a new finding fails."""
+    result = model_difference(*(whole_inspection(replace(run, path=file)) for file in run.models))
     text = text_on(screen, partial(print_difference, result=result))
-    return text, bool(result.rows), [one.severity for one in result.new]
+    fails = any(one.severity in FAIL_ON[run.fail_on] for one in result.new)
+    return text, bool(result.rows) or fails
 
 
 # Many files -----------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ import numpy as np
 from ..checks.rules.conditions import Statement
 from ..documents.fields import Number
 from .mujoco.closures import ClosedLoop
-from .mujoco.facts import DRAWS, Facts, can_touch, meetings
+from .mujoco.facts import Facts, can_touch, meetings
 from .mujoco.linear import Linear
 from .mujoco.model import Flags, Loaded, Numbers, State
 from .mujoco.source import Element
@@ -165,11 +165,6 @@ class InspectedModel:
         return meetings(self.loaded) if possible else {}
 
     @property
-    def never_apart(self) -> frozenset[tuple[int, int]]:
-        """Which pairs of geoms of one mechanism lie in each other wherever its joints are."""
-        return frozenset(pair for pair, count in self.meetings.items() if count == DRAWS)
-
-    @property
     def model(self) -> Any:
         """MuJoCo's ``MjModel``."""
         return self.loaded.model
@@ -184,13 +179,11 @@ class InspectedModel:
         """The stability limit of the file's own integrator, if it has one that is known."""
         return [one for one in self.steps if one.of_file and 0 < one.limit < math.inf]
 
-    def hit(
-        self, kind: str, number: SupportsInt, message: str, attribute: str | None = None
-    ) -> Hit:
-        """Return a finding about an object."""
+    def hit(self, kind: str, number: SupportsInt, message: str, **more: Any) -> Hit:
+        """Return a finding about an object; ``more`` are further fields of it."""
         element = self.loaded.places.get((kind, int(number)))
         name = element.address if element else f"{kind}:{self.loaded.name(kind, number)}"
-        return Hit(element, name, message, attribute=attribute)
+        return Hit(element, name, message, **more)
 
     def hits(
         self,
@@ -214,7 +207,7 @@ class InspectedModel:
         """
         for i in np.flatnonzero(where):
             words = message if isinstance(message, str) else message(int(i))
-            yield self.hit(kind, i if of is None else of[i], words, attribute)
+            yield self.hit(kind, i if of is None else of[i], words, attribute=attribute)
 
     @cached_property
     def sections(self) -> dict[str, Element]:
@@ -223,10 +216,10 @@ class InspectedModel:
         parts = {f"{top.tag}/{part.tag}": part for top in tops for part in top.children}
         return {top.tag: top for top in tops} | parts
 
-    def about(self, *paths: str, message: str, fix: str = "") -> Hit:
+    def about(self, *paths: str, message: str, **more: Any) -> Hit:
         """Return a finding about the first of these sections that the file has, or about it."""
         element = next((self.sections[path] for path in paths if path in self.sections), None)
-        return Hit(element, paths[0].rpartition("/")[2], message, fix)
+        return Hit(element, paths[0].rpartition("/")[2], message, **more)
 
     def state(self, statement: Statement | None, *paths: str) -> Iterator[Hit]:
         """Yield what a rule says about one of these sections, if it says anything."""

@@ -45,11 +45,12 @@ def state_views(
         view(loaded, state) if reason is None else View(state, reason=reason)
         for state, reason in zip(loaded.states, reasons, strict=False)
     ]
-    if about_rotation and len(about_rotation) > 1:
+    about_rotation = about_rotation or {}
+    if len(about_rotation) > 1:
         raise UsageError("one hinge can turn steadily, not several")
     views += [
         view(loaded, steady_rotation(loaded, joint, speed), joint)
-        for joint, speed in (about_rotation or {}).items()
+        for joint, speed in about_rotation.items()
     ]
     return tuple(views)
 
@@ -69,7 +70,7 @@ def view(loaded: Loaded, state: State, steady_hinge: str | None = None) -> View:
     modes = modes_within(free, linear.mass, linear.damping, linear.stiffness)
     step = float(loaded.model.opt.timestep)
     mass, damping, stiffness, *_ = linear.simulated.motion(integrator(loaded), step)
-    soft = linear.rows or linear.closed
+    soft = len(linear.rows.weight) or linear.closed
     simulated = modes_within(moving, mass, damping, stiffness) if soft else modes
     return View(state, linear, modes, simulated, steady_hinge=steady_hinge)
 

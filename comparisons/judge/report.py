@@ -6,7 +6,7 @@ from rich.console import Console
 
 from ..checks.request import CheckRequest
 from ..queries.environment import environment
-from ..reports.run.outcome import Report, Run
+from ..reports.run.outcome import Report
 from ..reports.sections import Section, print_sections
 from ..reports.text import STYLES, print_line
 from ..reports.words import assignments, number
@@ -21,8 +21,14 @@ CHAOS = "what looks like a fault late in the run may be a small error that has g
 def as_report(judgement: Judgement, command: str | None = None) -> Report:
     """Return a judgement as the report of one check, which a command repeats."""
     selection = CheckRequest((judgement.scene,), ids=(f"{judgement.scene}/{judgement.case}",))
-    run = Run(planned=1, selection=selection, environment=environment(), command=command)
-    return Report(judgement.results, judgement.versions, run)
+    return Report(
+        judgement.results,
+        judgement.versions,
+        planned=1,
+        selection=selection,
+        environment=environment(),
+        command=command,
+    )
 
 
 def print_judgement(console: Console, judgement: Judgement, quiet: bool = False) -> None:

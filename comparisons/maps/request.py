@@ -19,7 +19,8 @@ from ..documents.fields import OptionMark
 from ..engines.registry import REFERENCE, get_engine
 from ..queries.axis import ParameterRange, refuse_axes
 from ..queries.environment import versions
-from ..queries.query import MethodQuery, known_name, valid_step
+from ..queries.query import known_name, valid_step
+from ..queries.request import MethodQuery
 from ..scenes.data import scene_data
 from ..scenes.quantity import AxisName, Points, Quantity, QuantityValues
 

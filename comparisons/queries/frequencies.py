@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,11 +15,12 @@ from ...reference.scene import Array
 from ..checks.kinds import elements
 from ..checks.kinds.frequency import resting
 from ..documents import document
-from ..documents.fields import OptionMark, takes_fields_of
+from ..documents.fields import takes_fields_of
 from ..engines.registry import REFERENCE
 from ..engines.run import call_engine
 from ..engines.setup import Setup
-from .query import ModelQuery, Origin, by_state, described, floats
+from .query import Origin, by_state, described, floats
+from .request import FrequenciesRequest
 
 CONTINUUM_MODES = 4
 """Modes of a continuum that are returned by default."""
@@ -55,28 +56,6 @@ class Frequencies(Origin):
     def as_json(self) -> dict[str, Any]:
         """Return the ``frequencies`` document of docs/json.md."""
         return document("frequencies", self)
-
-
-@dataclass(frozen=True, kw_only=True)
-class FrequenciesRequest(ModelQuery):
-    """The modes about a state of rest.
-
-    Attributes
-    ----------
-    about : str or None
-        State of rest, see mbcheck list SCENE; the first by default.
-    count : int or None
-        Only the lowest N modes.
-    undamped : bool
-        Leave damping out.
-    plane : {"chordwise", "flapwise"} or None
-        Of a rotating beam: chordwise (in the plane of rotation, the default) or flapwise.
-    """
-
-    about: Annotated[str | None, OptionMark("NAME")] = None
-    count: Annotated[int | None, OptionMark("N", least=1)] = None
-    undamped: Annotated[bool, OptionMark()] = False
-    plane: Annotated[str | None, OptionMark("NAME")] = None
 
 
 @takes_fields_of(FrequenciesRequest)

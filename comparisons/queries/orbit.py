@@ -21,7 +21,8 @@ from ..documents import document
 from ..documents.fields import documented, takes_fields_of
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup, shortest_period
-from .query import MethodQuery, Origin, by_state, described, floats, seconds_of_a_step
+from .query import Origin, by_state, described, floats, seconds_of_a_step
+from .request import MethodQuery
 
 MOST_PERIODS = 10_000
 """Periods of the fastest motion in one of the orbit; more take hours, and more than its steps."""
@@ -184,7 +185,13 @@ def find(query: MethodQuery, bounded: bool = True) -> OrbitReport:
     """Find the periodic orbit that is asked for; bounds cost about as much again."""
     setup = query.setup()
     if setup.engine.name == REFERENCE:
-        refuse_stiff(setup)
+        period = float(setup.scene.period(setup.case.parameters))
+        periods = period / shortest_period(setup.case)
+        if not periods <= MOST_PERIODS:
+            raise UsageError(
+                f"the fastest motion here has {periods:.2g} periods in one of {period:.2g} s, and "
+                f"the reference follows {MOST_PERIODS}: choose other parameters"
+            )
         exact = find_orbit(*setup.equations)
         return orbit_report(setup, exact, orbit_samples(*setup.equations, exact), bounded)
     if setup.step is not None:
@@ -194,23 +201,6 @@ def find(query: MethodQuery, bounded: bool = True) -> OrbitReport:
     unknown = np.full(len(own.state), np.nan)
     closed = Orbit(own.period, own.state, own.multipliers, own.monodromy, unknown, own.trivial)
     return orbit_report(setup.with_step(own.step), closed, own.samples, bounded=False)
-
-
-def refuse_stiff(setup: Setup) -> None:
-    """Refuse an orbit with more of the fastest motion in it than the reference's steps resolve.
-
-    Raises
-    ------
-    UsageError
-        With their number.
-    """
-    period = float(setup.scene.period(setup.case.parameters))
-    periods = period / shortest_period(setup.case)
-    if not periods <= MOST_PERIODS:
-        raise UsageError(
-            f"the fastest motion here has {periods:.2g} periods in one of {period:.2g} s, and the "
-            f"reference follows {MOST_PERIODS}: choose other parameters"
-        )
 
 
 def orbit_report(setup: Setup, orbit: Orbit, samples: Array, bounded: bool) -> OrbitReport:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
-from typing import Annotated, Any
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from ...models import mjcf
 from ...reference import get_scene
 from ...reference.errors import (
     ParameterError,
@@ -17,10 +18,9 @@ from ...reference.errors import (
 )
 from ...reference.parameters import Parameters, as_number
 from ...reference.scene import Case, EquationsOfMotion, Scene
-from ..documents.fields import OptionMark
 from ..engines.adapter import Adapter
 from ..engines.protocol import Method
-from ..engines.registry import REFERENCE, get_engine
+from ..engines.registry import get_engine
 from ..engines.setup import Setup, run
 from .environment import versions
 
@@ -31,116 +31,19 @@ CONSISTENT = 1e-9
 """How close an initial value that follows from others must be to what follows (SI)."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class ModelQuery:
-    """A scene at a user's parameters, and whose model computes it.
+def user_case(
+    scene: str, changes: Mapping[str, Any] | None, state: Mapping[str, Any] | None = None
+) -> Case:
+    """Return the case of a user's parameters and initial values, otherwise 0.
 
-    Attributes
-    ----------
-    scene : str
-        Name of the scene.
-    engine : str
-        Who computes it.
-    model : str or None
-        One of the engine's models of the scene.
-    parameters : mapping of str to float or str
-        Change a parameter from its default, SI units.
+    Raises
+    ------
+    UsageError
+        For unknown names or impossible values.
     """
-
-    scene: Annotated[str, OptionMark(flags=())] = field(kw_only=False)
-    engine: Annotated[str, OptionMark("ENGINE")] = REFERENCE
-    model: Annotated[str | None, OptionMark("NAME")] = None
-    parameters: Annotated[Mapping[str, Any] | None, OptionMark("NAME=VALUE", ("--set",))] = None
-
-    @property
-    def case(self) -> Case:
-        """The case that the user describes.
-
-        Raises
-        ------
-        UsageError
-            For unknown names or impossible values.
-        """
-        return self.case_from({})
-
-    def case_from(self, state: Mapping[str, float]) -> Case:
-        """Return the case with these initial values, otherwise 0.
-
-        Raises
-        ------
-        UsageError
-            For unknown names or impossible values.
-        """
-        scene = get_scene(self.scene)
-        parameters = changed(scene.parameters(), self.parameters)
-        return Case(self.scene, "user", parameters, initial_values(scene, parameters, state))
-
-    def model_setup(self) -> Setup:
-        """Return the case with its engine and model, where nothing is integrated.
-
-        Raises
-        ------
-        UsageError
-            For unknown names or impossible values.
-        """
-        case = self.case
-        engine, model = choose_engine(self.engine, case, self.model)
-        return Setup(engine, case, model)
-
-
-@dataclass(frozen=True, kw_only=True)
-class MethodQuery(ModelQuery):
-    """The same, and how it is integrated.
-
-    Attributes
-    ----------
-    method : str or None
-        Integrator as the engine spells it; by default that of highest order.
-    step : float or None
-        Fixed step [s].
-    """
-
-    method: Annotated[str | None, OptionMark("METHOD")] = None
-    step: Annotated[float | None, OptionMark("H")] = None
-
-    def setup(self) -> Setup:
-        """Return the case with its engine, model, method and step.
-
-        Raises
-        ------
-        UsageError
-            For unknown names, impossible values, or what the engine cannot run.
-        """
-        setup = self.model_setup()
-        method = choose_method(setup.engine, setup.case, setup.model, self.method)
-        if self.step is not None and setup.engine.name == REFERENCE:
-            raise UsageError("the reference chooses its own steps: leave the step out")
-        step = None if self.step is None else valid_step(self.step)
-        return replace(setup, method=method, step=step)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Query(MethodQuery):
-    """The same, from a user's initial state.
-
-    Attributes
-    ----------
-    state : mapping of str to float
-        Initial value, otherwise 0, SI units.
-    """
-
-    state: Annotated[Mapping[str, float] | None, OptionMark("NAME=VALUE")] = None
-
-    @property
-    def case(self) -> Case:
-        """The case that the user describes.
-
-        Raises
-        ------
-        UsageError
-            For unknown names or impossible values.
-        """
-        return self.case_from(self.state or {})
+    known = get_scene(scene)
+    parameters = changed(known.parameters(), changes)
+    return Case(scene, "user", parameters, initial_values(known, parameters, state or {}))
 
 
 def changed(parameters: Parameters, changes: Mapping[str, Any] | None) -> Parameters:
@@ -246,6 +149,21 @@ def known_name(kind: str, name: str | None, known: tuple[str, ...]) -> str:
     if name is not None and name not in known:
         raise UnknownNameError(kind, name, known)
     return known[0] if name is None else name
+
+
+def mjcf_text(
+    scene: str, parameters: Mapping[str, Any] | None = None, model: str | None = None
+) -> str:
+    """Return the MJCF of a scene with these parameters.
+
+    Raises
+    ------
+    UsageError
+        For unknown names, impossible values, or a scene without MJCF.
+    """
+    case, models = user_case(scene, parameters), mjcf.models(scene)
+    name = known_name(f"MJCF model of {scene}", model, tuple(models))
+    return mjcf.export(models[name], case.parameters)
 
 
 def choose_method(engine: Adapter, case: Case, model: str, name: str | None) -> Method:

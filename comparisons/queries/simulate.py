@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import partial
 from time import perf_counter
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,19 +17,32 @@ from ...reference.cost import expected_end, keep_steps
 from ...reference.errors import EngineError, UnknownNameError, UsageError
 from ...reference.scene import Array, Case
 from ...reference.solve.single import solve
-from ...reference.solve.solution import Solution
+from ...reference.solve.solution import Solution, sample_times
 from ..checks.rules.cautions import Caution, cautions, explained
 from ..checks.truth import truncated, truth_of
 from ..documents import document
-from ..documents.fields import OptionMark, takes_fields_of
+from ..documents.fields import takes_fields_of
 from ..engines.equations import ModelEquations
 from ..engines.registry import REFERENCE
 from ..engines.run import VIOLATIONS, grid_indices
 from ..engines.setup import Setup, run
-from .query import Origin, Query, described, floats, seconds_of_a_step
-from .times import RATIONAL, step_for, times_array, times_from
+from .query import Origin, described, floats, seconds_of_a_step
+from .request import SimulateRequest
 
 VIOLATION_UNITS = dict(zip(VIOLATIONS, ("m", "m/s"), strict=True))
+
+SHORTEST_STEP = 1 / 1024
+"""Times that need a step below this share of the default step have no spacing in common."""
+
+SHORTEST_RUN = 1e-150
+"""Shortest run [s]; no number is left for the squares of the steps of a much shorter one."""
+
+MOST_STEPS = 10**8
+"""A default step that needs more steps is refused, since the run would take hours; a step that the
+user gives may need more."""
+
+RATIONAL = 8 * float(np.finfo(float).eps)
+"""Relative distance within which a time is taken for a rational number."""
 
 
 @dataclass(frozen=True)
@@ -84,25 +99,6 @@ class Simulation(Origin):
     def as_json(self) -> dict[str, Any]:
         """Return the ``simulate`` document of docs/json.md."""
         return document("simulate", self)
-
-
-@dataclass(frozen=True, kw_only=True)
-class SimulateRequest(Query):
-    """A run from t = 0.
-
-    Attributes
-    ----------
-    times : sequence of float
-        Sample times [s], on the grid of the step; STOP is included.
-    observe : sequence of str
-        Also show this output of the scene, see mbcheck list SCENE; 'all' for all that the engine
-        tells.
-    """
-
-    times: Annotated[
-        Sequence[float] | Array, OptionMark("T1,T2,...|START:STOP:STEP", parse=times_from)
-    ]
-    observe: Annotated[Sequence[str], OptionMark("NAME")] = ()
 
 
 @takes_fields_of(SimulateRequest)
@@ -227,3 +223,69 @@ def units_of(case: Case, names: Iterable[str]) -> dict[str, str]:
     """Return the units of observables, residuals of closed loops included."""
     units = VIOLATION_UNITS | dict(get_scene(case.scene).units)
     return {name: units[name] for name in names}
+
+
+# Sample times, and the step on whose grid they lie
+
+
+def times_array(times: Iterable[float]) -> Array:
+    """Return sample times as an array (n_t,).
+
+    Raises
+    ------
+    UsageError
+        If they are not numbers in one row, finite, increasing and not negative, the last
+        positive.
+    """
+    try:
+        row = np.asarray(times, dtype=float)
+    except (TypeError, ValueError):
+        raise UsageError("sample times must be numbers") from None
+    if row.ndim != 1:
+        raise UsageError("sample times must be one row of numbers")
+    row = sample_times(row, 0.0)
+    if row[-1] < SHORTEST_RUN:
+        raise UsageError(
+            f"nothing to simulate: the last sample time must be {SHORTEST_RUN:g} s or more"
+        )
+    return row
+
+
+def step_for(times: Array, longest: float) -> float:
+    """Return the longest step [s], up to a limit, on whose grid from 0 all times lie.
+
+    Raises
+    ------
+    UsageError
+        If the times share no spacing that is not far shorter, or steps are too many.
+    """
+    if not times[-1] / MOST_STEPS <= longest:
+        raise UsageError(
+            f"the fastest motion here asks for steps of {longest:.3g} s, more than "
+            f"{MOST_STEPS:.0e} of them; choose other parameters, a shorter run, or give the step"
+        )
+    spacing = common_spacing(times)
+    step = float(spacing / math.ceil(spacing / longest))
+    if step < SHORTEST_STEP * longest:
+        raise UsageError(
+            f"these times need a step of {step:.3g} s, far shorter than the method's "
+            f"{longest:.3g} s; choose times on a coarser grid, or give the step"
+        )
+    return step
+
+
+def common_spacing(times: Array) -> Fraction:
+    """Return the greatest common divisor of times taken as rational numbers."""
+    exact = [rational(float(time)) for time in times]
+    unit = math.lcm(*(time.denominator for time in exact))
+    return Fraction(math.gcd(*(int(time * unit) for time in exact)), unit)
+
+
+def rational(value: float) -> Fraction:
+    """Return a rational number of small denominator that rounds to a value."""
+    exact = Fraction(value)
+    for digits in range(1, 16):
+        near = exact.limit_denominator(10**digits)
+        if abs(near - exact) <= RATIONAL * exact:
+            return near
+    return exact

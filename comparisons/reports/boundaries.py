@@ -77,12 +77,7 @@ def read(path: Path, option: str) -> dict[str, Any] | None:
 
 
 def read_beside(name: str, asked: Any) -> dict[str, Any]:
-    """Return a document of the same scene, window and parameters as a map that is asked for.
-
-    Raises
-    ------
-    UsageError
-    """
+    """Return a document of the same scene, window and parameters as a map that is asked for."""
     document = read(Path(name), "--boundary")
     if document is None:
         raise UsageError(f"--boundary: there is no file {name!r}")

@@ -181,12 +181,7 @@ def write_out(data: bytes) -> None:
 
 
 def refuse_conflicts(*destinations: Destination | None) -> None:
-    """Refuse destinations of which one would overwrite another.
-
-    Raises
-    ------
-    UsageError
-    """
+    """Refuse destinations of which one would overwrite another."""
     seen: dict[str | Path, Destination] = {}
     for item in destinations:
         if item is None:

@@ -82,7 +82,10 @@ def annotation(item: ReportItem, level: Level) -> str:
     """Return a workflow command of GitHub, escaped as its own toolkit does."""
     file = {"file": item.file, "line": str(item.line or 1)} if item.file else {}
     properties = {**file, "title": item.title or f"mbcheck: {item.rule}"}
-    named = ",".join(f"{name}={in_property(text)}" for name, text in properties.items())
+    named = ",".join(
+        f"{name}={escaped(printable(text)).replace(':', '%3A').replace(',', '%2C')}"
+        for name, text in properties.items()
+    )
     lines = "\n".join((item.message, *item.details)).splitlines()
     message = escaped("\n".join(printable(line) for line in lines if line))
     return f"::{'notice' if level == 'note' else level} {named}::{message}"
@@ -91,8 +94,3 @@ def annotation(item: ReportItem, level: Level) -> str:
 def escaped(text: str) -> str:
     """Return text as the message of a workflow command."""
     return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
-
-
-def in_property(text: str) -> str:
-    """Return text as a property of a workflow command."""
-    return escaped(printable(text)).replace(":", "%3A").replace(",", "%2C")

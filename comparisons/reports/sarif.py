@@ -16,7 +16,7 @@ from .words import printable
 SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 
 FINGERPRINT = "primaryLocationLineHash"
-"""The name under which GitHub looks for a fingerprint."""
+"""The name under which GitHub looks for what recognises an item as lines move."""
 
 
 def sarif(items: Sequence[ReportItem], rules: Mapping[str, tuple[str, str]], version: str) -> str:
@@ -58,16 +58,12 @@ def result_of(item: ReportItem) -> dict[str, Any]:
         for name, value in item.numbers.items()
         if value is not None and not (isinstance(value, float) and not math.isfinite(value))
     }
+    name = sha256(f"{uri} {printable(item.id)}".encode()).hexdigest()[:16]
     return {
         "ruleId": item.rule,
         "level": item.severity,
         "message": {"text": printable("; ".join((item.message, *item.details)))},
         "locations": [location],
-        "partialFingerprints": {FINGERPRINT: fingerprint(f"{uri} {printable(item.id)}")},
+        "partialFingerprints": {FINGERPRINT: f"{name}:1"},
         "properties": numbers,
     }
-
-
-def fingerprint(text: str) -> str:
-    """Return a hash by which code scanning recognises an item as lines move."""
-    return f"{sha256(text.encode()).hexdigest()[:16]}:1"

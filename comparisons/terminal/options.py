@@ -3,24 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import MISSING, fields
-from types import NoneType, UnionType
-from typing import (
-    Annotated,
-    Any,
-    Literal,
-    TypeVar,
-    Union,
-    get_args,
-    get_origin,
-    get_type_hints,
-)
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import MISSING
+from typing import Any, Literal, TypeVar, get_args, get_origin
 
 import click
 
 from ...reference.errors import UsageError
-from ..documents.fields import OptionMark, descriptions
+from ..documents.fields import OptionField, option_fields
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -75,18 +65,12 @@ def with_options_of(
     without, only : collection of str
         Fields that are left out; those that are taken, by default all.
     """
-    items: dict[str, Callable[[Any], Any]] = {}
-    for kind in kinds:
-        hints, meanings = get_type_hints(kind, include_extras=True), descriptions(kind)
-        for field in fields(kind):
-            marks = getattr(hints[field.name], "__metadata__", ())
-            option = next((mark for mark in marks if isinstance(mark, OptionMark)), None)
-            if option is None or field.name in without or (only and field.name not in only):
-                continue
-            made = field.default_factory() if callable(field.default_factory) else field.default
-            default = made if option.default is None else option.default
-            hint = get_args(hints[field.name])[0]
-            items[field.name] = parameter(field.name, hint, option, default, meanings[field.name])
+    items = {
+        field.name: parameter(field)
+        for kind in kinds
+        for field in option_fields(kind)
+        if field.name not in without and (not only or field.name in only)
+    }
 
     def decorate(function: Function) -> Function:
         for item in reversed(items.values()):
@@ -96,57 +80,30 @@ def with_options_of(
     return decorate
 
 
-def parameter(
-    name: str, hint: Any, option: OptionMark, default: Any, meaning: str
-) -> Callable[[Any], Any]:
-    """Return the decorator that adds an option, or an argument, for a field.
-
-    Parameters
-    ----------
-    name : str
-    hint : type
-        Of the field: a flag for a bool; repeatable for a mapping, a tuple, and a sequence unless
-        its text is parsed as a whole.
-    option : OptionMark
-    default
-        `dataclasses.MISSING` makes it required.
-    meaning : str
-        The text of the help.
-    """
-    kind = bare(hint)
-    several = kind in (Mapping, tuple) or (kind is Sequence and option.parse is None)
-    if option.flags == ():
-        count, metavar = -1 if several else 1, option.metavar or None
-        return click.argument(name, nargs=count, metavar=metavar, required=default is MISSING)
-    flag = f"--{(name.removesuffix('s') if several else name).replace('_', '-')}"
-    about: dict[str, Any] = {"metavar": option.metavar or None}
+def parameter(field: OptionField) -> Callable[[Any], Any]:
+    """Return the decorator that adds an option, or an argument, for a field."""
+    mark, kind, default, several = field.mark, field.kind, field.default, field.is_repeatable
+    required, metavar = default is MISSING, mark.metavar or None
+    if mark.flags == ():
+        count = -1 if several else 1
+        return click.argument(field.name, nargs=count, metavar=metavar, required=required)
+    flag, about = f"--{field.word}", dict[str, Any](metavar=metavar)
     if kind is bool:
-        flag = f"{flag}/--no-{name}" if default is None else flag
+        flag = f"{flag}/--no-{field.word}" if default is None else flag
         about = {"is_flag": True}
     elif several:
         about |= {"multiple": True, "callback": assignments if kind is Mapping else None}
     elif get_origin(kind) is Literal:
         about = {"type": click.Choice(get_args(kind))}
     elif kind in (int, float):
-        about |= {"type": Number(option.least) if kind is int else NUMBER}
-    if option.parse is not None:
-        about["callback"] = parsed(option.parse)
+        about |= {"type": Number(mark.least) if kind is int else NUMBER}
+    if mark.parse is not None:
+        about["callback"] = parsed(mark.parse)
     if not several:
-        about |= {"required": True} if default is MISSING else {"default": default}
-        has_default = option.default is None and isinstance(default, str | int | float)
+        about |= {"required": True} if required else {"default": default}
+        has_default = mark.default is None and isinstance(default, str | int | float)
         about["show_default"] = has_default and default not in ("", False)
-    text = f"{meaning} (repeatable)." if several else f"{meaning}."
-    return click.option(*(option.flags or (flag,)), name, help=text, **about)
-
-
-def bare(hint: Any) -> Any:
-    """Return a type without None and metadata: of sequences and mappings the origin."""
-    origin, args = get_origin(hint), get_args(hint)
-    if origin is Annotated:
-        return bare(args[0])
-    if origin in (Union, UnionType):
-        return bare(next(item for item in args if item is not NoneType))
-    return origin if origin in (Sequence, Mapping, tuple) else hint
+    return click.option(*(mark.flags or (flag,)), field.name, help=field.help, **about)
 
 
 def parsed(parse: Callable[[str, str], Any]) -> Callable[..., Any]:

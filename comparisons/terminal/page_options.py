@@ -15,12 +15,7 @@ if TYPE_CHECKING:
 def page_of(
     context: click.Context, option: click.Parameter, name: str | None
 ) -> Destination | None:
-    """Return the page in a folder; refuse at once what cannot be written.
-
-    Raises
-    ------
-    UsageError
-    """
+    """Return the page in a folder; refuse at once what cannot be written."""
     if name is None:
         return None
     from ..reports.run.page import page_file

@@ -172,12 +172,7 @@ PLOT = click.option("--plot", callback=destination, metavar="FILE", help="Draw i
 
 
 def refuse_picture(plot: Destination | None) -> None:
-    """Refuse a picture of a kind that cannot be drawn, before any work is done.
-
-    Raises
-    ------
-    UsageError
-    """
+    """Refuse a picture of a kind that cannot be drawn, before any work is done."""
     if plot is None:
         return
     from ..reports.drawing import SUFFIXES, import_pyplot

@@ -9,8 +9,10 @@ from rich.console import Console
 from ..reports.sections import Section, print_sections
 from ..reports.text import markdown_table
 from ..reports.words import number, plain, plural, with_unit
+from .left_out import LeftOut
 from .model import ModelTradeoff
 from .report import Tradeoff
+from .stability import StabilityShift
 from .table import Choice, StepSeries, Trial, percent, settings_text
 
 DIGITS = 2
@@ -30,6 +32,11 @@ RUNS = (
     "", "integrator", "step [ms]", "error", "energy", "violation", "time [s/s]", "limit [ms]", "",
 )  # fmt: skip
 
+LEFT_OUT = (
+    "scene", "engine", "left out", "model with it", "model without", "error", "error without",
+    "leaving it out",
+)  # fmt: skip
+
 Row = tuple[object, ...]
 
 
@@ -47,7 +54,13 @@ def sections(result: Tradeoff | ModelTradeoff) -> list[Section]:
         tables = [
             ("Cheapest settings", CHOICE, [choice_cells(one) for one in steps]),
             ("Smallest models", CHOICE, [choice_cells(one) for one in models]),
+            (
+                "What may be left out",
+                LEFT_OUT,
+                [left_out_cells(one) for one in result.left_out],
+            ),
             (LIMITS, LIMIT, [limit_cells(one) for one in result.series]),
+            ("What a step costs in stability", *stability_table(result.stability)),
         ]
         lines, last = [f"note: {note}" for note in result.failures], []
     full_tables = [Section(*table, digits=DIGITS) for table in tables if table[2]]
@@ -84,6 +97,34 @@ def limit_cells(one: StepSeries) -> Row:
         None if one.plateau is None else useful[-1],
         one.plateau_name or "none met",
     )
+
+
+def left_out_cells(one: LeftOut) -> Row:
+    """Return a model with something and one without it."""
+    return (
+        one.scene, one.engine, one.left_out, one.whole, one.without, one.error, one.error_without,
+        one.saving,
+    )  # fmt: skip
+
+
+def stability_table(shifts: Sequence[StabilityShift]) -> tuple[Sequence[str], list[Row]]:
+    """Return heads and rows of the shifts of boundaries, over steps in a period."""
+    counts = list(shifts[0].shifts) if shifts else []
+    heads = ("scene", "shift of", "engine, model", "method", "order", *counts, "fitted", "floor")
+    rows: list[Row] = [
+        (
+            one.scene,
+            f"{one.parameter.replace('_', ' ')} [{one.unit}]",
+            f"{one.engine} {one.model}",
+            one.method,
+            one.order,
+            *(number(one.shifts[count], DIGITS, missing="-") for count in counts),
+            number(one.slope, 3, missing="-"),
+            one.floor,
+        )
+        for one in shifts
+    ]
+    return heads, rows
 
 
 def run_cells(result: ModelTradeoff, trial: Trial) -> Row:
@@ -131,8 +172,12 @@ simulated second on one machine; take it as a ratio.
 shorter steps; the shortest step of all only at its floor. *limited by*: what has the largest share
 in the error: the step, or what no step removes. *margin*: largest stable step by theory over this
 step. *Smallest models*: the fewest segments and the coarsest option of an engine from which on all
-that were run meet the target, with the cheapest step that does. *What limits the methods*: the
-order fitted above the floor, the floor and its name, and from which step on halving is wasted.
+that were run meet the target, with the cheapest step that does. *What may be left out*: the errors
+of a model with something and without it, by the same short step, and the cost of both; of theories
+the errors are against the one that has it. *What limits the methods*: the order fitted above the
+floor, the floor and its name, and from which step on halving is wasted. *What a step costs in
+stability*: by how much the parameter at which a periodic orbit loses its stability is shifted with
+so many steps in a period; the order of the last halving above the floor, which is round-off.
 """
 
 

@@ -13,13 +13,17 @@ from ..documents.fields import HIDDEN, documented
 from ..engines.isolation import MEMORY, isolated
 from ..engines.registry import resolve_selection
 from ..queries import environment
+from .left_out import LeftOut, compare, pairs_of
 from .request import TARGETS, TradeoffRequest
+from .stability import StabilityShift, boundaries_of, shift
 from .store import RunStore
 from .sweep import beside, smallest, sweeps, swept
 from .table import Choice, SettingRun, StepSeries, choose, pareto, trials_of
 
 LIMIT = 300.0
 """Time limit of a series [s]."""
+
+Result = StepSeries | LeftOut | StabilityShift
 
 Progress = Callable[[int, int, str], None]
 
@@ -38,6 +42,10 @@ class Tradeoff:
         File that keeps results.
     series : list of StepSeries
         a method of an engine on a model over steps
+    left_out : list of LeftOut
+        what models may leave out
+    stability : list of StabilityShift
+        what a step costs in stability
     failures : list of str
         what came to nothing, and why
     """
@@ -47,6 +55,8 @@ class Tradeoff:
     engines: tuple[str, ...] = field(metadata=HIDDEN)
     resume: str | None = field(default=None, metadata=HIDDEN)
     series: list[StepSeries] = field(default_factory=list)
+    left_out: list[LeftOut] = field(default_factory=list)
+    stability: list[StabilityShift] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
 
     @classmethod
@@ -67,22 +77,45 @@ class Tradeoff:
         One at a time: they are timed.
         """
         store = RunStore(self.resume, versions=self.versions)
-        pieces = {one.name: partial(swept, one) for one in sweeps(self.scenes, self.engines)}
-        known = {name: store.get(name, StepSeries) for name in pieces}
+        pieces = self.pieces()
+        known = {name: store.get(name, kind) for name, (kind, _) in pieces.items()}
         for one in filter(None, known.values()):
-            self.series.append(beside(one, self.series))
+            self.add(one)
         names = [name for name in pieces if known[name] is None]
         done = len(pieces) - len(names)
+        calls = [pieces[name][1] for name in names]
         try:
-            for place, result in isolated([pieces[name] for name in names], 1, LIMIT, MEMORY):
+            for place, result in isolated(calls, 1, LIMIT, MEMORY):
                 if isinstance(result, EngineError):
                     self.failures.append(f"{names[place]}: {result.kind}: {result.message}")
                 else:
                     store.put(names[place], result)
-                    self.series.append(beside(result, self.series))
+                    self.add(result)
                 yield done + place + 1, len(pieces), names[place]
         finally:
             store.write()
+
+    def pieces(self) -> dict[str, tuple[type, Callable[[], Result]]]:
+        """Return what is measured, by name: the type of the result, and the call."""
+        pieces: dict[str, tuple[type, Callable[[], Result]]] = {
+            one.name: (StepSeries, partial(swept, one)) for one in sweeps(self.scenes, self.engines)
+        }
+        for name, pair in pairs_of(self.scenes, self.engines):
+            pieces[name] = LeftOut, partial(compare, pair)
+        for name, setup in boundaries_of(self.scenes, self.engines):
+            case, method = setup.case, setup.integrator.name
+            names = case.scene, case.name, setup.engine.name, setup.model, method
+            pieces[name] = StabilityShift, partial(shift, *names)
+        return pieces
+
+    def add(self, result: Result) -> None:
+        """Take a result, where its kind stands."""
+        if isinstance(result, StepSeries):
+            self.series.append(beside(result, self.series))
+        elif isinstance(result, LeftOut):
+            self.left_out.append(result)
+        else:
+            self.stability.append(result)
 
     @property
     def failed(self) -> bool:

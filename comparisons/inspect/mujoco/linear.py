@@ -178,12 +178,10 @@ class Linear(NamedTuple):
         With all of MuJoCo's constraints, as soft as they are, and what integrators take late.
     acceleration : array (nv,)
         In the state, loops closed exactly.
-    rows : int
+    rows : Soft
         Constraints that give way in the state.
     closed : int
         Independent directions that closed loops take away.
-    contacts, limits : int
-        That are active in the state.
     """
 
     mass: Array
@@ -192,10 +190,8 @@ class Linear(NamedTuple):
     free: Array
     simulated: Simulated
     acceleration: Array
-    rows: int
+    rows: Soft
     closed: int
-    contacts: int
-    limits: int
 
 
 class LinearProbe:
@@ -277,12 +273,7 @@ class Solved(NamedTuple):
 
 
 def solved(probe: LinearProbe) -> Solved:
-    """Solve for the accelerations in the state of a probe.
-
-    Raises
-    ------
-    NotFiniteError
-    """
+    """Solve for the accelerations in the state of a probe."""
     name, nothing = probe.state.name, np.zeros(probe.model.nv)
     probe.put(probe.state.position, probe.state.velocity)
     bias, passive, actuator, jacobian = probe.forces(nothing)
@@ -356,10 +347,8 @@ def linearise(loaded: Loaded, state: State) -> Linear:
         free=free,
         simulated=Simulated(loaded, at.mass, parts, rows),
         acceleration=at.acceleration,
-        rows=len(rows.weight),
+        rows=rows,
         closed=loaded.model.nv - free.shape[1],
-        contacts=rows.contacts,
-        limits=rows.limits,
     )
 
 

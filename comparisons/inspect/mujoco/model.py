@@ -355,12 +355,7 @@ def asked_by(source: Source, failure: str) -> str:
 
 
 def refuse_numbers(source: Source) -> None:
-    """Refuse values that are no numbers, or too large to compute with.
-
-    Raises
-    ------
-    UsageError
-    """
+    """Refuse values that are no numbers, or too large to compute with."""
     for element in source.walk():
         for name, value in element.attributes.items():
             where = f"{element.file}, line {element.line}: {name} of {element.address}"

@@ -139,14 +139,6 @@ def uneven_masses(s: InspectedModel) -> Iterator[Hit]:
             yield s.hit("body", body, message)
 
 
-def always_touching(s: InspectedModel) -> Iterator[Hit]:
-    return overlapping(s, always=True)
-
-
-def self_collision(s: InspectedModel) -> Iterator[Hit]:
-    return overlapping(s, always=False)
-
-
 def overlapping(s: InspectedModel, always: bool) -> Iterator[Hit]:
     """Yield the pairs of geoms of one mechanism that lie in each other always, or sometimes."""
     for pair, count in sorted(s.meetings.items()):

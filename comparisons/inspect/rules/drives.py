@@ -291,8 +291,8 @@ def positive_feedback(s: InspectedModel) -> Iterator[Hit]:
                     "of it: it pushes on what it shall hold back"
                 )
                 attribute = sign_attribute(s, one.actuator, what)
-                hit = s.hit("actuator", one.actuator, message, attribute=attribute)
-                yield hit._replace(fix=f"turn the sign of {attribute}")
+                fix = f"turn the sign of {attribute}"
+                yield s.hit("actuator", one.actuator, message, attribute=attribute, fix=fix)
 
 
 def undamped_servo(s: InspectedModel) -> Iterator[Hit]:

@@ -10,10 +10,19 @@ import numpy as np
 from ....reference.soft_constraint import IMPEDANCES
 from ...checks.rules import conditions
 from ..mujoco.closures import ClosedLoop
-from ..mujoco.facts import DEEP
+from ..mujoco.facts import DEEP, DRAWS
 from ..mujoco.model import OPENED
+from ..mujoco.trial import edited
 from ..subject import Hit, InspectedModel, StepLimit, View
-from .remedies import MARGIN, NEAR, closure_remedy, rounded, step_holds, step_remedies
+from .remedies import (
+    MARGIN,
+    NEAR,
+    all_stay_finite,
+    closure_remedy,
+    option,
+    rounded,
+    step_remedies,
+)
 from .stability import fed_by_drive, grows_in_run
 
 OPEN = 1e-6
@@ -31,8 +40,8 @@ def step_limit(s: InspectedModel) -> Iterator[Hit]:
         )
         if statement is not None:
             fix = remedies(s, limit) or "no integrator and no step that was tried holds a run"
-            hit = s.about("option", message=statement.message, fix=fix)
-            yield hit._replace(measure=limit.share_of(s.timestep))
+            share = limit.share_of(s.timestep)
+            yield s.about("option", message=statement.message, fix=fix, measure=share)
 
 
 def remedies(s: InspectedModel, limit: StepLimit) -> str:
@@ -53,14 +62,14 @@ def remedies(s: InspectedModel, limit: StepLimit) -> str:
 
 def near_step_limit(s: InspectedModel) -> Iterator[Hit]:
     for limit in s.limits_of_file:
-        if NEAR < limit.share_of(s.timestep) <= 1:
+        share = limit.share_of(s.timestep)
+        if NEAR < share <= 1:
             message = (
                 f"{limit.integrator} is stable up to {limit.limit:.4g} s (a mode of "
                 f"{limit.omega:.4g} 1/s, {limit.place}) in the state {limit.state!r}, and the "
-                f"timestep is {s.timestep:.4g} s: {limit.share_of(s.timestep):.0%} of it"
+                f"timestep is {s.timestep:.4g} s: {share:.0%} of it"
             )
-            hit = s.about("option", message=message, fix=remedies(s, limit))
-            yield hit._replace(measure=limit.share_of(s.timestep))
+            yield s.about("option", message=message, fix=remedies(s, limit), measure=share)
 
 
 def coarse_step(s: InspectedModel) -> Iterator[Hit]:
@@ -93,8 +102,8 @@ def closure_softness(s: InspectedModel) -> Iterator[Hit]:
             "no setting of solref and solimp that was tried closes it at this step; shorten the "
             "timestep, or relieve it"
         )
-        hit = s.hit("equality", one.number, statement.message + words)
-        said[one.number] = hit._replace(fix=fix, measure=max(one.opening, one.turn or 0.0))
+        message, measure = statement.message + words, max(one.opening, one.turn or 0.0)
+        said[one.number] = s.hit("equality", one.number, message, fix=fix, measure=measure)
     yield from said.values()
 
 
@@ -115,8 +124,8 @@ def load_leaves_out(s: InspectedModel, state: str) -> str:
         if one.linear is not None and one.state.name == state:
             friction = [*s.model.dof_frictionloss, *s.model.tendon_frictionloss]
             parts = {
-                "contacts": one.linear.contacts,
-                "limits": one.linear.limits,
+                "contacts": one.linear.rows.contacts,
+                "limits": one.linear.rows.limits,
                 "dry friction": any(friction),
             }
             return " and ".join(word for word, acts in parts.items() if acts)
@@ -128,7 +137,7 @@ def closure_open(s: InspectedModel) -> Iterator[Hit]:
     for one in s.closures:
         if one.now > OPEN * size_of(s, one):
             message = f"{one.kind} {one.name} is open by {one.now:.3g} in the state {one.state!r}"
-            hit = s.hit("equality", one.number, message)._replace(measure=one.now)
+            hit = s.hit("equality", one.number, message, measure=one.now)
             said.setdefault(one.number, hit)
     yield from said.values()
 
@@ -150,16 +159,17 @@ def solref_raised(s: InspectedModel) -> Iterator[Hit]:
         if 0 < constant < least * (1 - 1e-9):
             step = rounded(constant / 2, up=False, digits=4)
             if step not in fixes:
-                fixes[step] = f'timestep="{step:g}" or shorter' if step_holds(s, step) else ""
+                tried = edited(s.loaded, option("timestep", step))
+                holds = all_stay_finite(tried, s.loaded.states)
+                fixes[step] = f'timestep="{step:g}" or shorter' if holds else ""
             message = (
                 f"solref has a time constant of {constant:g} s, and MuJoCo silently takes "
                 f"{least:.4g} s, two timesteps, in its place"
             )
             taken = f'solref="{least:.16g} {ratio:.16g}", which is what MuJoCo takes now'
             # a geom's solref is mixed with that of what it touches
-            words = [fixes[step], "" if kind == "geom" else taken]
-            hit = s.hit(kind, number, message, attribute="solref")
-            yield hit._replace(fix="; or ".join(filter(None, words)))
+            fix = "; or ".join(filter(None, [fixes[step], "" if kind == "geom" else taken]))
+            yield s.hit(kind, number, message, attribute="solref", fix=fix)
 
 
 def solimp_clamped(s: InspectedModel) -> Iterator[Hit]:
@@ -191,14 +201,14 @@ def contact_depth(s: InspectedModel) -> Iterator[Hit]:
         deep = [
             (depth, pair)
             for depth, pair in contacts
-            if depth > DEEP * s.facts.size and tuple(map(int, pair)) not in s.never_apart
+            if depth > DEEP * s.facts.size and s.meetings.get((int(pair[0]), int(pair[1]))) != DRAWS
         ]
         if deep:
             depth, geoms = max(deep, key=lambda one: one[0])
             names = " and ".join(s.loaded.name("geom", i) for i in geoms)
             more = f" ({len(deep)} contacts are as deep)" if len(deep) > 1 else ""
             message = f"in the state {view.state.name!r}, {names} lie {depth:.3g} m in each other"
-            yield s.hit("geom", geoms[0], message + more)._replace(measure=depth)
+            yield s.hit("geom", geoms[0], message + more, measure=depth)
 
 
 def starts(s: InspectedModel) -> list[View]:

@@ -189,11 +189,6 @@ def integrator_remedy(s: InspectedModel, states: Sequence[State]) -> tuple[list[
     return [], lost
 
 
-def step_holds(s: InspectedModel, step: float) -> bool:
-    """Return True if short runs from the file's states stay finite with another timestep [s]."""
-    return all_stay_finite(edited(s.loaded, option("timestep", step)), s.loaded.states)
-
-
 def servos(s: InspectedModel) -> Flags:
     """Return which actuators (n_u,) react to where they are, or how fast."""
     acts = np.any(s.model.actuator_biasprm[:, 1:3] != 0, axis=1)

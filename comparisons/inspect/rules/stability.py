@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from ....reference.scene import Array
 from ..mujoco.facts import Facts
 from ..mujoco.linear import Linear
-from ..mujoco.model import OPENED, State
+from ..mujoco.model import OPENED
 from ..mujoco.trial import MOST_STEPS, edited, growth, short_run, stays_finite
 from ..spectrum import Shape
 from ..subject import Hit, InspectedModel, View
@@ -118,7 +119,7 @@ def unstable_mode(s: InspectedModel) -> Iterator[Hit]:
             fix = fix or (
                 "turn the sign of the gain, or of the gear" if actuators else "turn its sign"
             )
-            yield s.hit("joint", number, message)._replace(fix=fix)
+            yield s.hit("joint", number, message, fix=fix)
 
 
 def grows_in_run(s: InspectedModel, view: View, mode: Shape) -> bool:
@@ -213,19 +214,14 @@ def run_fails(s: InspectedModel) -> Iterator[Hit]:
             f"a run from the state {state.name!r}, controls held, leaves the range of numbers in "
             f"step {step}, at {step * s.timestep:.3g} s{why}"
         )
-        integrators, lost = integrator_remedy(s, [state])
-        fixes = [*integrators, *shorter_step(s, state)]
+        fixes, lost = integrator_remedy(s, [state])
+        shorter = (rounded(share * s.timestep, up=False) for share in SHORTER)
+        holding = (
+            x for x in shorter if stays_finite(edited(s.loaded, option("timestep", x)), state)
+        )
+        fixes += [f'timestep="{step:g}"' for step in islice(holding, 1)]
         yield s.about("option", message=message, fix=in_words(fixes, lost) or UNKNOWN)
         return
-
-
-def shorter_step(s: InspectedModel, state: State) -> Iterator[str]:
-    """Yield a timestep with which the run goes on."""
-    for share in SHORTER:
-        step = rounded(share * s.timestep, up=False)
-        if stays_finite(edited(s.loaded, option("timestep", step)), state):
-            yield f'timestep="{step:g}"'
-            return
 
 
 def rests(view: View, facts: Facts) -> bool:
@@ -238,7 +234,7 @@ def rests(view: View, facts: Facts) -> bool:
 def unstable_equilibrium(s: InspectedModel) -> Iterator[Hit]:
     for one in s.views:
         linear, modes = one.linear, growing(one)
-        if linear is None or linear.contacts or not modes or not rests(one, s.facts):
+        if linear is None or linear.rows.contacts or not modes or not rests(one, s.facts):
             continue
         mode = max(modes, key=lambda mode: mode.rate.real)
         if is_fed_by_drive(linear, mode):

@@ -8,6 +8,7 @@ or what a reader of results should know.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 
 from ...checks.rules.conditions import MEANINGS
 from ..subject import ModelRule
@@ -397,7 +398,7 @@ RULES: Mapping[str, ModelRule] = {
         "geoms of one mechanism that lie in each other wherever its joints are",
         "A contact that never ends holds the joint between them, or shakes it.",
         "exclude the pair of bodies from contact, or make the geoms smaller",
-        bodies.always_touching,
+        partial(bodies.overlapping, always=True),
         needs="states",
     ),
     "self_collision": ModelRule(
@@ -406,7 +407,7 @@ RULES: Mapping[str, ModelRule] = {
         "Ranges of joints that let parts meet are wider than the mechanism: a controller that "
         "trusts them runs into contact. Random positions show it; other ones may, too.",
         "narrow the ranges, or waive it where a controller knows of it",
-        bodies.self_collision,
+        partial(bodies.overlapping, always=False),
         needs="states",
         house=True,
     ),

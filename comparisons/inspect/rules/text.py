@@ -145,11 +145,10 @@ OPTIONS: dict[tuple[str, ...], tuple[Callable[[InspectedModel], bool], str]] = {
         constrained,
         "there is no constraint to solve for",
     ),
-    ("cone", "impratio", "noslip_iterations", "noslip_tolerance"): (touches, "nothing can touch"),
-    ("ccd_iterations", "ccd_tolerance", "sdf_iterations", "sdf_initpoints"): (
-        touches,
-        "nothing can touch",
-    ),
+    (
+        *("cone", "impratio", "noslip_iterations", "noslip_tolerance"),
+        *("ccd_iterations", "ccd_tolerance", "sdf_iterations", "sdf_initpoints"),
+    ): (touches, "nothing can touch"),
     ("o_margin", "o_solref", "o_solimp", "o_friction"): (
         lambda s: touches(s) and s.loaded.enabled("override"),
         "contacts are not overridden (flag override)",

@@ -29,7 +29,8 @@ from ...checks.kinds.algebra import random_states
 from ...engines.equations import scene_equations
 from ...engines.registry import REFERENCE
 from ...engines.run import contained
-from ...queries.query import Query, choose_engine
+from ...queries.query import choose_engine
+from ...queries.request import Query
 from ..ledger import Numbers
 from ..session import Session
 from .results import (

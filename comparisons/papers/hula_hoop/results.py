@@ -17,7 +17,7 @@ from ...engines.registry import REFERENCE
 from ...maps.request import Axis
 from ...maps.store import Map
 from ...queries.orbit import OrbitReport, find
-from ...queries.query import MethodQuery
+from ...queries.request import MethodQuery
 from ...queries.simulate import Simulation, simulate
 from ..session import Session
 

@@ -18,7 +18,7 @@ from ....reference.solve.single import states_at
 from ...engines.registry import REFERENCE
 from ...maps.store import Map
 from ...queries.orbit import OrbitReport, find
-from ...queries.query import Query
+from ...queries.request import Query
 from ...queries.simulate import simulate
 from ...scenes.quantity import Points
 from ...scenes.rotor_pendulum.maps import QUANTITIES

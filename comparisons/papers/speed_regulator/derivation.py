@@ -16,7 +16,8 @@ from ....reference.speed_regulator.orbit import mean_speed
 from ....reference.speed_regulator.theory import printed_mean_speed, rotation
 from ...engines.registry import REFERENCE
 from ...engines.run import call_engine
-from ...queries.query import Query, choose_engine
+from ...queries.query import choose_engine
+from ...queries.request import Query
 from ...queries.simulate import simulate
 from ..ledger import Numbers
 from ..session import Session

@@ -48,26 +48,24 @@ def located(results: Sequence[Result]) -> list[str]:
     for engine in dict.fromkeys(item.engine for item in wrong):
         mine = [item for item in wrong if item.engine == engine]
         level = next((name for name in LEVELS if any(r.kind == name for r in mine)), None)
-        ran = {item.kind for item in results if item.engine == engine and item.verdict == "pass"}
+        own = [item for item in results if item.engine == engine]
+        ran = {item.kind for item in own if item.verdict == "pass"}
         if level is None:
             continue
         here = [item for item in mine if item.kind == level]
-        lines.append(f"{engine}: {head(level, here)}{sound(level, ran)}")
+        before = [name for name in list(LEVELS)[: list(LEVELS).index(level)] if name in ran]
+        right = f", {' and '.join(before)} right" if before else ""
+        lines.append(f"{engine}: {head(level, here)}{right}")
         wrong_things = list(faults(here, mine))
         lines += [f"  {line}" for line in wrong_things[:MOST]]
         if len(wrong_things) > MOST:
             lines.append(f"  and {len(wrong_things) - MOST} more")
         deviates = any(item.verdict == "deviation" for item in mine)
         causes = any(item.cause not in (None, ANOTHER_MODEL) for item in mine)
-        if deviates and not causes and lacks_accelerations(engine, results):
+        skipped = (item.reason for item in own if item.verdict == "skipped")
+        if deviates and not causes and any(NO_ACCELERATIONS in reason for reason in skipped):
             lines.append("  its accelerations would tell which part of the model: docs/engines.md")
     return lines
-
-
-def lacks_accelerations(engine: str, results: Sequence[Result]) -> bool:
-    """Return whether nothing is known of a model since its engine gives no accelerations."""
-    skipped = [r.reason for r in results if (r.engine, r.verdict) == (engine, "skipped")]
-    return any(NO_ACCELERATIONS in reason for reason in skipped)
 
 
 def head(level: str, here: Sequence[Result]) -> str:
@@ -80,12 +78,6 @@ def head(level: str, here: Sequence[Result]) -> str:
     return " and ".join(
         dict.fromkeys(FAILED.get(one) or other[bool(raised)] for one, raised in kinds)
     )
-
-
-def sound(level: str, ran: set[str]) -> str:
-    """Return which levels before are right."""
-    before = [name for name in list(LEVELS)[: list(LEVELS).index(level)] if name in ran]
-    return f", {' and '.join(before)} right" if before else ""
 
 
 def faults(results: Sequence[Result], every: Sequence[Result]) -> Iterator[str]:

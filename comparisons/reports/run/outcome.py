@@ -15,7 +15,7 @@ from ...checks.verdict import Result, Verdict
 from ...documents import document
 from ...documents.fields import HIDDEN, documented
 from ..words import assignments, plural, with_unit
-from .results import MEASURES, grouped, ran, skip_reasons, summary, worst
+from .results import MEASURES, grouped, ran, reasons, summary, worst
 
 WORDS = ("PASS", "FAIL", "NOTHING RAN")
 """What an exit code means."""
@@ -63,85 +63,6 @@ class CustomReference:
 
 
 @dataclass(frozen=True)
-class Run:
-    """What was asked for, where it ran, and what became of the known deviations.
-
-    Attributes
-    ----------
-    planned : int or None
-        Number of checks that were to run; None if only those that ran are known.
-    selection : CheckRequest
-        What was asked for.
-    environment : mapping of str to str
-        The machine and what computes on it.
-    known_file : str or None
-    uses : tuple of Use
-        One for each entry of that file.
-    strict_known : bool
-        Whether stale entries fail.
-    interrupted : bool
-        The run was, so its results are not all there are.
-    command : str or None
-        What repeats it, where its checks have no ids by which one can be repeated alone.
-    reference : CustomReference or None
-        Of a run at a user's own parameters.
-    """
-
-    planned: int | None = None
-    selection: CheckRequest = field(default_factory=CheckRequest)
-    environment: Mapping[str, str] = field(default_factory=dict)
-    known_file: str | None = None
-    uses: tuple[Use, ...] = ()
-    strict_known: bool = False
-    interrupted: bool = False
-    command: str | None = None
-    reference: CustomReference | None = None
-
-    @property
-    def header(self) -> str:
-        """What a run at a user's own parameters is of, in one line; empty of any other."""
-        if self.reference is None:
-            return ""
-        (scene,), asked = self.selection.scenes, self.selection
-        changes = assignments(asked.parameters) or "its default parameters"
-        start = f" from {assignments(asked.state)}" if asked.state else ""
-        return f"{scene} at {changes}{start} {self.reference.line}"
-
-    @property
-    def stale(self) -> tuple[Use, ...]:
-        """The entries that are of no use any more."""
-        return tuple(use for use in self.uses if use.state == "stale")
-
-    @property
-    def check_command(self) -> str:
-        """What a command that repeats a check of the run starts with."""
-        asked, plain = self.selection, CheckRequest()
-        words = ["mbcheck check"]
-        words += [] if asked.source == plain.source else [f"--source {asked.source}"]
-        words += [f"--engine {shlex.quote(word)}" for word in asked.engines if ":" in word]
-        if self.reference is not None:
-            words += asked.scenes
-            words += [
-                f"{option} {shlex.quote(f'{key}={value}')}"
-                for option, values in (("--set", asked.parameters), ("--state", asked.state))
-                for key, value in values.items()
-            ]
-            words += [] if asked.horizon is None else [f"--horizon {asked.horizon}"]
-        words += [f"--placement {asked.placement}"] if asked.placement else []
-        words += [] if asked.profile == plain.profile else [f"--profile {asked.profile}"]
-        return " ".join([*words, *(["--full"] if asked.full else [])])
-
-    def repeat(self, id: str) -> str:
-        """Return the shell command that repeats the check of an id, and no other."""
-        quoted = id.replace("'", "'\\''")
-        return self.command or f"{self.check_command} --id '{quoted}'"
-
-    def stale_line(self, use: Use) -> str:
-        """Return a stale entry, and why it is stale, in one line."""
-        return f"stale: {self.known_file}, {use.entry.place}, {use.entry.id!r}: {use.why}"
-
-
-@dataclass(frozen=True)
 class Checks:
     """Number of checks, of several results each; one of which a single result was judged ran.
 
@@ -186,15 +107,33 @@ class Report:
 
     Attributes
     ----------
+    environment : mapping of str to str
+        What rounding may depend on: python, system, machine, processor, libc.
+    selection : CheckRequest
+        What was asked for, as options of `mbcheck check`; empty lists are all.
+    reference : CustomReference or None
+        The reference of a run at a user's own parameters; null for other runs.
+    known : tuple of Use
+        What became of the known deviations, in the order of the file.
     results : tuple of Result
         one for each quantity of each check, in the order of the checks whatever `-j` was
-    run : Run
-        What was asked for, where it ran, and what became of the known deviations.
+    planned : int or None
+        Number of checks that were to run; None if only those that ran are known.
+    interrupted : bool
+        The run was, so its results are not all there are.
+    command : str or None
+        What repeats it, where its checks have no ids by which one can be repeated alone.
     """
 
+    environment: Mapping[str, str] = field(default_factory=dict, kw_only=True)
+    selection: CheckRequest = field(default_factory=CheckRequest, kw_only=True)
+    reference: CustomReference | None = field(default=None, kw_only=True)
+    known: tuple[Use, ...] = field(default=(), kw_only=True)
     results: tuple[Result, ...]
     versions: Mapping[str, str]
-    run: Run = field(default_factory=Run, metadata=HIDDEN)
+    planned: int | None = field(default=None, kw_only=True, metadata=HIDDEN)
+    interrupted: bool = field(default=False, kw_only=True, metadata=HIDDEN)
+    command: str | None = field(default=None, kw_only=True, metadata=HIDDEN)
 
     @property
     @documented
@@ -208,7 +147,7 @@ class Report:
         """Number of checks, of several results each."""
         groups = grouped(ran(self.results), lambda r: (r.check_id,)).values()
         skipped = sum(all(r.verdict == "skipped" for r in members) for members in groups)
-        planned = len(groups) if self.run.planned is None else self.run.planned
+        planned = len(groups) if self.planned is None else self.planned
         return Checks(planned, len(groups) - skipped, skipped, max(0, planned - len(groups)))
 
     @property
@@ -217,32 +156,51 @@ class Report:
         """Why results were skipped."""
         return [
             SkipReason(engine, reason, len(members))
-            for (engine, reason), members in skip_reasons(self.results).items()
+            for (engine, reason), members in reasons(self.results, "skipped").items()
         ]
 
     @property
-    @documented
-    def environment(self) -> Mapping[str, str]:
-        """What rounding may depend on: python, system, machine, processor, libc."""
-        return self.run.environment
+    def header(self) -> str:
+        """What a run at a user's own parameters is of, in one line; empty of any other."""
+        if self.reference is None:
+            return ""
+        (scene,), asked = self.selection.scenes, self.selection
+        changes = assignments(asked.parameters) or "its default parameters"
+        start = f" from {assignments(asked.state)}" if asked.state else ""
+        return f"{scene} at {changes}{start} {self.reference.line}"
 
     @property
-    @documented
-    def selection(self) -> CheckRequest:
-        """What was asked for, as options of `mbcheck check`; empty lists are all."""
-        return self.run.selection
+    def stale(self) -> tuple[Use, ...]:
+        """The entries that are of no use any more."""
+        return tuple(use for use in self.known if use.state == "stale")
 
     @property
-    @documented
-    def reference(self) -> CustomReference | None:
-        """The reference of a run at a user's own parameters; null for other runs."""
-        return self.run.reference
+    def check_command(self) -> str:
+        """What a command that repeats a check of the run starts with."""
+        asked, plain = self.selection, CheckRequest()
+        words = ["mbcheck check"]
+        words += [] if asked.source == plain.source else [f"--source {asked.source}"]
+        words += [f"--engine {shlex.quote(word)}" for word in asked.engines if ":" in word]
+        if self.reference is not None:
+            words += asked.scenes
+            words += [
+                f"{option} {shlex.quote(f'{key}={value}')}"
+                for option, values in (("--set", asked.parameters), ("--state", asked.state))
+                for key, value in values.items()
+            ]
+            words += [] if asked.horizon is None else [f"--horizon {asked.horizon}"]
+        words += [f"--placement {asked.placement}"] if asked.placement else []
+        words += [] if asked.profile == plain.profile else [f"--profile {asked.profile}"]
+        return " ".join([*words, *(["--full"] if asked.full else [])])
 
-    @property
-    @documented
-    def known(self) -> tuple[Use, ...]:
-        """What became of the known deviations, in the order of the file."""
-        return self.run.uses
+    def repeat(self, id: str) -> str:
+        """Return the shell command that repeats the check of an id, and no other."""
+        quoted = id.replace("'", "'\\''")
+        return self.command or f"{self.check_command} --id '{quoted}'"
+
+    def stale_line(self, use: Use) -> str:
+        """Return a stale entry, and why it is stale, in one line."""
+        return f"stale: {self.selection.known}, {use.entry.place}, {use.entry.id!r}: {use.why}"
 
     @property
     def exit_code(self) -> int:
@@ -254,21 +212,16 @@ class Report:
         counts = self.summary
         if counts["skipped"] == counts["total"]:
             return 2
-        stale = self.run.strict_known and bool(self.run.stale)
+        stale = self.selection.strict_known and bool(self.stale)
         if counts["deviation"] or counts["error"] or stale:
             return 1
-        return 2 if self.idle_engines else 0
-
-    @property
-    def idle_engines(self) -> int:
-        """How many of the engines that were asked for by name have passed nothing."""
         passed = {r.engine for r in self.results if r.verdict in ("pass", "known")}
-        return max(0, len(set(self.run.selection.engines)) - len(passed))
+        return 2 if len(set(self.selection.engines)) > len(passed) else 0
 
     @property
     def word(self) -> str:
         """The exit code in a word; a run that was interrupted passes nothing."""
-        return "INTERRUPTED" if self.run.interrupted else WORDS[self.exit_code]
+        return "INTERRUPTED" if self.interrupted else WORDS[self.exit_code]
 
     @property
     def verdict(self) -> Verdict:
@@ -293,8 +246,8 @@ class Report:
         parts = [f"{counts['pass']} passed"]
         parts += [plural(counts["deviation"], "deviation"), plural(counts["error"], "error")]
         parts += [f"{counts[name]} {name}" for name in ("known", "skipped") if counts[name]]
-        if self.run.stale:
-            parts.append(f"{len(self.run.stale)} of the known deviations stale")
+        if self.stale:
+            parts.append(f"{len(self.stale)} of the known deviations stale")
         return f"{self.word}: {', '.join(parts)}"
 
     def text(self, verbosity: int = 0) -> str:

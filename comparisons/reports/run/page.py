@@ -92,7 +92,7 @@ def check_page(
         title=report.word,
         worst=report.verdict,
         summary=report.summary_line,
-        interrupted=report.run.interrupted,
+        interrupted=report.interrupted,
         sections=sections,
         signs=SIGNS,
     )
@@ -104,7 +104,7 @@ def facts(report: Report, when: datetime | None) -> list[tuple[str, str]]:
     ended = when or datetime.now().astimezone()
     return [
         ("Checks", report.counts_line),
-        ("Selection", selection(report.run.selection)),
+        ("Selection", selection(report.selection)),
         ("Ended", ended.strftime("%Y-%m-%d %H:%M %Z").strip()),
         ("Took", f"{sum(seconds.values()):.0f} s, all checks together"),
         ("Versions", origin(report) or f"python {sys.version.split()[0]}"),

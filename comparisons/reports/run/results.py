@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from ...checks.verdict import NOT_APPLICABLE, Result, Verdict
-from ..text import Cell
 from ..words import number, with_unit
 
 VERDICTS: tuple[Verdict, ...] = ("pass", "deviation", "known", "skipped", "error")
@@ -49,11 +48,6 @@ def tally(results: Sequence[Result]) -> str:
     return ", ".join([first.replace(" ", f" of {count} ", 1), *more])
 
 
-def verdict_cell(results: Sequence[Result], target: str = "") -> Cell:
-    """Return the tally of results, in the style of the worst verdict."""
-    return Cell(tally(results), worst(results), target)
-
-
 def ran(results: Iterable[Result]) -> list[Result]:
     """Return the results of checks; an engine that cannot be imported has none."""
     return [result for result in results if result.kind != "-"]
@@ -69,16 +63,12 @@ def grouped(
     return groups
 
 
-def known_reasons(results: Iterable[Result]) -> dict[tuple[str, ...], list[Result]]:
-    """Return the results that are known deviations by engine and reason."""
-    known = (result for result in results if result.verdict == "known")
-    return grouped(known, lambda r: (r.engine, why_known(r)))
-
-
-def skip_reasons(results: Iterable[Result]) -> dict[tuple[str, ...], list[Result]]:
-    """Return the results that were skipped by engine and reason."""
-    skipped = (result for result in results if result.verdict == "skipped")
-    return grouped(skipped, lambda r: (r.engine, r.reason))
+def reasons(results: Iterable[Result], verdict: Verdict) -> dict[tuple[str, ...], list[Result]]:
+    """Return the results of a verdict, ``known`` or ``skipped``, by engine and reason."""
+    return grouped(
+        (result for result in results if result.verdict == verdict),
+        lambda r: (r.engine, why_known(r) if verdict == "known" else r.reason),
+    )
 
 
 def why_known(result: Result) -> str:

@@ -19,21 +19,20 @@ from ..text import STYLES, Cell, matrix_by_kind, print_line, print_wrapped
 from ..words import number, plural, with_unit
 from .blocks import HEADS, blocks
 from .located import LEVELS, located
-from .outcome import Report, Run
+from .outcome import Report
 from .results import (
     FAILURES,
     MEASURES,
     error_size,
     grouped,
-    known_reasons,
     measured,
     method_of,
     ran,
     ratio,
-    skip_reasons,
+    reasons,
     tally,
-    verdict_cell,
     why_known,
+    worst,
 )
 
 MOST = 10
@@ -62,7 +61,7 @@ RULES = {
 
 def origin(report: Report) -> str:
     """Return versions and machine, in one line."""
-    both = [*report.versions.items(), *report.run.environment.items()]
+    both = [*report.versions.items(), *report.environment.items()]
     return ", ".join(f"{name} {text}" for name, text in both)
 
 
@@ -96,8 +95,8 @@ def run_summary(report: Report) -> str:
 
 def failure_sections(report: Report, most: int | None) -> Iterator[Section]:
     """Yield what a run is of, the first level that is wrong, and at most so many failures."""
-    if report.run.header:
-        yield Section(lines=[report.run.header])
+    if report.header:
+        yield Section(lines=[report.header])
     if where := located(report.results):
         yield Section("Located:", lines=where)
     failures = blocks(report.results)
@@ -108,7 +107,7 @@ def failure_sections(report: Report, most: int | None) -> Iterator[Section]:
             HEADS,
             block.rows,
             block.reasons,
-            [report.run.repeat(block.worst.id)],
+            [report.repeat(block.worst.id)],
             verdict=block.worst.verdict,
         )
     if more := len(failures[limit:]):
@@ -141,7 +140,7 @@ def result_sections(report: Report, repeat: bool = False) -> Iterator[Section]:
                 r.quantity,
                 *(with_unit(x, r.unit, missing="") for x in (r.error, r.tolerance)),
                 "" if r.error is None or r.tolerance is None else number(ratio(r)),
-                *([report.run.repeat(r.id)] if repeat else []),
+                *([report.repeat(r.id)] if repeat else []),
             )
             for r in members
         ]
@@ -151,21 +150,21 @@ def result_sections(report: Report, repeat: bool = False) -> Iterator[Section]:
 
 def closing_sections(report: Report) -> Iterator[Section]:
     """Yield the matrix of verdicts, accuracy, and what is known, stale and skipped."""
-    results, run = report.results, report.run
+    results = report.results
     cells = grouped(ran(results), lambda r: (r.scene, r.engine, r.kind))
     if cells:
         table = matrix_by_kind(
-            {key: verdict_cell(own, "-".join(key)) for key, own in cells.items()}
+            {key: Cell(tally(own), worst(own), "-".join(key)) for key, own in cells.items()}
         )
         yield Section("Verdicts", *table, anchor="verdicts")
     if lines := list(accuracy(results)):
         yield Section("Accuracy", lines=lines)
-    yield from reasons_section("known", "Known deviations", known_reasons(results))
-    if run.stale:
-        lines = list(map(run.stale_line, run.stale))
-        verdict = "deviation" if run.strict_known else "known"
+    yield from reasons_section("known", "Known deviations", results)
+    if report.stale:
+        lines = list(map(report.stale_line, report.stale))
+        verdict = "deviation" if report.selection.strict_known else "known"
         yield Section("Stale known deviations", lines=lines, anchor="stale", verdict=verdict)
-    yield from reasons_section("skipped", "Skipped", skip_reasons(results))
+    yield from reasons_section("skipped", "Skipped", results)
 
 
 def accuracy(results: Sequence[Result]) -> Iterator[str]:
@@ -186,12 +185,10 @@ def accuracy(results: Sequence[Result]) -> Iterator[str]:
             yield f"{scene} {engine}: error of {quantity} {' to '.join(ends)}"
 
 
-def reasons_section(
-    verdict: Verdict, title: str, reasons: Mapping[tuple[str, ...], list[Result]]
-) -> Iterator[Section]:
+def reasons_section(verdict: Verdict, title: str, results: Sequence[Result]) -> Iterator[Section]:
     """Yield the reasons of a verdict, each once, with the number of results it holds for."""
     rows = []
-    for (engine, reason), members in reasons.items():
+    for (engine, reason), members in reasons(results, verdict).items():
         methods = list(dict.fromkeys(map(method_of, members)))
         names = ", ".join([*methods[:FEW_METHODS], *(["..."] if methods[FEW_METHODS:] else [])])
         rows.append((engine, names, len(members), reason or "no reason given"))
@@ -225,7 +222,7 @@ def run_items(report: Report) -> list[ReportItem]:
         failed = r.verdict in FAILURES
         known = f"known deviation: {why_known(r)}; {r.reason}"
         seconds = r.work.get("seconds", 0.0)
-        details = (measured(r), report.run.repeat(r.id), r.traceback or "") if failed else ()
+        details = (measured(r), report.repeat(r.id), r.traceback or "") if failed else ()
         names = ("method", "model", "quantity", "unit", *MEASURES, "verdict")
         items.append(
             ReportItem(
@@ -240,7 +237,7 @@ def run_items(report: Report) -> list[ReportItem]:
                 seconds=seconds / siblings[r.check_id] if math.isfinite(seconds) else 0.0,
             )
         )
-    return [*items, *(stale_item(use, report.run) for use in report.run.stale)]
+    return [*items, *(stale_item(use, report) for use in report.stale)]
 
 
 def suite_of(result: Result) -> str:
@@ -248,32 +245,33 @@ def suite_of(result: Result) -> str:
     return f"{result.scene}/{result.engine}/{result.kind}"
 
 
-def stale_item(use: Use, run: Run) -> ReportItem:
+def stale_item(use: Use, report: Report) -> ReportItem:
     """Return a stale entry of the known deviations as an item: a failure if it is to fail."""
+    is_failure = report.selection.strict_known
     return ReportItem(
         id=f"{use.entry.place}: {use.entry.id}",
         rule=STALE_RULE,
         suite="known deviations",
-        outcome="failure" if run.strict_known else "skipped",
-        severity="error" if run.strict_known else "warning",
-        message=f"{run.stale_line(use)}; remove it",
-        file=run.known_file,
+        outcome="failure" if is_failure else "skipped",
+        severity="error" if is_failure else "warning",
+        message=f"{report.stale_line(use)}; remove it",
+        file=report.selection.known,
         title="stale known deviation",
     )
 
 
 def run_annotations(report: Report) -> list[ReportItem]:
     """Return the annotations: stale entries, the first wrong level, failing checks, counts."""
-    run, results = report.run, report.results
-    items = [stale_item(use, run) for use in run.stale]
+    results = report.results
+    items = [stale_item(use, report) for use in report.stale]
     if where := located(results):
         items.append(_error("mbcheck: located", where))
     for block in blocks(results):
-        lines = [*block.quantities, *block.reasons, run.repeat(block.worst.id)]
+        lines = [*block.quantities, *block.reasons, report.repeat(block.worst.id)]
         items.append(_error(f"{block.worst.verdict}: {block.worst.check_id}", lines))
     skipped = [
         f"skipped {len(members)} x {engine}: {why}"
-        for (engine, why), members in skip_reasons(results).items()
+        for (engine, why), members in reasons(results, "skipped").items()
     ]
     last = _error("mbcheck", [report.summary_line, report.counts_line, *skipped])
     return [*items, last if report.exit_code == 2 else replace(last, severity="note")]
@@ -293,7 +291,7 @@ def run_junit(report: Report) -> str:
         for r in report.results
         if r.verdict in FAILURES and where[r.engine]
     }
-    return junit(run_items(report), {**report.versions, **report.run.environment}, output)
+    return junit(run_items(report), {**report.versions, **report.environment}, output)
 
 
 def run_sarif(report: Report) -> str:

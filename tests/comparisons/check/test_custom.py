@@ -31,7 +31,7 @@ from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import shortest_period
 from mbcheck.comparisons.faults.catalogue import FAULTS
-from mbcheck.comparisons.queries.query import Query
+from mbcheck.comparisons.queries.request import Query
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import invoke, refusal, succeeds

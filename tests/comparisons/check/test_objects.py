@@ -65,7 +65,7 @@ def test_a_plain_script_checks_its_engine(tmp_path: Path) -> None:
 def test_objects_are_known_only_meanwhile() -> None:
     for engine in (Solved(RIGHT), Solved(RIGHT, change=lambda p: p.replace(main_mass=1.0))):
         report = mbcheck.check(["hula_hoop"], [engine], ids=["*/point_mass_3hz_60n/algebra/*"])
-        assert report.run.selection.engines == ("solved",)
+        assert report.selection.engines == ("solved",)
     assert report.exit_code == 1
     assert "solved" not in registry._named
 

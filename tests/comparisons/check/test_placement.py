@@ -95,7 +95,7 @@ def test_all_models_can_be_placed() -> None:
     )  # fmt: skip
     assert report.exit_code == 0
     assert {item.case for item in report.results} == {"point_mass_3hz_60n+turned-7"}
-    assert "--placement turned:7" in report.run.repeat("an id")
+    assert "--placement turned:7" in report.repeat("an id")
 
 
 @pytest.mark.parametrize("placement", ["turned", "turned:-1", "turned:1.5", "left:1", "turned: 1"])

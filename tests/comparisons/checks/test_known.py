@@ -325,7 +325,7 @@ def test_an_interrupted_run_writes_no_entries(monkeypatch: pytest.MonkeyPatch) -
 
 def test_python_takes_the_file_too() -> None:
     found = check(["hula_hoop"], ["mujoco"], ["frequency"], known=file(ENTRY))
-    assert [use.state for use in found.run.stale] == ["stale"]
+    assert [use.state for use in found.stale] == ["stale"]
     with pytest.raises(UsageError, match="needs a file"):
         check(["hula_hoop"], strict_known=True)
 

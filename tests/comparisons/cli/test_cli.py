@@ -3,7 +3,6 @@
 import csv
 import json
 import os
-import re
 import signal
 import subprocess
 from collections.abc import Callable
@@ -20,8 +19,8 @@ from mbcheck.comparisons.checks.verdict import Result as Judged
 from mbcheck.comparisons.checks.verdict import Subject
 from mbcheck.comparisons.engines import THREADS
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.queries.request import times_from
 from mbcheck.comparisons.queries.simulate import simulate
-from mbcheck.comparisons.queries.times import times_from
 from mbcheck.comparisons.reports import files as destinations
 from mbcheck.reference.errors import EngineError, EngineUnavailableError, UsageError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
@@ -35,16 +34,6 @@ pytestmark = pytest.mark.usefixtures("own_folder")
 
 
 # Help and lists
-
-
-@pytest.mark.parametrize(
-    "verb", ["check", "judge", "simulate", "orbit", "frequencies", "export", "list"]
-)
-def test_help_teaches(verb: str) -> None:
-    text = succeeds(f"{verb} --help")
-    assert re.search(rf"mbcheck {verb} .*hula_hoop", text)
-    assert "Examples:" in text
-    assert verb in succeeds("-h")
 
 
 @pytest.mark.parametrize("threads", ["1", "3"])
@@ -81,13 +70,6 @@ def test_list() -> None:
     text = succeeds("list")
     for word in ("hula_hoop", "implicitfast (1)", "RK67", "mujoco", "stability"):
         assert word in text
-
-
-def test_list_scene() -> None:
-    text = succeeds("list hula_hoop")
-    for word in (*HulaHoop.names(), "N/m", "table 1", "theta_dot [rad/s]", "rod_aligned"):
-        assert word in text
-    assert "point_mass_3hz_60n" in text
 
 
 def test_list_as_json() -> None:
@@ -140,17 +122,6 @@ def test_simulate_json_is_the_api() -> None:
     ).as_json()
     for name in set(document) - {"work"}:
         assert document[name] == found[name]
-
-
-def test_files_and_a_table() -> None:
-    text = succeeds(f"{SIMULATE} --csv run.csv --json run.json")
-    assert "error bound: y" in text
-    assert "theta [rad]" in text
-    lines = [line for line in Path("run.csv").read_text().splitlines() if line[0] != "#"]
-    assert lines[0] == "t,y,theta,y_dot,theta_dot"
-    assert lines[1].startswith("0.0,")
-    assert json.loads(Path("run.json").read_text())["times"] == [0, 0.05, 0.1]
-    assert sorted(os.listdir()) == ["run.csv", "run.json"]
 
 
 def test_a_long_table_is_cut() -> None:
@@ -226,15 +197,6 @@ def test_check_quietly_and_at_length() -> None:
     assert "undamped_omega_1" in succeeds(f"{line} -v")
 
 
-def test_check_documents() -> None:
-    text = succeeds("check --engine mujoco --kind frequency --json r.json --junit r.xml")
-    assert "PASS" in text
-    document = validated("check", json.loads(Path("r.json").read_text()))
-    summary = document["summary"]
-    assert summary["pass"] == summary["total"] - summary["skipped"] > 0
-    assert Path("r.xml").read_text().count("<testcase ") == summary["total"]
-
-
 def test_one_id_runs_one_check() -> None:
     name = "verification/hula_hoop/rest_rod_across/frequency/mujoco/tree/undamped_omega_2"
     document = json.loads(succeeds(f"check --id {name} --json -"))
@@ -254,29 +216,6 @@ def judged(verdict: Any) -> Judged:
 def pretend(monkeypatch: pytest.MonkeyPatch, run: Callable[..., Any]) -> None:
     """Let checks be run by this function."""
     monkeypatch.setattr(request, "run_checks", run)
-
-
-@pytest.mark.parametrize(
-    ("verdicts", "code"),
-    [
-        (["pass"], 0),
-        (["pass", "skipped", "known"], 0),
-        (["pass", "deviation"], 1),
-        (["error"], 1),
-        (["skipped"], 2),
-        ([], 2),
-    ],
-)
-def test_exit_code(monkeypatch: pytest.MonkeyPatch, verdicts: list[str], code: int) -> None:
-    pretend(monkeypatch, lambda *_: [judged(verdict) for verdict in verdicts])
-    assert invoke("check --kind energy --method RK4").exit_code == code
-
-
-def test_a_deviation_tells_how_to_repeat_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    pretend(monkeypatch, lambda *_: [judged("deviation")])
-    text = invoke("check --full --profile strict").stdout
-    assert "twice its tolerance" in text
-    assert f"mbcheck check --profile strict --full --id '{judged('deviation').id}'" in text
 
 
 def test_options_reach_the_suite(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -328,7 +267,7 @@ def test_an_interrupt_that_ends_as_an_engine_error(monkeypatch: pytest.MonkeyPat
         except KeyboardInterrupt:
             raise EngineError("raised", "SystemError") from None
 
-    monkeypatch.setattr("mbcheck.comparisons.cli.verbs.run_simulation", stopped)
+    monkeypatch.setattr("mbcheck.comparisons.queries.simulate.simulate", stopped)
     assert invoke(SIMULATE).exit_code == 130
 
 
@@ -463,12 +402,6 @@ def test_the_report_leaves_standard_output_to_the_document() -> None:
     assert done.returncode == 0
     assert json.loads(done.stdout)["summary"]["error"] == 0
     assert "PASS" in done.stderr
-
-
-def test_a_mistake_as_a_process() -> None:
-    done = process("simulate hula_hop --times 1")
-    assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == "Error: unknown scene 'hula_hop'; did you mean 'hula_hoop'?\n"
 
 
 @pytest.mark.parametrize("unbuffered", ["", "1"])

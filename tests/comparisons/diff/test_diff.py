@@ -18,12 +18,10 @@ from mbcheck.comparisons.checks import suite
 from mbcheck.comparisons.checks.request import CheckRequest
 from mbcheck.comparisons.checks.verdict import Result, Verdict
 from mbcheck.comparisons.diff import report as printed
-from mbcheck.comparisons.diff.changes import FACTOR, SHARE, SORTS, Diff, compare
-from mbcheck.comparisons.diff.document import read
+from mbcheck.comparisons.diff.changes import FACTOR, SHARE, SORTS, Diff, compare, read
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.faults.catalogue import FAULTS
-from mbcheck.comparisons.queries.environment import environment
-from mbcheck.comparisons.reports.run.outcome import Report, Run
+from mbcheck.comparisons.reports.run.outcome import Report
 from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import invoke, refusal
 from mbcheck.tests.support.documents import validated
@@ -48,8 +46,14 @@ def write(
     environment: dict[str, str] | None = None,
     **selection: Any,
 ) -> str:
-    run = Run(planned, CheckRequest(**selection), environment or {"machine": "x86_64"})
-    Path(name).write_text(json.dumps(Report((ANCHOR, *results), versions, run).as_json()))
+    report = Report(
+        (ANCHOR, *results),
+        versions,
+        planned=planned,
+        selection=CheckRequest(**selection),
+        environment=environment or {"machine": "x86_64"},
+    )
+    Path(name).write_text(json.dumps(report.as_json()))
     return name
 
 
@@ -65,37 +69,21 @@ def one(method: str, verdict: Verdict, error: float | None = 1e-6, **more: Any) 
 
 # Sorts of change
 
-BECAME: list[tuple[Verdict, Verdict, str | None]] = [
-    ("pass", "pass", None),
-    ("pass", "deviation", "new_deviation"),
-    ("pass", "error", "new_error"),
-    ("pass", "known", "now_known"),
-    ("pass", "skipped", "now_skipped"),
-    ("deviation", "pass", "fixed"),
-    ("deviation", "deviation", None),
-    ("deviation", "error", "new_error"),
-    ("deviation", "known", "now_known"),
-    ("deviation", "skipped", "now_skipped"),
-    ("known", "pass", "fixed"),
-    ("known", "known", None),
-    ("known", "deviation", "new_deviation"),
-    ("known", "error", "new_error"),
-    ("known", "skipped", "now_skipped"),
-    ("error", "error", None),
-    ("error", "pass", "fixed"),
-    ("error", "deviation", "other_failure"),
-    ("error", "known", "now_known"),
-    ("error", "skipped", "now_skipped"),
-    ("skipped", "skipped", None),
-    ("skipped", "pass", "now_runs"),
-    ("skipped", "known", "now_known"),
-    ("skipped", "deviation", "new_deviation"),
-    ("skipped", "error", "new_error"),
-]
+VERDICTS: tuple[Verdict, ...] = ("pass", "deviation", "known", "error", "skipped")
+BECAME: dict[Verdict, tuple[str | None, ...]] = {
+    "pass": (None, "new_deviation", "now_known", "new_error", "now_skipped"),
+    "deviation": ("fixed", None, "now_known", "new_error", "now_skipped"),
+    "known": ("fixed", "new_deviation", None, "new_error", "now_skipped"),
+    "error": ("fixed", "other_failure", "now_known", None, "now_skipped"),
+    "skipped": ("now_runs", "new_deviation", "now_known", "new_error", None),
+}
+"""Verdict that was -> the sort of change to each of `VERDICTS`."""
 
 
-@pytest.mark.parametrize(("old", "new", "sort"), BECAME)
-def test_every_pair_of_verdicts(old: Verdict, new: Verdict, sort: str | None) -> None:
+@pytest.mark.parametrize("old", VERDICTS)
+@pytest.mark.parametrize("new", VERDICTS)
+def test_every_pair_of_verdicts(old: Verdict, new: Verdict) -> None:
+    sort = BECAME[old][VERDICTS.index(new)]
     errors = {"error": None, "skipped": None}
     found = changes(*([one("RK4", word, errors.get(word, 1e-6))] for word in (old, new)))
     assert [change.sort for change in found.changes] == ([sort] if sort else [])
@@ -380,8 +368,8 @@ def mutants(found: Any) -> Iterator[Any]:
 
 def test_a_diff_of_documents_with_wrong_types() -> None:
     """Each is compared, or refused in one line."""
-    run = Run(1, CheckRequest(["hula_hoop"], ids=["*"]))
-    full = Report((ANCHOR,), VERSIONS, run).as_json()
+    asked = CheckRequest(["hula_hoop"], ids=["*"])
+    full = Report((ANCHOR,), VERSIONS, planned=1, selection=asked).as_json()
     Path("good.json").write_text(json.dumps(full))
     refused = 0
     for document in mutants(full):
@@ -416,9 +404,3 @@ def test_the_page_tells_every_sort(clone: Path) -> None:
     rows = re.findall(r"^\| `(\w+)` \| (yes)? *\|", page, re.MULTILINE)
     told = [(name, bool(yes)) for name, yes in rows if name in SORTS]
     assert told == [(name, sort.regression) for name, sort in SORTS.items()]
-
-
-def test_a_run_of_its_own_environment() -> None:
-    found = environment()
-    assert set(found) == {"python", "system", "machine", "processor", "libc"}
-    assert all(found.values())

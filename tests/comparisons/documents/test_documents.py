@@ -6,6 +6,7 @@ import json
 import math
 from collections.abc import Callable
 from copy import deepcopy
+from functools import cache
 from types import MappingProxyType, SimpleNamespace
 from typing import Any
 
@@ -24,71 +25,26 @@ from mbcheck.tests.support.results import MIXED, VERSIONS
 
 # Schemas -----------------------------------------------------------------------------------
 
-RUN = {
-    "schema": 2,
-    "scene": "hula_hoop",
-    "engine": "mujoco",
-    "model": "tree",
-    "parameters": {"main_mass": 0.45},
-    "versions": VERSIONS,
-}
-SIMULATE = RUN | {
-    "method": "RK4",
-    "step": 1e-3,
-    "times": [0.0, 0.5],
-    "observables": {"y": [0.0, 1e-300]},
-    "units": {"y": "m"},
-    "error_bound": None,
-    "work": {"steps": 500, "rhs_evaluations": None, "seconds": 0.01},
-    "lost_from": None,
-    "cautions": [{"rule": "step_limit", "message": "a step of 0.1 s is unstable"}],
-}
-ORBIT = RUN | {
-    "method": "RK4",
-    "step": None,
-    "period": 1 / 3,
-    "state": {"theta": 5.3},
-    "mean_speed": 18.8,
-    "stable": True,
-    "floquet_multipliers": [
-        {"re": 0.5, "im": -0.1, "modulus": 0.51, "trivial": False} | {"error_bound": 1e-15}
-    ],
-    "harmonics": {
-        "theta": {"mean": 0.1, "terms": [{"order": 1, "amplitude": 0.2, "phase": -3.0}]}
-        | {"error_bound": None}
-    },
-    "power": {"force": 10.0, "damper": -10.0},
-    "quantities": {"torque": {"value": 3.0, "unit": "N m", "error_bound": 1e-12}},
-    "error_bound": {"theta": 1e-12},
-    "period_bound": None,
-    "mean_speed_bound": None,
-    "power_bound": {"force": 1e-12, "damper": 1e-12},
-}
-FREQUENCIES = RUN | {
-    "undamped": False,
-    "about": "rod_across",
-    "plane": None,
-    "state": {"theta": 0.0},
-    "modes": [
-        {"re": 0.0, "im": 0.0, "omega": 0.0, "hertz": 0.0, "damping_ratio": None}
-        | {"error_bound": 0.0, "damping_ratio_bound": None}
-    ],
-}
-CHECK = Report(tuple(MIXED), VERSIONS).as_json()
-EXAMPLES = {"simulate": SIMULATE, "orbit": ORBIT, "frequencies": FREQUENCIES, "check": CHECK}
+
+@cache
+def example(name: str, engine: str = "reference") -> dict[str, Any]:
+    """Return a document that a verb writes."""
+    if name == "check":
+        return Report(tuple(MIXED), VERSIONS).as_json()
+    if name == "simulate":
+        return simulate("hula_hoop", engine=engine, times=[0.0, 0.125]).as_json()
+    if name == "orbit":
+        return orbit("hula_hoop", engine=engine).as_json()
+    return frequencies("hula_hoop", engine=engine).as_json()
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
-def test_schemas_accept_documents(name: str) -> None:
-    validated(name, EXAMPLES[name])
+EXAMPLES = ("simulate", "orbit", "frequencies", "check")
 
 
 @pytest.mark.parametrize("engine", ["reference", "mujoco", "exudyn"])
-def test_schemas_accept_what_the_verbs_return(engine: str) -> None:
-    pytest.importorskip("numpy" if engine == "reference" else engine, exc_type=ImportError)
-    validated("simulate", simulate("hula_hoop", engine=engine, times=[0.0, 0.125]).as_json())
-    validated("orbit", orbit("hula_hoop", engine=engine).as_json())
-    validated("frequencies", frequencies("hula_hoop", engine=engine).as_json())
+@pytest.mark.parametrize("name", EXAMPLES[:3])
+def test_schemas_accept_what_the_verbs_return(name: str, engine: str) -> None:
+    validated(name, example(name, engine))
 
 
 @pytest.mark.parametrize("name", DOCUMENTS)
@@ -107,9 +63,9 @@ def test_schemas_want_every_field_and_no_other(name: str) -> None:
     first = described["$defs"][described["$ref"].rpartition("/")[2]]
     for field in first["required"]:
         with pytest.raises(jsonschema.ValidationError):
-            validated(name, {k: v for k, v in EXAMPLES[name].items() if k != field})
+            validated(name, {k: v for k, v in example(name).items() if k != field})
     with pytest.raises(jsonschema.ValidationError):
-        validated(name, EXAMPLES[name] | {"extra": 1})
+        validated(name, example(name) | {"extra": 1})
 
 
 Change = Callable[[Any], Any]
@@ -126,7 +82,7 @@ BAD: list[tuple[str, Change]] = [
 
 @pytest.mark.parametrize(("name", "change"), BAD)
 def test_schemas_reject(name: str, change: Change) -> None:
-    document = deepcopy(EXAMPLES[name])
+    document = deepcopy(example(name))
     change(document)
     with pytest.raises(jsonschema.ValidationError):
         validated(name, document)

@@ -16,7 +16,7 @@ import mbcheck
 from mbcheck.comparisons.inspect.inspection import Inspection, inspect
 from mbcheck.comparisons.inspect.spectrum import longest_step
 from mbcheck.comparisons.inspect.subject import View
-from mbcheck.comparisons.queries.export import mjcf_text
+from mbcheck.comparisons.queries.query import mjcf_text
 from mbcheck.models import mjcf
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import UsageError

@@ -10,7 +10,7 @@ import jsonschema
 import pytest
 
 from mbcheck.comparisons.documents import schema
-from mbcheck.comparisons.inspect.batch import InspectRequest, files_of
+from mbcheck.comparisons.inspect.batch import files_of
 from mbcheck.comparisons.inspect.inspection import inspect
 from mbcheck.comparisons.inspect.rules.table import RULES
 from mbcheck.reference.errors import UsageError
@@ -40,9 +40,7 @@ def test_rules_of_the_house_are_asked_for(rule: str, tmp_path: Path) -> None:
     """They say nothing by default, unless they are selected."""
     path = written(tmp_path, *MISTAKES[rule][0])
     assert rule not in {one.rule for one in inspect(path, modes=False).findings}
-    selection = InspectRequest(select=(rule,)).selection(str(path))
-    found = inspect(path, selection=selection)
-    assert {one.rule for one in found.findings} == {rule}
+    assert {one.rule for one in inspect(path, select=(rule,)).findings} == {rule}
 
 
 def test_no_error_is_a_matter_of_taste() -> None:
@@ -264,8 +262,3 @@ def test_two_models_are_compared(tmp_path: Path) -> None:
     assert "gone: error step_limit" in done.stdout
     for words in (("old.xml",), ("old.xml", "new.xml", "--json", "a.json")):
         assert invoke("inspect", "--diff", *words).exit_code == 2
-
-
-def test_the_hook_calls_the_verb(clone: Path) -> None:
-    text = (clone / ".pre-commit-hooks.yaml").read_text()
-    assert "entry: mbcheck inspect" in text

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from mbcheck.comparisons.inspect.batch import InspectRequest
 from mbcheck.comparisons.inspect.fixes import neutral_edit
 from mbcheck.comparisons.inspect.inspection import inspect, inspect_in_parts
 from mbcheck.comparisons.inspect.mujoco.model import load
+from mbcheck.comparisons.inspect.request import InspectRequest
 from mbcheck.comparisons.inspect.rules.table import RULES
 from mbcheck.tests.support.command import invoke, refusal, succeeds
 from mbcheck.tests.support.documents import validated
@@ -69,7 +69,7 @@ def test_a_fix_changes_no_bit_of_the_model() -> None:
 def test_what_would_change_a_bit_stays() -> None:
     """Iterations that no constraint asks for are in vain, and still a number of the model."""
     Path("links.xml").write_text(MODEL.replace("solver = 'Newton'", 'iterations="50"'))
-    edit = neutral_edit(inspect("links.xml", selection=InspectRequest().fixing().selection("x")))
+    edit = neutral_edit(InspectRequest("links.xml"))
     assert b'iterations="50"' in edit.after
     assert edit.refused == 2  # and one of two sizes that say the same
     assert "2 findings left as they are" in edit.summary
@@ -135,7 +135,9 @@ def test_what_there_is_no_time_for_is_told() -> None:
 def test_masses_and_drives_come_before_what_takes_time(tmp_path: Path) -> None:
     """What is found before the modes holds in the whole inspection, which finds no more here."""
     path = written(tmp_path, (JOINT, JOINT.replace("0.1", "0")), *held('position kp="9"'))
-    so_far = next(report() for left, report in inspect_in_parts(path) if left[0] == "modes")
+    so_far = next(
+        report() for left, report in inspect_in_parts(InspectRequest(path)) if left[0] == "modes"
+    )
     assert [one.rule for one in so_far.findings] == ["undamped_servo"]
     late = {name for name, rule in RULES.items() if rule.needs in ("states", "modes", "runs")}
     assert {part.removeprefix("rule ") for part in so_far.left_out[3:]} == late - {

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import mbcheck
-from mbcheck.comparisons.queries.export import mjcf_text
 from mbcheck.reference.errors import (
     ParameterError,
     UnknownNameError,
@@ -18,21 +17,6 @@ Refused = tuple[Callable[[], object], type[Exception], str]
 REFUSED: list[Refused] = [
     (lambda: mbcheck.simulate("hula_hop", times=[1]), UnknownNameError, "'hula_hoop'"),
     (
-        lambda: mbcheck.simulate("hula_hoop", engine="mujco", times=[1]),
-        UnknownNameError,
-        "'mujoco'",
-    ),
-    (
-        lambda: mbcheck.simulate("hula_hoop", engine="mujoco", method="RK5", times=[1]),
-        UnknownNameError,
-        "'RK4'",
-    ),
-    (
-        lambda: mbcheck.simulate("hula_hoop", engine="exudyn", model="redundnt", times=[1]),
-        UnknownNameError,
-        "'redundant'",
-    ),
-    (
         lambda: mbcheck.simulate(
             "hula_hoop", engine="exudyn", method="RK44", model="redundant", times=[1]
         ),
@@ -40,35 +24,9 @@ REFUSED: list[Refused] = [
         "GeneralizedAlpha",
     ),
     (
-        lambda: mbcheck.simulate("hula_hoop", parameters={"main_mas": 1}, times=[1]),
-        UnknownNameError,
-        "'main_mass'",
-    ),
-    (
-        lambda: mbcheck.simulate("hula_hoop", parameters={"main_mass": -1}, times=[1]),
-        ParameterError,
-        "greater than 0",
-    ),
-    (
         lambda: mbcheck.simulate("hula_hoop", parameters={"main_mass": [1, 2]}, times=[1]),
         ParameterError,
         "must be a number",
-    ),
-    (
-        lambda: mbcheck.simulate("hula_hoop", state={"thet": 1}, times=[1]),
-        UnknownNameError,
-        "'theta'",
-    ),
-    (
-        lambda: mbcheck.simulate("hula_hoop", state={"theta": np.nan}, times=[1]),
-        ParameterError,
-        "finite",
-    ),
-    (lambda: mbcheck.simulate("hula_hoop", step=0.1, times=[1]), UsageError, "its own steps"),
-    (
-        lambda: mbcheck.simulate("hula_hoop", engine="mujoco", step=np.nan, times=[1]),
-        ParameterError,
-        "step must be",
     ),
     (lambda: mbcheck.simulate("hula_hoop", times=[]), UsageError, "not empty"),
     (lambda: mbcheck.simulate("hula_hoop", times=[0]), UsageError, "nothing to simulate"),
@@ -78,20 +36,14 @@ REFUSED: list[Refused] = [
         ParameterError,
         "axes_x must be an angle of 1e\\+09 rad at most",
     ),
-    (lambda: mbcheck.simulate("hula_hoop", times=[2, 1]), UsageError, "increase"),
     (lambda: mbcheck.simulate("hula_hoop", times=np.ones((2, 2))), UsageError, "one row"),
     (lambda: mbcheck.simulate("hula_hoop", times=["a"]), UsageError, "numbers"),  # type: ignore[list-item]
-    (
-        lambda: mbcheck.frequencies("hula_hoop", about="rod_alinged"),
-        UnknownNameError,
-        "'rod_aligned'",
-    ),
     (lambda: mbcheck.frequencies("hula_hoop", count=0), UsageError, "1 or more"),
     (lambda: mbcheck.orbit("hula_hoop", step=0.1), UsageError, "its own steps"),
     (lambda: mbcheck.orbit("hula_hoop", engine="mujoco", step=0.1), UsageError, "too long"),
     (lambda: mbcheck.orbit("hula_hoop", engine="mujoco", step=1e-3), UsageError, "nearest that do"),
-    (lambda: mjcf_text("hula_hoop", model="tee"), UnknownNameError, "'tree'"),
 ]
+"""What the command line cannot ask, or asks in `tests/comparisons/cli/test_cli.py` otherwise."""
 
 
 @pytest.mark.parametrize("refused", REFUSED)

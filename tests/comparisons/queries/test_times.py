@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.queries.times import step_for
+from mbcheck.comparisons.queries.simulate import step_for
 from mbcheck.reference.errors import (
     UsageError,
 )

@@ -324,6 +324,7 @@ def test_what_was_done_is_kept_and_resumed(monkeypatch: pytest.MonkeyPatch, tmp_
     lost = replace(only, method="lost")
     report = "mbcheck.comparisons.tradeoff.report"
     monkeypatch.setattr(f"{report}.sweeps", lambda scenes, who: [only, lost])
+    monkeypatch.setattr(f"{report}.pairs_of", lambda scenes, who: [])
     file = str(tmp_path / "runs.json")
 
     def found(*targets: float) -> Tradeoff:

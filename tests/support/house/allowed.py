@@ -13,6 +13,7 @@ ALLOWED: Mapping[str, Mapping[str, str]] = {
         "comparisons/engines/registry.py::mujoco": "loads it",
     },
     "asked_engines": {
+        "comparisons/faults/reference.py::Impostor.__getattr__": "delegates all there is",
         "comparisons/faults/variants.py::Wrapped.__getattr__": "delegates all there is",
     },
     "broad_excepts": {
@@ -35,7 +36,7 @@ ALLOWED: Mapping[str, Mapping[str, str]] = {
         "comparisons/engines/registry.py::_named": "engines that the user named by their class",
     },
     "private_words": {
-        "comparisons/inspect/document.py::held": DOCUMENT,
+        "comparisons/inspect/inspection.py::held": DOCUMENT,
         "comparisons/papers/outcomes.py::claim": DOCUMENT,
         "comparisons/judge/judge.py::judged": DOCUMENT,
     },

@@ -6,7 +6,7 @@ import os
 import signal
 import time
 
-from mbcheck.comparisons.inspect.batch import InspectRequest
+from mbcheck.comparisons.inspect.request import InspectRun
 from mbcheck.comparisons.inspect.sandbox import FileReport, inspect_file
 
 MODEL = """<mujoco><worldbody><body><joint name="{}" damping="-1"/><geom size="0.1"/></body>
@@ -16,8 +16,7 @@ SCREEN = {"width": 80}
 
 def end_in(way: str, file: str) -> FileReport:
     """Inspect a file, and end as hostile ones do before anything of it is returned."""
-    options = {"rotation": {}, "modes": False, "full": True, "fail_on": "error"}
-    found = inspect_file(file, InspectRequest(), options, SCREEN)
+    found = inspect_file(InspectRun(path=file, modes=False, full=True), SCREEN)
     if file == "good.xml":
         return found
     if way == "killed":

@@ -10,7 +10,6 @@ import pytest
 from mbcheck.comparisons.reports.run.blocks import blocks
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.comparisons.reports.run.outcome import Report
-from mbcheck.comparisons.reports.run.results import tally
 from mbcheck.comparisons.reports.run.sections import MOST
 from mbcheck.comparisons.reports.run.sections import run_junit as junit
 from mbcheck.tests.support.results import MIXED, changed, result
@@ -55,13 +54,6 @@ def test_ten_are_shown_and_all_with_v() -> None:
     assert text.count("DEVIATION ") == MOST
     assert "and 4 more checks that fail otherwise: -v shows them" in text
     assert many.text(1).count("DEVIATION ") == 14
-
-
-def test_a_matrix_reads_without_counting() -> None:
-    assert tally([result()] * 13 + [result(verdict="deviation")] * 8) == "8 of 21 deviate"
-    assert tally([result(verdict="deviation"), result(verdict="error")]) == "1 of 2 deviate, 1 fail"
-    assert tally([result()] * 3) == "ok 3"
-    assert tally([result(verdict="skipped")]) == "skipped"
 
 
 def test_junit_tells_where_it_is_wrong() -> None:

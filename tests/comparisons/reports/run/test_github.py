@@ -27,7 +27,7 @@ from mbcheck.comparisons.checks.known import Entry, Use
 from mbcheck.comparisons.checks.request import CheckRequest
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.reports import github
-from mbcheck.comparisons.reports.run.outcome import Checks, Report, Run
+from mbcheck.comparisons.reports.run.outcome import Checks, Report
 from mbcheck.comparisons.reports.run.sections import print_report, run_annotations, run_summary
 from mbcheck.comparisons.reports.run.sections import run_junit as junit
 from mbcheck.tests.support.command import invoke
@@ -48,14 +48,14 @@ pytestmark = pytest.mark.usefixtures("own_folder")
 
 
 def outcome(results: list[Result], strict: bool = False, **run: Any) -> Report:
-    made = Run(
+    return Report(
+        tuple(results),
+        VERSIONS,
         environment={"machine": "x86_64"},
-        known_file="k.toml",
-        uses=(USED, STALE),
-        strict_known=strict,
+        selection=CheckRequest(known="k.toml", strict_known=strict),
+        known=(USED, STALE),
         **run,
     )
-    return Report(tuple(results), VERSIONS, made)
 
 
 def workflow_commands(report: Report) -> list[str]:
@@ -91,10 +91,10 @@ def test_every_report_tells_what_ran_and_why_not() -> None:
 
 def test_a_check_is_repeated_as_it_was_run() -> None:
     plain = CheckRequest(engines=("mujoco",))
-    assert Run(selection=plain).check_command == "mbcheck check"
+    assert Report((), {}, selection=plain).check_command == "mbcheck check"
     odd = CheckRequest(engines=("mujoco", "a.b:C d"), profile="strict", full=True)
     assert (
-        Run(selection=odd).check_command
+        Report((), {}, selection=odd).check_command
         == "mbcheck check --engine 'a.b:C d' --profile strict --full"
     )
 
@@ -240,7 +240,7 @@ def test_nothing_that_ran_is_an_error() -> None:
 def test_annotations_are_escaped() -> None:
     text = f"{HOSTILE}100% a:b,c\n::error::me\r::warning::too %0A%25"
     odd = changed(result(verdict="deviation", reason=text), id=text.replace("\ud800", ""))
-    found = Report((odd,), {}, Run(known_file=text, uses=(STALE,)))
+    found = Report((odd,), {}, selection=CheckRequest(known=text), known=(STALE,))
     lines = "\n".join(workflow_commands(found)).split("\n")
     assert len(lines) == 4
     level, properties, message = obeyed(lines[1])

@@ -1,0 +1,124 @@
+"""What a model may leave out: by how much its runs then change, and what that saves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...reference import get_scene
+from ..checks.truth import roundoff_reference
+from ..engines.equations import scene_equations
+from ..engines.registry import REFERENCE
+from ..engines.setup import Setup, power_of_two, run
+from ..scenes.data import scene_data
+from ..scenes.left_out import Pair, PairedModel
+
+REPEATS = 7
+"""Pairs of runs whose times are compared."""
+
+SAMPLES = 64
+"""Samples at which the runs of a pair are compared."""
+
+EQUAL = 0.03
+"""Times that differ by a smaller share are equal."""
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """A model with something and one without it.
+
+    Attributes
+    ----------
+    scene : str
+        Scene.
+    case : str
+        Case.
+    engine : str
+        Engine; ``reference`` for theories.
+    left_out : str
+        What the second model lacks.
+    whole : str
+        The model that has it, and its method.
+    without : str
+        The model that lacks it, and its method.
+    error : float
+        Largest error of the observables with it, relative to the size of each: against the
+        scene's reference; of theories against the one that has it.
+    error_without : float
+        The same without it.
+    ratios : tuple of float
+        Cost of the whole model over cost without: quartiles of repeated pairs of runs.
+    cost : str
+        Measure of the cost: ``wall time``, or ``right-hand sides`` of theories.
+    """
+
+    scene: str
+    case: str
+    engine: str
+    left_out: str
+    whole: str
+    without: str
+    error: float
+    error_without: float
+    ratios: tuple[float, float, float]
+    cost: str
+
+    @property
+    def saving(self) -> str:
+        """What leaving it out saves, in words; nothing where times scatter as much."""
+        low, ratio, high = self.ratios
+        if low <= 1 <= high or abs(ratio - 1) < EQUAL:
+            return f"no {self.cost} above the scatter"
+        change = f"saves a factor of {ratio:.2g}" if ratio > 1 else f"costs {1 / ratio:.2g} times"
+        return f"{change} in {self.cost}"
+
+
+def pairs_of(scenes: Sequence[str], engines: Sequence[str]) -> Iterator[tuple[str, Pair]]:
+    """Yield the pairs of these scenes and engines, and the theories, with their names."""
+    for scene in scenes:
+        for pair in scene_data(scene, "left_out", "LEFT_OUT", tuple[Pair, ...]()):
+            engine = pair.whole.engine.engine
+            if engine in (*engines, REFERENCE):
+                yield f"{scene} {engine} without {pair.left_out}, {pair.without.words}", pair
+
+
+def compare(pair: Pair) -> LeftOut:
+    """Run both models of a pair in turns, and compare results and times.
+
+    Raises
+    ------
+    MbcheckError
+        If one cannot be run.
+    """
+    case, names = pair.case, get_scene(pair.case.scene).observables
+    span = case.horizon if pair.span is None else pair.span
+    spacing = max(pair.step, power_of_two(span / SAMPLES))
+    counts = np.arange(1, int(span / spacing * (1 + 1e-12)) + 1)
+    times = np.asarray(case.start_time + spacing * counts, dtype=np.float64)
+    setups = [setup_of(pair, one) for one in (pair.whole, pair.without)]
+    engine = setups[0].engine.name
+    is_theory = engine == REFERENCE
+    equations = setups[0].equations if is_theory else scene_equations(case)
+    right = roundoff_reference(equations, case, times, names)
+    repeats = 1 if is_theory else REPEATS
+    runs = [[run(setup, times) for setup in setups] for _ in range(repeats)]
+    off = [np.abs(one.matrix(names) - right.values) / right.size[:, None] for one in runs[0]]
+    costs = [
+        [one.rhs_evaluations or 1 if is_theory else one.seconds for one in two] for two in runs
+    ]
+    low, ratio, high = np.quantile([a / b for a, b in costs], (0.25, 0.5, 0.75)).tolist()
+    return LeftOut(
+        case.scene, case.name, engine, pair.left_out, pair.whole.words, pair.without.words,
+        float(np.max(off[0])), float(np.max(off[1])), (low, ratio, high),
+        "right-hand sides" if is_theory else "wall time",
+    )  # fmt: skip
+
+
+def setup_of(pair: Pair, one: PairedModel) -> Setup:
+    """Return the setup of one model of a pair."""
+    engine = one.engine.make()
+    method = next(item for item in engine.methods if item.name == one.method)
+    case = replace(pair.case, parameters=pair.case.parameters.replace(**one.changes))
+    return Setup(engine, case, one.model, method, pair.step)

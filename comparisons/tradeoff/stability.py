@@ -1,0 +1,119 @@
+"""What a step costs in stability: by how much methods shift where an orbit loses it.
+
+With a fixed number of steps in a period an engine's discrete flow has orbits of its own, which lose
+their stability at another parameter than that of the reference.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from math import log2
+
+from ...reference import get_scene
+from ...reference.continuation.bifurcations import KINDS
+from ...reference.errors import EngineError
+from ..checks.kinds import boundary
+from ..engines.registry import get_engine
+from ..engines.run import EPS
+from ..engines.setup import Setup
+
+STEPS = (40, 80, 160, 320, 640)
+"""Numbers of steps in a period."""
+
+CLEAR = 10
+"""Bounds above which a shift tells the order."""
+
+
+@dataclass(frozen=True)
+class StabilityShift:
+    """A method, and where an orbit loses its stability by it.
+
+    Attributes
+    ----------
+    scene : str
+        Scene.
+    case : str
+        Case with the boundary.
+    engine : str
+        Engine.
+    model : str
+        The engine's model of the scene.
+    method : str
+        Integrator.
+    order : int
+        Declared order.
+    parameter : str
+        Parameter that is shifted.
+    unit : str
+        Unit of the parameter.
+    shifts : mapping of str to float or None
+        By the number of steps in a period: shift of the parameter; null where the engine has no
+        such orbit.
+    slope : float or None
+        Order of the last halving whose shifts are above the floor; null if fewer than two are.
+    floor : float or None
+        Largest shift that round-off may make with the most steps; null without any.
+    """
+
+    scene: str
+    case: str
+    engine: str
+    model: str
+    method: str
+    order: int
+    parameter: str
+    unit: str
+    shifts: Mapping[str, float | None]
+    slope: float | None
+    floor: float | None
+
+
+def boundaries_of(scenes: Sequence[str], engines: Sequence[str]) -> Iterator[tuple[str, Setup]]:
+    """Yield the methods that can find a boundary of a case, by each engine's default model."""
+    cases = [
+        case
+        for scene in scenes
+        for case in get_scene(scene).cases
+        if case.boundary and case.boundary.kind in KINDS
+    ]
+    for case, name in product(cases, engines):
+        engine = get_engine(name)
+        for model, method in product(engine.models(case.scene)[:1], engine.methods):
+            setup = Setup(engine, case, model, method)
+            if not setup.why_not and boundary.quantities(setup) and setup.epsilon <= EPS:
+                yield f"{case.scene} {name} {method.name}, {case.name}", setup
+
+
+def shift(
+    scene: str, case_name: str, name: str, model: str, method: str, steps: Sequence[int] = STEPS
+) -> StabilityShift:
+    """Return by how much a method shifts the boundary of a case, over steps in a period.
+
+    Raises
+    ------
+    NoOrbitError
+        If the reference has no such point.
+    """
+    case, engine = get_scene(scene).case(case_name), get_engine(name)
+    assert case.boundary is not None
+    sought = boundary.true_boundary(scene, case.parameters, case.boundary)
+    integrator = next(one for one in engine.methods if one.name == method)
+    setup, true = Setup(engine, case, model, integrator), sought.solution[1]
+    shifts, clear, floor = dict[str, float | None](), list[float](), None
+    for count in steps:
+        shifts[str(count)] = None
+        try:
+            point = boundary.engine_point(setup, sought, count, true.z)
+        except EngineError:
+            continue
+        if point.is_solved:
+            moved = sought.unit * float(point.z[-1] - true.z[-1])
+            shifts[str(count)], floor = moved, sought.unit * point.bound
+            clear += [abs(moved)] if abs(moved) > CLEAR * floor else []
+    return StabilityShift(
+        scene, case.name, name, model, method, integrator.order, sought.parameter,
+        case.parameters.unit_of(sought.parameter), shifts,
+        log2(clear[-2] / clear[-1]) if len(clear) > 1 else None, floor,
+    )  # fmt: skip
