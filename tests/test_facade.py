@@ -23,7 +23,7 @@ VERBS = "check diff export extremes frequencies inspect list orbit simulate"
     ],
 )
 def test_import_and_help_are_cheap(tmp_path: Path, line: str) -> None:
-    heavy = {"numpy", "scipy", "mujoco", "exudyn", "msgspec", "jinja2", "matplotlib"}
+    heavy = {"numpy", "scipy", "mujoco", "exudyn", "msgspec", "jinja2", "matplotlib", "sympy"}
     loaded = f"import sys; {line}; print(sorted({heavy} & set(sys.modules)))"
     done = subprocess.run(
         [sys.executable, "-c", loaded], cwd=tmp_path, capture_output=True, text=True, check=True

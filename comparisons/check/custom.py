@@ -20,6 +20,7 @@ from ..checks.truth import (
     MOST_AMPLIFICATION,
     MOST_STEPS,
     Truth,
+    moves,
     permitted_horizon,
     sample_spacing,
     truth,
@@ -51,9 +52,6 @@ POSITIONS = 16
 RESOLVED = 1e-4
 """Largest error bound of a reference that can judge an engine, in the size of each observable: a
 tenth of the effect of a mass that is off by 0.1 %."""
-
-STILL = 1e-9
-"""A coordinate that changes by less (SI, or relative to its largest value) does not move."""
 
 CONSERVED = 1e-8
 """Largest relative drift over the reference of a quantity that counts as conserved."""
@@ -132,7 +130,13 @@ def custom_case(
         refuse_singular(case)
         with expected_end(case.start_time + case.horizon):
             permitted, growth = permitted_horizon(case)
-            refuse_too_short(case, permitted, growth)
+            fastest = shortest_period(case)
+            if permitted < LEAST_PERIODS * fastest:
+                raise UsageError(
+                    f"errors grow too fast for any reference: by {growth:.3g} in {permitted:.3g} s "
+                    f"and more than {MOST_AMPLIFICATION:g} soon after, while the fastest motion "
+                    f"takes {fastest:.3g} s; choose other parameters or another state"
+                )
             solution = reference_of(case, permitted)
     except UsageError:
         raise
@@ -199,22 +203,6 @@ def refuse_singular(case: Case) -> None:
         )
 
 
-def refuse_too_short(case: Case, permitted: float, growth: float) -> None:
-    """Refuse a case of which growing errors leave too little of the fastest motion.
-
-    Raises
-    ------
-    UsageError
-    """
-    fastest = shortest_period(case)
-    if permitted < LEAST_PERIODS * fastest:
-        raise UsageError(
-            f"errors grow too fast for any reference: by {growth:.3g} in {permitted:.3g} s and "
-            f"more than {MOST_AMPLIFICATION:g} soon after, while the fastest motion takes "
-            f"{fastest:.3g} s; choose other parameters or another state"
-        )
-
-
 def reference_of(case: Case, permitted: float) -> Truth:
     """Return the reference's solution of a case over the permitted part [s] of its horizon.
 
@@ -253,43 +241,32 @@ def place_of_rest(case: Case) -> str | None:
 def applied(checks: Sequence[Check], custom: CustomCase) -> list[Check]:
     """Return checks, with why those are skipped that do not apply."""
     reasons = inapplicable(custom, {check.kind for check in checks})
-    return [
-        replace(check, why_not=reasons.get(check.kind) or why_no_element(check) or check.why_not)
-        for check in checks
-    ]
-
-
-def why_no_element(check: Check) -> str:
-    """Return why elements cannot be judged by a kind; empty where they can, or it has none."""
-    if check.case.watch == "elements" and check.kind == "order":
-        return "no reference tells from how many elements on they converge as declared"
-    setup = check.setup()
-    if check.kind == "algebra" and setup.approximates_continuum and not setup.discrete:
-        return "elements converge to the continuum, and have no closed form"
-    return ""
+    skipped = []
+    for check in checks:
+        reason = reasons.get(check.kind, "")
+        if not reason and check.kind == "order" and check.case.watch == "elements":
+            reason = "no reference tells from how many elements on they converge as declared"
+        if not reason and check.kind == "algebra":
+            setup = check.setup()
+            if setup.approximates_continuum and not setup.discrete:
+                reason = "elements converge to the continuum, and have no closed form"
+        skipped.append(replace(check, why_not=reason or check.why_not))
+    return skipped
 
 
 def inapplicable(custom: CustomCase, kinds: Iterable[str]) -> dict[str, str]:
     """Return why some of these kinds of check do not apply, by kind."""
-    kinds, motion = set(kinds), {"trajectory", "step", "order", "energy"}
-    reasons = {kind: why_no_frequency(custom) for kind in kinds if kind == "frequency"}
-    reasons |= {kind: why_no_orbit(custom.case) for kind in kinds if kind == "stability"}
-    reasons |= {kind: why_no_motion(custom) for kind in kinds if kind in motion}
-    if not reasons.get("energy", "-"):
+    kinds, case, reasons = set(kinds), custom.case, dict[str, str]()
+    if not case.about:
+        reasons["frequency"] = "these parameters leave the scene no state of rest"
+    if "stability" in kinds:
+        reasons["stability"] = why_no_orbit(case)
+    if not moves(custom.solution.states[: len(get_scene(case.scene).coordinates)]):
+        still = "nothing moves from this state: give --state"
+        reasons |= dict.fromkeys(("trajectory", "step", "order", "energy"), still)
+    elif "energy" in kinds:
         reasons["energy"] = why_no_energy(custom)
-    return {kind: reason for kind, reason in reasons.items() if reason}
-
-
-def why_no_frequency(custom: CustomCase) -> str:
-    """Return why there are no modes to compare; empty where there are."""
-    return "" if custom.case.about else "these parameters leave the scene no state of rest"
-
-
-def why_no_motion(custom: CustomCase) -> str:
-    """Return that nothing moves; empty where something does."""
-    coordinates = custom.solution.states[: len(get_scene(custom.case.scene).coordinates)]
-    moves = np.ptp(coordinates, axis=1) > STILL * (1 + np.max(np.abs(coordinates), axis=1))
-    return "" if np.any(moves) else "nothing moves from this state: give --state"
+    return {kind: reason for kind, reason in reasons.items() if reason and kind in kinds}
 
 
 def why_no_orbit(case: Case) -> str:

@@ -60,7 +60,16 @@ def select(request: CheckRequest, custom: CustomCase | None = None) -> Sequence[
         return extreme_checks(request.scenes, request.engines, *names)
     if request.source == SOURCES[0]:
         checks = matching_checks(request, custom)
-        return quick_checks(request, custom, checks) if request.quick and checks else checks
+        if not (request.quick and checks):
+            return checks
+        # those of a quick answer; of an id that names none of these, all that it names
+        every = matching_checks(replace(request, ids=()), custom) if request.ids else checks
+        quick = {check.prefix for check in suite.quick(every)}
+        prefixes = set[str]() if request.ids else quick
+        for pattern in request.ids:
+            named = {check.prefix for check in checks if suite.matches(check, [pattern])}
+            prefixes |= quick & named or named
+        return narrowed(checks, "--quick", lambda one: one.prefix in prefixes)
     if request.engines or request.methods or request.is_custom or request.placement:
         raise UsageError(
             "--engine, --method, --set, --state, --horizon and --placement choose among checks of "
@@ -112,19 +121,6 @@ def matching_checks(request: CheckRequest, custom: CustomCase | None) -> list[su
     cases = tuple(replace(case, placement=request.axes) for case in cases)
     checks = suite.plan_cases(cases, engines, *names)
     return checks if custom is None else applied(checks, custom)
-
-
-def quick_checks(
-    request: CheckRequest, custom: CustomCase | None, checks: Sequence[suite.Check]
-) -> list[suite.Check]:
-    """Return those of a quick answer; of an id that names none of these, all that it names."""
-    every = matching_checks(replace(request, ids=()), custom) if request.ids else checks
-    quick = {check.prefix for check in suite.quick(every)}
-    prefixes = set[str]() if request.ids else quick
-    for pattern in request.ids:
-        named = {check.prefix for check in checks if suite.matches(check, [pattern])}
-        prefixes |= quick & named or named
-    return narrowed(checks, "--quick", lambda one: one.prefix in prefixes)
 
 
 @dataclass(frozen=True)

@@ -174,9 +174,7 @@ def checked(plan: CheckPlan, execution: Execution, bar: bool) -> Report:
                     raise KeyboardInterrupt
                 nonlocal left
                 results.extend(arrived)
-                left -= sum(
-                    efforts.pop(one, 0) for one in {item.subject.prefix for item in arrived}
-                )
+                left -= sum(efforts.pop(one, 0) for one in {item.prefix for item in arrived})
                 advance(done, total, share=1 - left / whole)
 
             return plan.report(plan.run(execution, progress))

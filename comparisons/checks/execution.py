@@ -65,9 +65,13 @@ def run_checks(
     if here and limits != (None, None):
         raise UsageError("engines that are given as objects run in this process, without limits")
     results_of: dict[int, list[Result]] = {}
-    groups = grouped(checks)
+    # those that follow no motion need no reference of it, and are groups of their own
+    groups: dict[Group, list[int]] = {}
+    for index, check in enumerate(checks):
+        groups.setdefault((*check.group, check.integrates), []).append(index)
+    in_turn = sorted(range(len(checks)), key=lambda index: checks[index].integrates)
     arriving = (
-        _in_turn(checks, profile)
+        ((index, checks[index].run(profile)) for index in in_turn)
         if here
         or (min(how.jobs, len(groups)) == 1 and limits == (None, None) and not foreign(checks))
         else _in_processes(checks, groups, profile, how.jobs, limits)
@@ -98,9 +102,8 @@ def unavailable(asked: Sequence[str] = (), source: str = "verification") -> list
     for name, reason in reasons.items():
         prefix = "/".join([source, *[NOT_APPLICABLE] * 3, name, NOT_APPLICABLE])
         verdict: Verdict = "error" if asked or installed(name) else "skipped"
-        about = Subject(prefix, source, name)
-        traceback = excerpt(reason.traceback) or None
-        missing.append(Result(about, NOT_APPLICABLE, verdict, str(reason), traceback=traceback))
+        about, where = Subject(prefix, source, name), excerpt(reason.traceback) or None
+        missing.append(about.result(NOT_APPLICABLE, verdict, str(reason), traceback=where))
     return missing
 
 
@@ -112,32 +115,6 @@ def foreign(checks: Sequence[Task]) -> bool:
 Group = tuple[str, str, str, bool]
 
 
-def grouped(checks: Sequence[Task]) -> dict[Group, list[int]]:
-    """Return the numbers of the checks that share something, see `Task.group`.
-
-    Those that follow no motion need no reference of it, and are groups of their own.
-    """
-    groups: dict[Group, list[int]] = {}
-    for index, check in enumerate(checks):
-        groups.setdefault((*check.group, check.integrates), []).append(index)
-    return groups
-
-
-def weight(checks: Sequence[Task], group: Sequence[int]) -> tuple[bool, bool, int]:
-    """Return what groups are ordered by, the first being largest.
-
-    A fault of the model shows before any motion is followed. Of the rest what takes longest comes
-    first, or others wait for it in the end: orbits and stiff runs.
-    """
-    long = any(checks[index].takes_long for index in group)
-    return not checks[group[0]].integrates, long, len(group)
-
-
-def _in_turn(checks: Sequence[Task], profile: str) -> Iterator[tuple[int, list[Result]]]:
-    for index in sorted(range(len(checks)), key=lambda index: checks[index].integrates):
-        yield index, checks[index].run(profile)
-
-
 def _in_processes(
     checks: Sequence[Task],
     groups: dict[Group, list[int]],
@@ -145,9 +122,18 @@ def _in_processes(
     jobs: int,
     limits: tuple[float | None, float | None],
 ) -> Iterator[tuple[int, list[Result]]]:
-    """Run checks in worker processes; those of a group share the reference of their case."""
+    """Run checks in worker processes; those of a group share the reference of their case.
+
+    A fault of the model shows before any motion is followed. Of the rest what takes longest comes
+    first, or others wait for it in the end: orbits and stiff runs.
+    """
+
+    def weight(item: tuple[Group, list[int]]) -> tuple[bool, bool, int]:
+        long = any(checks[index].takes_long for index in item[1])
+        return not checks[item[1][0]].integrates, long, len(item[1])
+
     calls = [partial(check.run, profile) for check in checks]
-    longest = sorted(groups.items(), key=lambda item: weight(checks, item[1]), reverse=True)
+    longest = sorted(groups.items(), key=weight, reverse=True)
     owners, order = [owner for (owner, *_), _ in longest], [group for _, group in longest]
     seconds, megabytes = limits
     if seconds is None and foreign(checks):

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import eigh
+from scipy.linalg import block_diag, eigh
 
 from ...reference.amplification import (
     AMPLIFICATION,
     DEFECT,
-    GROWTH,
     Vibrations,
     excess,
     largest_stable_step,
@@ -26,6 +25,7 @@ from ...reference.scene import Array
 from ..engines.equations import ModelEquations
 from ..engines.run import EPS
 from ..engines.setup import Setup
+from .tolerances import rows
 
 START = "start"
 CLOCK = "drive"
@@ -81,16 +81,6 @@ class Limit(NamedTuple):
     mode: Critical
 
 
-def late_joints_alone(setup: Setup, scheme: str) -> bool:
-    """Return whether a scheme takes the dampers of joints alone at the end of a step.
-
-    Others take all but a soft closure's, which only an implicit Euler takes too.
-    """
-    if scheme == "implicit_euler":
-        return False
-    return scheme == "semi_implicit_euler" or setup.has_soft_closure
-
-
 def places(setup: Setup, scheme: str) -> tuple[Place, ...]:
     """Return the vibrations of a model about the case's start, and about its states of rest.
 
@@ -98,8 +88,10 @@ def places(setup: Setup, scheme: str) -> tuple[Place, ...]:
     """
     equations = setup.equations
     start = tuple(equations.start(setup.case)[: len(equations.scene.coordinates)].tolist())
-    clock, joints = setup.integrates_drive, late_joints_alone(setup, scheme)
-    first, *rests = start_and_rests(equations, start, clock, joints)
+    # others take all dampers at the end of a step but a soft closure's, which implicit Euler does
+    only_joints = scheme == "semi_implicit_euler" or setup.has_soft_closure
+    only_joints = only_joints and scheme != "implicit_euler"
+    first, *rests = start_and_rests(equations, start, setup.integrates_drive, only_joints)
     if not any(np.array_equal(first.state, other.state) for other in rests):
         rests.append(first)
     steady = tuple(at for at in rests if not np.any(at.rates.real > 0))
@@ -113,14 +105,11 @@ def start_and_rests(
     clock: bool = False,
     only_joints: bool = False,
 ) -> tuple[Place, ...]:
-    """Return the vibrations of equations about a start (n,) at rest, and their states of rest."""
-    states = {START: np.array([*start, *[0.0] * len(start)])} | rest_states(equations)
-    return tuple(place(equations, name, at, clock, only_joints) for name, at in states.items())
+    """Return the vibrations of equations about a start (n,) at rest, and their states of rest.
 
-
-def rest_states(equations: ModelEquations) -> dict[str, Array]:
-    """Return the states of rest of equations by name; without motors where there is none with."""
-    scene, states = equations.scene, {}
+    These are without motors where there is none with.
+    """
+    scene, states = equations.scene, {START: np.array([*start, *[0.0] * len(start)])}
     for name, where in scene.equilibria.items():
         for parameters in (equations.parameters, scene.unforced(equations.parameters)):
             try:
@@ -128,7 +117,7 @@ def rest_states(equations: ModelEquations) -> dict[str, Array]:
                 break
             except (NoOrbitError, ArithmeticError, np.linalg.LinAlgError):
                 continue
-    return states
+    return tuple(place(equations, name, at, clock, only_joints) for name, at in states.items())
 
 
 def place(
@@ -142,18 +131,11 @@ def place(
     coordinates = scene.coordinates
     if clock and scene.drive is not None and hasattr(c, "omega"):
         more = (1.0, 0.0, float(c.omega) ** 2, 0.0)
-        matrices = [extended(m, value) for m, value in zip(matrices, more, strict=True)]
+        matrices = [block_diag(m, value) for m, value in zip(matrices, more, strict=True)]
         coordinates = (*coordinates, CLOCK)
     if not all(np.all(np.isfinite(matrix)) for matrix in matrices):
         raise MbcheckError(f"the equations are not finite at {name}")
     return Place(name, coordinates, state, Vibrations(*matrices), vibrations(*matrices))
-
-
-def extended(matrix: Array, value: float) -> Array:
-    """Return a matrix with one more row and column, which hold this alone."""
-    larger = np.pad(matrix, (0, 1))
-    larger[-1, -1] = value
-    return larger
 
 
 def stable_step(setup: Setup, horizon: float, among: Sequence[Place] | None = None) -> Limit | None:
@@ -172,16 +154,11 @@ def stable_step(setup: Setup, horizon: float, among: Sequence[Place] | None = No
     return Limit(limits[least], looked[least], critical(scheme, looked[least], limits[least]))
 
 
-def unstable(scheme: str, at: Place, step: float, horizon: float, growth: float = GROWTH) -> bool:
-    """Return whether a step is too long about a place; far cheaper than the limit."""
-    return excess(scheme, at.modes, step, horizon, growth) > 0
-
-
 def drowns(setup: Setup, horizon: float) -> bool:
     """Return whether the steps of a run make rounding as large as the motion."""
-    scheme = setup.linear_scheme
+    scheme, step = setup.linear_scheme, setup.step_size
     return scheme is not None and any(
-        unstable(scheme, at, setup.step_size, horizon, 1 / EPS) for at in places(setup, scheme)
+        excess(scheme, at.modes, step, horizon, 1 / EPS) > 0 for at in places(setup, scheme)
     )
 
 
@@ -234,11 +211,6 @@ def excitation(setup: Setup, step: float, horizon: float) -> Excitation:
     pushed = np.array(scene.accelerations(drive, q, v, c))
     speeds = np.hypot(shapes.T @ mass @ v, (shapes.T @ mass @ pushed) / omega)
 
-    def observe(states: Any) -> Any:
-        values = scene.observe(states, parameters)
-        names = setup.scene.observables
-        return np.array([np.broadcast_to(values[name], states.shape[1:]) for name in names])
-
-    slopes = by_complex_step(observe, start)[1]
+    slopes = by_complex_step(lambda x: rows(equations, x, setup.scene.observables), start)[1]
     seen = np.abs(slopes[:, : len(q)] @ shapes) / omega + np.abs(slopes[:, len(q) :] @ shapes)
     return Excitation(float(np.min(omega, initial=np.inf)), seen @ speeds)

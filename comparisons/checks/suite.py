@@ -45,12 +45,11 @@ from .kinds import (
     trajectory,
 )
 from .refusals import narrowed, refuse_undriven, refuse_unstable
-from .rules.cautions import Caution, cautions, explained
+from .rules.cautions import Caution, cautions, explained, noticing_rules
 from .verdict import (
     ENGINE,
     PROFILES,
     REFERENCE,
-    RULE,
     Finding,
     Inconclusive,
     Result,
@@ -174,14 +173,14 @@ class Task(ABC):
         """Return an error for each quantity, where foreign code raised it, and who noticed."""
         where = excerpt(traceback) or None
         return [
-            Result(self.subject, name, "error", reason, traceback=where, noticed_by=noticed_by)
+            self.subject.result(name, "error", reason, traceback=where, noticed_by=noticed_by)
             for name in self.quantities
         ]
 
     def skipped(self, reason: str, noticed_by: tuple[str, ...] = ()) -> list[Result]:
         """Return that no quantity is judged, why, and who noticed."""
         return [
-            Result(self.subject, name, "skipped", reason, noticed_by=noticed_by)
+            self.subject.result(name, "skipped", reason, noticed_by=noticed_by)
             for name in self.quantities
         ]
 
@@ -495,11 +494,11 @@ def run_check(
     except CannotJudgeError as error:
         said = cautioned(setup) if check.step is not None else []
         refused = (ENGINE,) if isinstance(error, Unsupported) else ()
-        return check.skipped(str(error), (*refused, *names_of(said)))
+        return check.skipped(str(error), (*refused, *noticing_rules(said)))
     except EngineError as error:
         said = cautioned(setup if explain else None)
         reason = explained(f"{error.kind}: {error.message}", said)
-        return check.failed(reason, error.traceback, (detected_by(error), *names_of(said)))
+        return check.failed(reason, error.traceback, (detected_by(error), *noticing_rules(said)))
     except MbcheckError as error:
         return check.failed(str(error), error.traceback)
     except (Exception, SystemExit) as error:  # must not take the other checks along
@@ -515,36 +514,35 @@ def run_check(
     explain = explain and not check.extreme and "deviation" in verdicts.values()
     where = cause(setup, check.kind, verdicts) if explain else ""
     said = cautioned(setup) if explain else []
-    results = []
+    about, results = check.subject, list[Result]()
     for finding in findings:
         if isinstance(finding, Inconclusive):
-            results.append(Result(check.subject, finding.quantity, "skipped", finding.reason))
+            results.append(about.result(finding.quantity, "skipped", finding.reason))
             continue
         verdict, reason = judgements[finding.quantity]
         deviates = verdict == "deviation"
         reason = "; ".join(filter(None, (reason, *(f"note: {text}" for text in notes))))
-        noticed = finding.noticed_by or (*names_of(said), REFERENCE)
+        noticed = finding.noticed_by or (*noticing_rules(said), REFERENCE)
         if deviates and explain:
             reason = explained("; ".join(filter(None, (reason, where))), said)
         results.append(
-            Result(
-                check.subject,
+            about.result(
                 finding.quantity,
                 verdict,
                 reason,
-                finding.unit,
-                float(finding.value),
-                float(finding.reference),
-                float(finding.error),
-                float(PROFILES[profile] * finding.tolerance),
-                work,
-                finding.series,
+                unit=finding.unit,
+                value=float(finding.value),
+                reference=float(finding.reference),
+                error=float(finding.error),
+                tolerance=float(PROFILES[profile] * finding.tolerance),
+                work=work,
+                series=finding.series,
                 cause=(where or None) if deviates else None,
                 noticed_by=() if verdict == "pass" else noticed,
             )
         )
     lost = set(check.quantities) - {finding.quantity for finding in findings}
-    missing = (Result(check.subject, name, "error", "was not measured") for name in sorted(lost))
+    missing = (about.result(name, "error", "was not measured") for name in sorted(lost))
     return [*results, *missing]
 
 
@@ -570,8 +568,3 @@ def cautioned(setup: Setup | None) -> list[Caution]:
         return cautions(setup, setup.case.horizon)
     except (EngineError, CannotJudgeError):  # of an engine that fails in this too
         return []
-
-
-def names_of(cautions: Iterable[Caution]) -> tuple[str, ...]:
-    """Return who notices where rules say something."""
-    return tuple(dict.fromkeys(f"{RULE}{one.rule}" for one in cautions))

@@ -55,10 +55,10 @@ that stops at 1e-11 of its increments leaves, with a margin."""
 
 
 def rows(equations: ModelEquations, states: Array, names: tuple[str, ...]) -> Array:
-    """Return observables (k, n_t) of states (2 n, n_t) by model equations."""
+    """Return observables (k, n_t) of states (2 n, n_t) by model equations; unknown ones are 0."""
     observables = equations.scene.observe(states, equations.parameters)
-    zero = np.zeros(states.shape[1:])
-    return np.array([observables.get(name, zero) for name in names])
+    values = (observables.get(name, 0.0) for name in names)
+    return np.array([np.broadcast_to(value, states.shape[1:]) for value in values])
 
 
 def rounding(steps: float, growth: float, epsilon: float = EPS) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -20,7 +20,7 @@ from ...reference.solve.solution import Solution, state_size
 from ..engines.equations import ModelEquations
 from ..engines.run import EPS, VIOLATIONS
 from ..engines.setup import power_of_two
-from .tolerances import rounding
+from .tolerances import rounding, rows
 
 MOST_STEPS = 1 << 13
 """Longer runs with a method's default step are cut: what it does wrong shows before. An
@@ -48,6 +48,9 @@ SMOOTH = 1e-5
 
 ROUGH = (1e-6, 1e-5)
 """Tolerances where the size of a motion is all that is asked."""
+
+STILL = 1e-9
+"""A coordinate that changes by less (SI, or relative to its largest value) does not move."""
 
 MARKS = 8
 """Places where a horizon may be cut."""
@@ -88,34 +91,30 @@ def sample_spacing(horizon: float) -> float:
     return power_of_two(horizon / SAMPLES)
 
 
-@lru_cache(maxsize=64)
-def _whole(
-    equations: ModelEquations, state: tuple[float, ...], start: float, horizon: float
-) -> Solution:
-    spacing = sample_spacing(horizon)
-    times = start + spacing * np.arange(1, int(horizon / spacing) + 1)
-    return solve(equations.scene, equations.parameters, np.array(state), times, start)
-
-
-@lru_cache(maxsize=64)
-def _elsewhere(
+@lru_cache(maxsize=128)
+def _solution(
     equations: ModelEquations, state: tuple[float, ...], start: float, times: tuple[float, ...]
 ) -> Solution:
-    """Solve at times that are not on the grid of a case: of states, observables and their sizes."""
     return solve(equations.scene, equations.parameters, np.array(state), np.array(times), start)
 
 
 def _solved(
-    equations: ModelEquations, state: tuple[float, ...], start: float, times: Array, horizon: float
+    equations: ModelEquations,
+    state: tuple[float, ...],
+    start: float,
+    times: Array,
+    horizon: float | None,
 ) -> Solution:
-    """Solve, or look up in what was solved before."""
-    spacing = sample_spacing(horizon)
-    numbers = np.rint((times - start) / spacing).astype(int)
-    on_grid = np.array_equal(start + spacing * numbers, times)
-    if not on_grid or numbers[0] < 1 or numbers[-1] * spacing > horizon:
-        return _elsewhere(equations, state, start, tuple(times.tolist()))
-    whole = _whole(equations, state, start, horizon)
-    return replace(whole, times=times, states=whole.states[:, numbers - 1])
+    """Solve at the times alone, or on the grid of a horizon [s] where they lie on it."""
+    if horizon is not None:
+        spacing = sample_spacing(horizon)
+        numbers = np.rint((times - start) / spacing).astype(int)
+        on_grid = np.array_equal(start + spacing * numbers, times)
+        if on_grid and numbers[0] >= 1 and numbers[-1] * spacing <= horizon:
+            grid = start + spacing * np.arange(1, int(horizon / spacing) + 1)
+            whole = _solution(equations, state, start, tuple(grid.tolist()))
+            return replace(whole, times=times, states=whole.states[:, numbers - 1])
+    return _solution(equations, state, start, tuple(times.tolist()))
 
 
 @lru_cache(maxsize=256)
@@ -124,7 +123,7 @@ def _truth(
     state: tuple[float, ...],
     start: float,
     times: tuple[float, ...],
-    horizon: float,
+    horizon: float | None,
     names: tuple[str, ...],
 ) -> Truth:
     def solved(one: ModelEquations, at: tuple[float, ...]) -> Solution:
@@ -177,15 +176,17 @@ def truth_of(equations: ModelEquations, solution: Solution, names: tuple[str, ..
     scales = dict(sizes)
     for name in set(observables) - set(sizes):
         sizes[name] = float(np.max(np.abs(observables[name]))) or 1.0
-        scales[name] = max(sizes[name], position_size(equations, observables, name))
+        # it may be the difference of two positions, or of their rates
+        positions = scene.continuum.reach(parameters)
+        if scene.units.get(name) != "m":
+            speeds = [observables[f"{turns}_dot"] for turns in scene.rotations_per_period]
+            positions *= max((float(np.max(np.abs(speed))) for speed in speeds), default=0.0)
+        scales[name] = max(sizes[name], positions)
         bounds[name] = 8 * EPS * scales[name]
-    outputs = set(observables) - set(scene.state_names)
-
-    def observe(states: Any) -> Any:
-        values = scene.observe(states, parameters)
-        return np.array([np.broadcast_to(values[name], states.shape[1:]) for name in outputs])
-
-    slopes = by_complex_step(observe, solution.states)[1] if outputs else ()
+    outputs = tuple(set(observables) - set(scene.state_names))
+    slopes: Any = ()
+    if outputs:
+        slopes = by_complex_step(lambda x: rows(equations, x, outputs), solution.states)[1]
     for name, slope in zip(outputs, slopes, strict=True):
         bounds[name] += float(np.max(np.abs(slope), axis=1) @ solution.error_bound)
     for name in set(names) & set(VIOLATIONS):
@@ -204,14 +205,10 @@ def truth_of(equations: ModelEquations, solution: Solution, names: tuple[str, ..
     )
 
 
-def position_size(equations: ModelEquations, observables: Mapping[str, Array], name: str) -> float:
-    """Return the size [m, m/s] of the positions, or of their rates, that an output differs by."""
-    scene = equations.scene
-    reach = scene.continuum.reach(equations.parameters)
-    if scene.units.get(name) == "m":
-        return reach
-    speeds = [observables[f"{turns}_dot"] for turns in scene.rotations_per_period]
-    return reach * max((float(np.max(np.abs(speed))) for speed in speeds), default=0.0)
+def moves(coordinates: Array) -> bool:
+    """Return True if one of the coordinates (n, n_t) of a solution changes, rounding apart."""
+    still = STILL * (1 + np.max(np.abs(coordinates), axis=1))
+    return bool(np.any(np.ptp(coordinates, axis=1) > still))
 
 
 def truth(equations: ModelEquations, case: Case, times: Any, names: tuple[str, ...]) -> Truth:
@@ -225,13 +222,7 @@ def truth_to_the_end(
     equations: ModelEquations, state: Array, start: float, times: Array, names: tuple[str, ...]
 ) -> Truth:
     """Return the solution from a state, however errors grow in it: its bound tells."""
-    begin, when = tuple(state.tolist()), tuple(times.tolist())
-
-    def solved(one: ModelEquations, at: tuple[float, ...]) -> Solution:
-        return _elsewhere(one, at, start, when)
-
-    solution = truth_of(equations, solved(equations, begin), names)
-    return truncated(equations, begin, solution, names, solved)
+    return _truth(equations, tuple(state.tolist()), start, tuple(times.tolist()), None, names)
 
 
 def sizes(equations: ModelEquations, case: Case, times: Array, names: tuple[str, ...]) -> Array:
@@ -239,16 +230,15 @@ def sizes(equations: ModelEquations, case: Case, times: Array, names: tuple[str,
     if not equations.scene.discretisation_coordinates:
         return truth(equations, case, times, names).size.copy()
     rough = _roughly(equations, tuple(equations.start(case)), case.start_time, tuple(times))
-    known = dict(zip(equations.scene.state_names, rough, strict=True))
+    known = dict(zip(equations.scene.state_names, state_size(rough), strict=True))
     return np.array([known[name] for name in names])
 
 
 @lru_cache(maxsize=64)
 def _roughly(
     equations: ModelEquations, state: tuple[float, ...], start: float, times: tuple[float, ...]
-) -> Array:
-    """Return the sizes (2 n,) of all states."""
-    return state_size(solve(*equations, np.array(state), times, start, tolerances=ROUGH))
+) -> Solution:
+    return solve(*equations, np.array(state), times, start, tolerances=ROUGH)
 
 
 def roundoff_reference(

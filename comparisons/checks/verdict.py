@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from ...reference.errors import EngineError
@@ -101,15 +101,24 @@ class Subject:
     Attributes
     ----------
     prefix : str
-        The id of a result, without its quantity.
-    source : {"verification", "validation"}
-        Against the reference, or against a paper.
-    scene, case, kind, engine, model : str
+        the id of a result, without its quantity
+    source : str
+        `verification`: against the reference ODE; `validation`: against what a paper prints
+    engine : str
+        engine
+    scene : str
+        system; `-` if none was reached
+    case : str
+        parameters with initial state and horizon, by name
+    kind : str
+        kind of check
+    model : str
+        the engine's model of the scene
     method : str or None
-        None for kinds that use no integrator.
+        integrator, as the engine spells it; null for kinds that use none
     """
 
-    prefix: str
+    prefix: str = field(metadata=HIDDEN)
     source: str
     engine: str
     scene: str = NOT_APPLICABLE
@@ -118,14 +127,17 @@ class Subject:
     model: str = NOT_APPLICABLE
     method: str | None = None
 
+    def result(self, quantity: str, verdict: Verdict, reason: str, **more: Any) -> Result:
+        """Return a result about it; ``more`` are further fields of `Result`."""
+        return Result(**vars(self), quantity=quantity, verdict=verdict, reason=reason, **more)
 
-@dataclass(frozen=True)
-class Result:
+
+@dataclass(frozen=True, kw_only=True)
+class Result(Subject):
     """One line of a report.
 
     Attributes
     ----------
-    subject : Subject
     quantity : str
         what was measured
     unit : str
@@ -160,7 +172,6 @@ class Result:
         known before the run; `halving`, a run with half the step; `reference`
     """
 
-    subject: Subject = field(metadata=HIDDEN)
     quantity: str
     verdict: Verdict
     reason: str
@@ -180,54 +191,12 @@ class Result:
     @documented
     def id(self) -> str:
         """Source/scene/case/kind/engine/method/quantity; of a row validation/scene/row."""
-        return f"{self.subject.prefix}/{self.quantity}"
+        return f"{self.prefix}/{self.quantity}"
 
     @property
     def check_id(self) -> str:
         """What the ids of all results of its check begin with; a row has one, its own."""
-        return self.id if self.source == "validation" else self.subject.prefix
-
-    @property
-    @documented
-    def scene(self) -> str:
-        """System; `-` if none was reached."""
-        return self.subject.scene
-
-    @property
-    @documented
-    def case(self) -> str:
-        """Parameters with initial state and horizon, by name."""
-        return self.subject.case
-
-    @property
-    @documented
-    def kind(self) -> str:
-        """Kind of check."""
-        return self.subject.kind
-
-    @property
-    @documented
-    def source(self) -> str:
-        """`verification`: against the reference ODE; `validation`: against what a paper prints."""
-        return self.subject.source
-
-    @property
-    @documented
-    def engine(self) -> str:
-        """Engine."""
-        return self.subject.engine
-
-    @property
-    @documented
-    def model(self) -> str:
-        """The engine's model of the scene."""
-        return self.subject.model
-
-    @property
-    @documented
-    def method(self) -> str | None:
-        """Integrator, as the engine spells it; null for kinds that use none."""
-        return self.subject.method
+        return self.id if self.source == "validation" else self.prefix
 
     def as_dict(self) -> dict[str, Any]:
         """Return the fields of the JSON (docs/json.md), without what pictures are drawn from."""
@@ -237,13 +206,7 @@ class Result:
 def result_from(document: Mapping[str, Any]) -> Result:
     """Return the result that a document holds, see `Result.as_dict`."""
     rest = {**document, "noticed_by": tuple(document.get("noticed_by", ()))}
-    prefix = rest.pop("id").removesuffix(f"/{rest['quantity']}")
-    about = {
-        item.name: rest.pop(item.name)
-        for item in fields(Subject)
-        if item.name != "prefix" and item.name in rest
-    }
-    return Result(Subject(prefix, **about), **rest)
+    return Result(prefix=rest.pop("id").removesuffix(f"/{rest['quantity']}"), **rest)
 
 
 def judge(finding: Finding, profile: float) -> tuple[Verdict, str]:

@@ -80,16 +80,13 @@ def markdown(results: Sequence[Result], full: bool) -> str:
     lines += ["", "## Only the reference notices", ""]
     lines += [f"* `{one.id}`: {one_line(one.reason)}" for one in hidden] or ["Nothing."]
     for engine in dict.fromkeys(one.engine for one in results):
-        broken = [one for one in results if one.engine == engine and is_broken(one)]
+        broken = [
+            one for one in results if one.engine == engine and outcome(one) in (WRONG, FAILED)
+        ]
         lines += ["", f"## {engine}: what breaks", "", table(broken)]
     lines += ["", "## Known of these engines, and not provoked", ""]
     lines += [f"* {mode}: {why}" for mode, why in NOT_PROVOKED]
     return "\n".join(lines) + "\n"
-
-
-def is_broken(result: Result) -> bool:
-    """Return True if a result is wrong or failed."""
-    return outcome(result) in (WRONG, FAILED)
 
 
 def table(results: Sequence[Result]) -> str:

@@ -1,22 +1,48 @@
-"""A trajectory beside its reference, as far as it can be judged."""
+"""A trajectory beside its reference, as far as it can be judged, and the error that is granted."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...reference.cost import expected_end
 from ...reference.errors import UsageError
 from ...reference.scene import Array, Case
-from ...reference.solve.single import solve
-from ...reference.solve.solution import Solution
-from ..checks.tolerances import CAP
-from ..checks.truth import MOST_STEPS, Truth, permitted_horizon, truncated, truth_of
+from ...reference.solve import schemes
+from ...reference.solve.solution import floor_relative_to_largest
+from ..checks.tolerances import CAP, rounding, rows, sample_numbers
+from ..checks.truth import MOST_STEPS, Truth, moves, permitted_horizon, truth_to_the_end
 from ..engines.equations import ModelEquations, scene_equations
-from .method_error import Problem, Scheme
+from ..engines.setup import shortest_period
 from .recording import Recording
+
+SCHEMES_OF = {
+    1: ("ExplicitEuler", "semi_implicit_euler"),
+    2: ("ExplicitMidpoint",),
+    3: ("RK33",),
+    4: ("RK44",),
+    5: ("DOPRI5",),
+    6: ("RK67",),
+}
+"""Published schemes of each order; where there are two, the larger error counts."""
+
+METHOD_SPREAD = {1: 2.0, 2: 4.0, 3: 4.0, 4: 4.0, 5: 4.0, 6: 4.0}
+"""Methods of one order and step are granted so many times the error of the published scheme: those
+of MuJoCo and Exudyn need half of it. The constants of explicit multistep methods of
+order 3 and more are larger."""
+
+ROUNDED = 1e-9
+"""Relative distance within which a horizon is a whole number of steps."""
+
+SLACK = 0.5
+"""By how much the error's slope over the step may differ from the order, to be scaled by it."""
+
+LOOKED_AT = 256
+"""About so many times of a run at which its error is looked at."""
 
 GRID = 256
 """Times, beside those of the trajectory, at which the reference is looked at."""
@@ -26,9 +52,6 @@ LONGEST = 10.0
 
 ON_START = 1e-9
 """Distance, in the span of a trajectory, within which its first row stands at the start."""
-
-STILL = 1e-9
-"""A coordinate that changes by less (SI, or its largest value) does not move."""
 
 
 @dataclass(frozen=True)
@@ -100,9 +123,10 @@ def compare(
     scheme = Scheme.of(basis, horizon, most_steps) if "order" in basis else None
     marks = start + scheme.marks if scheme else np.empty(0)
     grid = start + horizon * np.arange(GRID + 1) / GRID
-    right = reference_at(equations, case, np.unique([*times[:seen], *grid, *marks]), names)
-    coordinates = right.states[: len(right.states) // 2]
-    if np.all(np.ptp(coordinates, axis=1) <= STILL * (1 + np.max(np.abs(coordinates), axis=1))):
+    every = np.unique([*times[:seen], *grid, *marks])
+    with expected_end(float(every[-1])):
+        right = truth_to_the_end(equations, equations.start(case), start, every, names)
+    if not moves(right.states[: len(right.states) // 2]):
         raise UsageError(
             f"nothing moves in {case.scene}/{case.name}: it cannot judge a trajectory; choose "
             "another case, or give --state"
@@ -139,21 +163,6 @@ def compare(
     )
 
 
-def reference_at(
-    equations: ModelEquations, case: Case, times: Array, names: tuple[str, ...]
-) -> Truth:
-    """Return the reference at times, its bound counting that of a continuum's coordinates."""
-    state = tuple(float(value) for value in equations.start(case))
-
-    def solved(one: ModelEquations, at: tuple[float, ...]) -> Solution:
-        with expected_end(float(times[-1])):
-            return solve(one.scene, one.parameters, np.array(at), times, case.start_time)
-
-    return truncated(
-        equations, state, truth_of(equations, solved(equations, state), names), names, solved
-    )
-
-
 def refuse_outside(times: Array, case: Case) -> None:
     """Refuse times before a case begins, or long after it ends.
 
@@ -175,3 +184,131 @@ def refuse_outside(times: Array, case: Case) -> None:
             f"{case.horizon:.6g} s: are they in seconds? If they are, cut the file at "
             f"{start + LONGEST * case.horizon:.6g} s"
         )
+
+
+# What a method of some order makes of a case
+
+
+class Problem(NamedTuple):
+    """A case, the equations of its reference, their solution, and the observables compared."""
+
+    equations: ModelEquations
+    case: Case
+    truth: Truth
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """What tells the error of a method of some order: a published scheme, run with its step.
+
+    Where a body turns fast, no less is granted than a method makes in Cartesian coordinates.
+
+    Attributes
+    ----------
+    order : int
+    step, coarse : float
+        Step asked for, and the one that is run [s]: as many times as large as keeps the number
+        of steps at `most_steps`, a power of two; the error is scaled by the order.
+    numbers : array of int
+        Steps at which it is looked at.
+    most_steps : int
+    """
+
+    order: int
+    step: float
+    coarse: float
+    numbers: Any
+    most_steps: int
+
+    @classmethod
+    def of(cls, basis: Mapping[str, float], horizon: float, most_steps: int) -> Scheme:
+        """Return the scheme for an order and a step over a horizon [s]."""
+        step = basis["step"]
+        count = math.ceil(horizon / step * (1 - ROUNDED))
+        coarse = step * 2.0 ** max(0, math.ceil(math.log2(count / most_steps)))
+        last = math.ceil(horizon / coarse * (1 - ROUNDED))
+        numbers = np.unique([*sample_numbers(horizon, coarse, LOOKED_AT), last]).astype(int)
+        return cls(int(basis["order"]), step, coarse, numbers[numbers <= last], most_steps)
+
+    @property
+    def marks(self) -> Array:
+        """Times after the start at which it is looked at [s]."""
+        return np.asarray(self.coarse * self.numbers)
+
+    def errors(self, problem: Problem) -> tuple[Array, float]:
+        """Return the errors (k,) that are granted, and until when after the start [s].
+
+        Raises
+        ------
+        UsageError
+            If no explicit scheme can tell.
+        """
+        if problem.equations.scene.stiff:
+            raise UsageError(
+                f"the reference of {problem.case.scene} has modes far faster than what is looked "
+                "at: no explicit scheme tells what a method of some order makes there; give a "
+                "tolerance"
+            )
+        size = problem.truth.size[:, None]
+        relative = np.zeros((len(problem.names), len(self.numbers)))
+        for scheme in SCHEMES_OF[self.order]:
+            here = self.relative(problem, scheme, 1)
+            if self.coarse > self.step:
+                self.refuse_before_convergence(problem, scheme, float(np.max(here[:, -1])))
+            relative = np.maximum(relative, here)
+        # a state whose error is small by chance with one scheme need not be so with another
+        relative = floor_relative_to_largest(relative, np.ones_like(size))
+        relative *= METHOD_SPREAD[self.order] * (self.step / self.coarse) ** self.order
+        # a point on a circle: what a Runge-Kutta method leaves out of exp(i omega h) in each step;
+        # one that integrates Cartesian coordinates of a body that turns makes it
+        a_step = (fastest(problem) * self.step) ** (self.order + 1) / math.factorial(self.order + 1)
+        relative = np.maximum(relative, a_step * self.marks / self.step)
+        reach = int(np.searchsorted(np.max(relative, axis=0), CAP, side="right"))
+        if not reach:
+            raise UsageError(
+                f"a method of order {self.order} with h = {self.step:.3g} s may be off by more "
+                f"than {CAP:.0%} after {self.marks[0]:.3g} s: choose a shorter step"
+            )
+        return (relative * size)[:, reach - 1], float(self.marks[reach - 1])
+
+    def relative(self, problem: Problem, scheme: str, factor: int) -> Array:
+        """Return the largest errors (k, n_m) up to each mark, with so many times the step."""
+        equations, case, truth, names = problem
+        numbers = self.numbers[self.numbers % factor == 0]
+        states = schemes.integrate(
+            schemes.ScalarEquations(equations.scene, equations.parameters),
+            scheme,
+            equations.start(case),
+            factor * self.coarse,
+            numbers // factor,
+            case.start_time,
+        )
+        at = np.searchsorted(truth.times, case.start_time + self.coarse * numbers)
+        away = np.abs(rows(equations, states, names) - truth.values[:, at]) / truth.size[:, None]
+        return np.maximum.accumulate(np.where(np.isfinite(away), away, np.inf), axis=1)
+
+    def refuse_before_convergence(self, problem: Problem, scheme: str, error: float) -> None:
+        """Refuse to scale errors that do not shrink with the step as the order says.
+
+        Raises
+        ------
+        UsageError
+        """
+        twice = float(np.max(self.relative(problem, scheme, 2)[:, -1]))
+        bound = float(np.max(problem.truth.bound / problem.truth.size))
+        floor = rounding(int(self.numbers[-1]), 1.0) + bound
+        slope = math.log2(twice / error) if 0 < error < math.inf else 0.0
+        if not (error < 10 * floor or abs(slope - self.order) < SLACK):
+            raise UsageError(
+                f"h = {self.step:.3g} s needs more than {self.most_steps} steps here, and the "
+                f"error of {scheme} cannot be scaled from h = {self.coarse:.3g} s; give a tolerance"
+            )
+
+
+def fastest(problem: Problem) -> float:
+    """Return the fastest circular frequency of a case [rad/s]: of modes, drives and turns."""
+    names = problem.equations.scene.state_names
+    turning = [names.index(f"{name}_dot") for name in problem.equations.scene.rotations_per_period]
+    rates = np.abs(problem.truth.states[turning])
+    return max(2 * math.pi / shortest_period(problem.case), float(np.max(rates, initial=0.0)))

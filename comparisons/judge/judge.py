@@ -13,9 +13,9 @@ import numpy as np
 
 from ...reference import SCENES, get_scene
 from ...reference.errors import EngineError, UnknownNameError, UsageError
-from ...reference.scene import Case, Scene
+from ...reference.scene import Case
 from ..checks.tolerances import rounding
-from ..checks.verdict import PROFILES, Finding, Result, Series, Subject, Verdict, judge
+from ..checks.verdict import PROFILES, Finding, Result, Series, Subject, judge
 from ..documents import document
 from ..documents.fields import OptionMark, documented, takes_fields_of
 from ..queries.environment import versions
@@ -23,8 +23,7 @@ from ..queries.query import as_float, changed, initial_values
 from ..reports.run.outcome import Report, with_lost_numbers
 from ..reports.run.results import summary
 from ..reports.words import with_unit
-from .comparison import Comparison, compare, refuse_outside
-from .method_error import METHOD_SPREAD, SCHEMES_OF
+from .comparison import METHOD_SPREAD, SCHEMES_OF, Comparison, compare, refuse_outside
 from .recording import Recording, recording
 from .slips import mistakes
 
@@ -303,7 +302,9 @@ def comparable(file: Recording, case: Case) -> tuple[tuple[str, ...], list[str]]
         If none can, or one is in another unit.
     """
     scene = get_scene(case.scene)
-    known = tuple(name for name in scene.units if name not in internal(scene))
+    own = scene.discretisation_coordinates  # states that are the reference's own
+    internal = {*own, *(f"{name}_dot" for name in own)}
+    known = tuple(name for name in scene.units if name not in internal)
     names = tuple(name for name in known if name in file.columns)
     extra = [name for name in file.columns if name not in names]
     if not names:
@@ -316,14 +317,6 @@ def comparable(file: Recording, case: Case) -> tuple[tuple[str, ...], list[str]]
         if unit and same_unit(unit) != same_unit(scene.units[name]):
             raise UsageError(f"{name} is in {unit}: convert it to {scene.units[name]}")
     return names, [f"not compared: {', '.join(extra)}"] if extra else []
-
-
-def internal(scene: Scene) -> tuple[str, ...]:
-    """Return the states that are the reference's own."""
-    return (
-        *scene.discretisation_coordinates,
-        *(f"{name}_dot" for name in scene.discretisation_coordinates),
-    )
 
 
 def same_unit(unit: str) -> str:
@@ -371,6 +364,10 @@ def verdicts(
     case = comparison.case
     scene = get_scene(case.scene)
     by_name = {error.quantity: error for error in errors}
+    # the file stands for an engine without models and methods
+    who = re.sub(r"[^A-Za-z0-9_.+-]", "_", file.name) or "_"
+    prefix = f"verification/{case.scene}/{case.name}/trajectory/{who}/{FILE}"
+    about = Subject(prefix, "verification", who, case.scene, case.name, "trajectory", FILE)
     results = []
     for name in dict.fromkeys((*scene.observables, *comparison.names)):
         unit = scene.units[name]
@@ -378,20 +375,23 @@ def verdicts(
             near = difflib.get_close_matches(name, file.columns, n=1, cutoff=0.6)
             hint = f"; is it its column {near[0]!r}?" if near else ""
             reason = f"the file has no column {name}{hint}"
-            results.append(result_of(case, file, name, unit, "skipped", reason))
+            results.append(about.result(name, "skipped", reason, unit=unit))
             continue
         row = comparison.names.index(name)
         if name not in by_name:
             reason = f"non_finite: {first_not_finite(comparison, row)}"
-            results.append(result_of(case, file, name, unit, "error", reason))
+            results.append(about.result(name, "error", reason, unit=unit))
             continue
         finding = finding_of(comparison, file, row, by_name[name], basis)
         verdict, reason = judge(finding, PROFILES[profile])
         if verdict == "deviation":
             reason = "; ".join([reason, *notes])
         results.append(
-            replace(
-                result_of(case, file, name, unit, verdict, reason),
+            about.result(
+                name,
+                verdict,
+                reason,
+                unit=unit,
                 value=finding.value,
                 reference=finding.reference,
                 error=finding.error,
@@ -429,6 +429,9 @@ def finding_of(
             + (f", {printed:.2g} for the file's digits" if printed else "")
         )
     span = comparison.times[-1] - comparison.case.start_time
+    worst = int(np.searchsorted(comparison.times, error.time))
+    samples = np.unique([*np.linspace(0, comparison.seen - 1, DRAWN).astype(int), worst])
+    drawn = (comparison.values[row, samples], comparison.reference[row, samples])
     return Finding(
         quantity=error.quantity,
         unit=error.unit,
@@ -441,27 +444,5 @@ def finding_of(
             f"in which errors grow by {comparison.growth:.3g}; relative error "
             f"{error.relative:.2g}; {words}"
         ),
-        series=series_of(comparison, row),
+        series=Series("time", comparison.times[samples], *drawn),
     )
-
-
-def series_of(comparison: Comparison, row: int) -> Series:
-    """Return an observable beside its reference, thinned, its worst sample kept."""
-    worst = int(np.argmax(np.abs(comparison.values[row] - comparison.reference[row])))
-    samples = np.unique([*np.linspace(0, comparison.seen - 1, DRAWN).astype(int), worst])
-    return Series(
-        "time",
-        comparison.times[samples],
-        comparison.values[row, samples],
-        comparison.reference[row, samples],
-    )
-
-
-def result_of(
-    case: Case, file: Recording, name: str, unit: str, verdict: Verdict, reason: str
-) -> Result:
-    """Return a result with its id; the file stands for an engine without models and methods."""
-    who = re.sub(r"[^A-Za-z0-9_.+-]", "_", file.name) or "_"
-    prefix = f"verification/{case.scene}/{case.name}/trajectory/{who}/{FILE}"
-    about = Subject(prefix, "verification", who, case.scene, case.name, "trajectory", FILE)
-    return Result(about, name, verdict, reason, unit)

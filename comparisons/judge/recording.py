@@ -9,16 +9,13 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ...reference.errors import UsageError
 from ...reference.scene import Array
 from ..documents.reading import STDIN, read_document
-
-PlaceOf = Callable[[int], str]
-"""Names the place of a row of numbers."""
 
 TIME = ("t", "time")
 """Names of the column of times, in small letters."""
@@ -122,9 +119,10 @@ def from_arrays(data: Mapping[str, Any]) -> Recording:
     if len(lengths) > 1:
         counts = ", ".join(f"{name} {len(values)}" for name, values in arrays.items())
         raise UsageError(f"trajectory: columns differ in length: {counts}")
-    heading = named(list(arrays), "trajectory")
-    columns = list(arrays.values())
-    return assembled("trajectory", heading, columns, "trajectory", lambda row: f"row {row}")
+    names, units, times = named(list(arrays), "trajectory")
+    columns = dict(zip(names, arrays.values(), strict=True))
+    refuse_disorder(columns[times], "trajectory", lambda row: f"row {row}")
+    return Recording("trajectory", columns.pop(times), columns, units)
 
 
 def from_file(name: str) -> Recording:
@@ -144,13 +142,14 @@ def from_file(name: str) -> Recording:
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     try:
         head, names, delimiter = header(lines, where)
-        heading = named(names, where)
+        heads, units, times = named(names, where)
         rows = numbers(lines, head, names, delimiter, where)
     except csv.Error as error:  # a cell is longer than any number or name
         raise UsageError(f"{where}: {error}") from None
-    columns, places = list(np.array([*rows.values()]).T), list(rows)
+    columns, places = dict(zip(heads, np.array([*rows.values()]).T, strict=True)), list(rows)
+    refuse_disorder(columns[times], where, lambda row: f"line {places[row]}")
     stem = "stdin" if name == STDIN else Path(name).stem
-    return assembled(stem, heading, columns, where, lambda row: f"line {places[row]}")
+    return Recording(stem, columns.pop(times), columns, units)
 
 
 def header(lines: Sequence[str], where: str) -> tuple[int, list[str], str | None]:
@@ -241,23 +240,15 @@ def numbers(
     return rows
 
 
-class Heading(NamedTuple):
-    """Names of columns, units of those that tell theirs, and which of them are the times."""
-
-    names: tuple[str, ...]
-    units: Mapping[str, str]
-    times: int
-
-
-def named(heads: Sequence[str], where: str) -> Heading:
-    """Return the names and units of columns.
+def named(heads: Sequence[str], where: str) -> tuple[list[str], dict[str, str], str]:
+    """Return the names of columns, units of those that tell theirs, and the name of the times.
 
     Raises
     ------
     UsageError
         If a name stands twice, or no column holds times in seconds.
     """
-    names, units = [], {}
+    names, units = list[str](), dict[str, str]()
     if max(map(len, heads), default=0) > LONGEST_NAME:
         raise UsageError(f"{where}: a column's name has more than {LONGEST_NAME} characters")
     for head in heads:
@@ -268,34 +259,18 @@ def named(heads: Sequence[str], where: str) -> Heading:
     twice = [name for name, count in Counter(names).items() if count > 1]
     if twice:
         raise UsageError(f"{where}: two columns are named {twice[0]!r}")
-    place = next((i for i, name in enumerate(names) if name.lower() in TIME), None)
-    if place is None:
+    times = next((name for name in names if name.lower() in TIME), None)
+    if times is None:
         raise UsageError(
             f"{where}: no column is named t; found: {', '.join(map(repr, names)) or 'nothing'} "
             "(commas, semicolons, tabs or blanks separate columns)"
         )
-    if units.pop(names[place], "s") not in SECONDS:
-        raise UsageError(f"{where}: times must be in seconds: {heads[place]}")
-    return Heading(tuple(names), units, place)
+    if units.pop(times, "s") not in SECONDS:
+        raise UsageError(f"{where}: times must be in seconds: {heads[names.index(times)]}")
+    return names, units, times
 
 
-def assembled(
-    stem: str, heading: Heading, columns: Sequence[Array], where: str, place_of: PlaceOf
-) -> Recording:
-    """Return a recording of columns under heads.
-
-    Raises
-    ------
-    UsageError
-        If times do not increase; ``place_of`` names the place of a row.
-    """
-    times = columns[heading.times]
-    refuse_disorder(times, where, place_of)
-    values = {name: columns[i] for i, name in enumerate(heading.names) if i != heading.times}
-    return Recording(stem, times, values, heading.units)
-
-
-def refuse_disorder(times: Array, where: str, place_of: PlaceOf) -> None:
+def refuse_disorder(times: Array, where: str, place_of: Callable[[int], str]) -> None:
     """Refuse times that are not finite or do not increase.
 
     Raises

@@ -24,9 +24,16 @@ def mistakes(comparison: Comparison) -> list[str]:
     shifted = late(comparison)
     if shifted:
         return [shifted]
-    explained = {row: taken_back(comparison, row) for row in range(len(comparison.names))}
-    rest = [row for row, reason in explained.items() if not reason]
-    return list(filter(None, [*explained.values(), started_elsewhere(comparison, rest)]))
+    words, rest, units = [], [], get_scene(comparison.case.scene).units
+    for row, name in enumerate(comparison.names):
+        values, reference = comparison.values[row], comparison.reference[row]
+        said, size = "", float(comparison.size[row])
+        if np.all(np.isfinite(values)) and noticeable(comparison, row, values - reference):
+            said = other_measure(name, units[name], values, reference, size)
+        words.append(said)
+        if not said:
+            rest.append(row)
+    return list(filter(None, [*words, started_elsewhere(comparison, rest)]))
 
 
 def noticeable(comparison: Comparison, row: int, error: Array) -> bool:
@@ -53,19 +60,6 @@ def started_elsewhere(comparison: Comparison, among: Iterable[int]) -> str:
         f"the trajectory starts with {', with '.join(apart)}: another motion, which --state "
         "judges by its own reference"
     )
-
-
-def taken_back(comparison: Comparison, row: int) -> str:
-    """Return which other unit, sign or number of turns explains an error; empty for none."""
-    values, reference, name = (
-        comparison.values[row],
-        comparison.reference[row],
-        comparison.names[row],
-    )
-    if not (np.all(np.isfinite(values)) and noticeable(comparison, row, values - reference)):
-        return ""
-    unit = get_scene(comparison.case.scene).units[name]
-    return other_measure(name, unit, values, reference, float(comparison.size[row]))
 
 
 def late(comparison: Comparison) -> str:

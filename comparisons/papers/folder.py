@@ -6,7 +6,7 @@ import json
 import logging
 import shutil
 from collections.abc import Callable, Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -17,7 +17,7 @@ from ..reports.drawing import save_and_close
 from ..reports.files import write_whole
 from .assess import Assessment, RowThreshold, assess, attempt
 from .ledger import ERROR, LedgerRow, PaperFigure
-from .outcomes import FigureOutcome, Made, Reproduction, RowOutcome
+from .outcomes import CauseEntry, FigureEntry, Findings, Made, RowEntry, causes
 from .session import Session
 
 FINDINGS, FIGURES = "findings.json", "figures"
@@ -42,16 +42,16 @@ class Folder:
         What is found, pictures, and maps.
     tables : callable ``(scene) -> Paper``
         Figures and rows of a scene's paper.
-    made : Made
-        How this run makes what it adds.
+    runs : list of Made
+        How things were made; the first is how this run makes what it adds.
     drawn, assessed : dict by (scene, number) and by (scene, row's name)
     """
 
     def __init__(self, out: Path, tables: Callable[[str], Paper], made: Made) -> None:
         self.file, self.figures, self.work = out / FINDINGS, out / FIGURES, out / WORK
-        self.tables, self.made = tables, made
-        self.drawn: dict[tuple[str, int], FigureOutcome] = {}
-        self.assessed: dict[tuple[str, str], RowOutcome] = {}
+        self.tables, self.runs = tables, [made]
+        self.drawn: dict[tuple[str, int], FigureEntry] = {}
+        self.assessed: dict[tuple[str, str], RowEntry] = {}
         try:
             for path in (self.figures, self.work):
                 path.mkdir(parents=True, exist_ok=True)
@@ -66,7 +66,7 @@ class Folder:
 
     def _refresh_work(self) -> None:
         """Remove the maps of other versions, and remember which these are."""
-        stamp, now = self.work / "versions.json", json.dumps(self.made.versions)
+        stamp, now = self.work / "versions.json", json.dumps(self.runs[0].versions)
         if not stamp.exists() or stamp.read_text("utf-8", "replace") != now:
             shutil.rmtree(self.work)
             self.work.mkdir()
@@ -74,23 +74,27 @@ class Folder:
 
     def _take(self, document: Mapping[str, Any]) -> None:
         """Take what a document has of the figures and rows that the papers have now."""
-        runs = [Made(one["versions"], one["full"]) for one in document.get("runs", ())]
-        items = [*document.get("figures", ()), *document.get("rows", ())]
-        known = {item["scene"] for item in items}.intersection(SCENES)
-        papers = {scene: self.tables(scene) for scene in known}
-        figures = {(scene, one.number): one for scene in papers for one in papers[scene][0]}
-        rows = {(scene, one.name): one for scene in papers for one in papers[scene][1]}
-        for item in items:
-            made = runs[item["run"]].within(item["seconds"])
+        made = [Made(one["versions"], one["full"]) for one in document.get("runs", ())]
+        self.runs += [one for one in made if one not in self.runs]
+        for item in (*document.get("figures", ()), *document.get("rows", ())):
             scene = item["scene"]
-            if figure := figures.get((scene, item.get("number"))):
-                self.drawn[scene, figure.number] = FigureOutcome(figure, item["error"] or "", made)
-            if row := rows.get((scene, item.get("name"))):
-                parts = {one.name: item[one.name] for one in fields(Assessment) if one.name in item}
-                parts["candidates"] = tuple((name, text) for name, text in parts["candidates"])
-                parts["thresholds"] = tuple(RowThreshold(**one) for one in parts["thresholds"])
-                whole = assess(row, Session()) if row.is_text else Assessment(**parts)
-                self.assessed[scene, row.name] = RowOutcome(row, whole, made)
+            figures, rows = self.tables(scene) if scene in SCENES else ((), ())
+            how = {"run": self.runs.index(made[item["run"]]), "seconds": item["seconds"]}
+            for figure in figures:
+                if figure.number == item.get("number"):
+                    self._add_figure(scene, figure, item["error"], **how)
+            for row in rows:
+                if row.name == item.get("name"):
+                    parts = {one.name: item[one.name] for one in fields(Assessment)}
+                    parts["candidates"] = tuple(map(tuple, parts["candidates"]))
+                    parts["thresholds"] = tuple(RowThreshold(**one) for one in parts["thresholds"])
+                    whole = assess(row, Session()) if row.is_text else Assessment(**parts)
+                    self.assessed[scene, row.name] = RowEntry.of(scene, row, whole, **how)
+
+    def _add_figure(self, scene: str, figure: PaperFigure, error: str | None, **how: Any) -> None:
+        self.drawn[scene, figure.number] = FigureEntry(
+            scene, figure.number, figure.title, figure.caption, error, **how
+        )
 
     def forget_maps(self, scene: str) -> None:
         """Remove the maps of a scene, so that they are computed again."""
@@ -101,32 +105,30 @@ class Folder:
                 path.unlink()
 
     @property
-    def contents(self) -> Reproduction:
+    def contents(self) -> Findings:
         """Return all that is there, in the order of the papers."""
         there = {scene for scene, _ in (*self.drawn, *self.assessed)}
         return self.selection({scene: self.tables(scene) for scene in SCENES if scene in there})
 
-    def selection(self, papers: Mapping[str, Paper]) -> Reproduction:
+    def selection(self, papers: Mapping[str, Paper]) -> Findings:
         """Return what there is of figures and rows."""
-        return Reproduction(
-            {
-                scene: tuple(
-                    self.drawn[scene, item.number]
-                    for item in figures
-                    if (scene, item.number) in self.drawn
-                )
-                for scene, (figures, _) in papers.items()
-            },
-            {
-                scene: tuple(
-                    self.assessed[scene, row.name]
-                    for row in rows
-                    if (scene, row.name) in self.assessed
-                )
-                for scene, (_, rows) in papers.items()
-            },
-            self.made.full,
-            self.made.versions,
+        places = [(scene, one.number) for scene, (own, _) in papers.items() for one in own]
+        names = [(scene, one.name) for scene, (_, own) in papers.items() for one in own]
+        figures = [self.drawn[key] for key in places if key in self.drawn]
+        rows = [self.assessed[key] for key in names if key in self.assessed]
+        used = list(dict.fromkeys([item.run for item in figures] + [item.run for item in rows]))
+        made = self.runs[0]
+        return Findings(
+            made.versions,
+            made.full,
+            tuple(replace(item, run=used.index(item.run)) for item in figures),
+            tuple(replace(item, run=used.index(item.run)) for item in rows),
+            tuple(
+                CauseEntry(**vars(cause), scene=scene)
+                for scene in papers
+                for cause in causes(scene)
+            ),
+            tuple(self.runs[i] for i in used),
         )
 
     def save(self) -> None:
@@ -135,9 +137,9 @@ class Folder:
         lines = text.replace('},{"scene"', '},\n{"scene"')  # a figure or a row each
         write_whole(self.file, f"{lines}\n".encode())
 
-    def has(self, outcome: FigureOutcome | RowOutcome | None) -> bool:
+    def has(self, entry: FigureEntry | RowEntry | None) -> bool:
         """Return whether something is finished that would be made in the same way again."""
-        return bool(outcome and not outcome.failed and outcome.made.run == self.made.run)
+        return bool(entry and not entry.failed and entry.run == 0)
 
     def draw(self, scene: str, session: Session, figure: PaperFigure, resume: bool) -> None:
         """Draw a figure, unless an interrupted run has."""
@@ -149,8 +151,8 @@ class Folder:
         drawn, failure = attempt(lambda: figure.draw(session))
         if not failure:
             save_and_close(drawn, *paths, dots=DOTS_PER_INCH)
-        made = self.made.within(perf_counter() - begin)
-        self.drawn[key] = FigureOutcome(figure, failure, made)
+        seconds = round(perf_counter() - begin, 2)
+        self._add_figure(scene, figure, failure or None, run=0, seconds=seconds)
         self.save()
 
     def assess(self, scene: str, session: Session, row: LedgerRow, resume: bool) -> None:
@@ -160,6 +162,7 @@ class Folder:
             return
         begin = perf_counter()
         assessment, failure = attempt(lambda: assess(row, session))
-        made = self.made.within(perf_counter() - begin)
-        self.assessed[key] = RowOutcome(row, assessment or Assessment(ERROR, failure), made)
+        how = {"run": 0, "seconds": round(perf_counter() - begin, 2)}
+        own = assessment or Assessment(ERROR, failure)
+        self.assessed[key] = RowEntry.of(scene, row, own, **how)
         self.save()

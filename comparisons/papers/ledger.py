@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import operator
+import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from functools import partial
+from textwrap import dedent
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,6 +27,11 @@ OPEN = "open"
 NOT_TESTABLE = "not testable"
 ERROR = "error"
 """Of a row that could not be judged: a fault of ours or of an engine, not of the paper."""
+PROOF = "tests/comparisons/papers/test_equations.py::test_printed_form_of_a_misprint_does_not_hold"
+"""The test of a misprint in an equation."""
+ITS_RUN = "tests/comparisons/papers/test_published.py::test_quick_row_is_what_a_run_gives"
+"""The test of a misprint whose row computes what shows it."""
+
 READ = ""
 """Of a reading, which is judged by nobody and not counted."""
 
@@ -326,12 +333,36 @@ ROUNDS = Condition("value", "rounds to", PRINTED)
 """The number called ``value`` rounds to the printed one."""
 
 statement = partial(LedgerRow, "claim")
-misprint = partial(LedgerRow, "misprint")
 number = partial(LedgerRow, "number", judgement=holds(ROUNDS), reference="{value:.5g} {unit}")
 
 
-def reading(
-    name: str, section: str, summary: str, reason: str, candidates: Mapping[str, str], **more: Any
+def misprint(
+    *head: Any,
+    test: str = PROOF,
+    corrected: str,
+    why: str,
+    effect: str,
+    copy: str = "",
+    **more: Any,
 ) -> LedgerRow:
-    """Return the row of what the text leaves open, with what each way of reading it gives."""
-    return LedgerRow("reading", name, section, summary, READ, reason, candidates=candidates, **more)
+    """Return the row of a misprint; ``head`` and ``more`` are of `LedgerRow`."""
+    erratum = Erratum(test, corrected, why, effect, copy)
+    return replace(LedgerRow("misprint", *head, **more), erratum=erratum)
+
+
+def whole_lines(text: str) -> list[str]:
+    """Return the lines of a text, those that are indented further joined to the one before."""
+    return re.sub(r"\n+", "\n", re.sub(r"\n +", " ", dedent(text).strip())).splitlines()
+
+
+def reading(
+    name: str, section: str, summary: str, reason: str, candidates: str, **more: Any
+) -> LedgerRow:
+    """Return the row of what the text leaves open.
+
+    Each way of reading it is a line of ``candidates``, and after a bar what it gives; lines that
+    are indented further go on.
+    """
+    pairs = (line.partition(" | ") for line in whole_lines(candidates))
+    gives = {way: result for way, _, result in pairs}
+    return LedgerRow("reading", name, section, summary, READ, reason, candidates=gives, **more)

@@ -1,17 +1,16 @@
-"""What of a paper was drawn and judged, how it was made, and the JSON document of it."""
+"""What of a paper was drawn and judged, and how it was made: the document `reproduce`."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple, TypeVar
+from dataclasses import dataclass
+from typing import Any, TypeVar
 
 from ...models.tables import table_of
 from ...reference import SCENES
 from ...reference.errors import UnknownNameError
 from ..documents import document
-from ..documents.fields import HIDDEN
 from .assess import Assessment
 from .ledger import ERROR, Cause, Erratum, LedgerRow, PaperFigure, Printed
 
@@ -51,11 +50,6 @@ def conclusions(scene: str) -> str:
     return of_paper(scene, "CLOSING_SECTION", "")
 
 
-def cause_of(scene: str, row: str) -> str:
-    """Return the name of the cause that a row shares with others, empty if it has none."""
-    return next((cause.name for cause in causes(scene) if row in cause.rows), "")
-
-
 @dataclass(frozen=True)
 class Made:
     """How a figure or a row was made.
@@ -64,48 +58,10 @@ class Made:
     ----------
     full : bool
         whether `--full` was given
-    seconds : float
-        Run time, with that of the maps and runs that it was the first to need [s].
     """
 
-    versions: dict[str, str] = field(default_factory=dict)
+    versions: Mapping[str, str]
     full: bool = False
-    seconds: float = field(default=0.0, metadata=HIDDEN)
-
-    def within(self, seconds: float) -> Made:
-        """Return the same with a run time [s]."""
-        return replace(self, seconds=seconds)
-
-    @property
-    def run(self) -> dict[str, Any]:
-        """Return what the things of one run have in common."""
-        return {"versions": self.versions, "full": self.full}
-
-
-class FigureOutcome(NamedTuple):
-    """A figure that was drawn, or why it was not."""
-
-    figure: PaperFigure
-    error: str = ""
-    made: Made = Made()
-
-    @property
-    def failed(self) -> bool:
-        """Return whether it could not be drawn."""
-        return bool(self.error)
-
-
-class RowOutcome(NamedTuple):
-    """A row and what became of it."""
-
-    row: LedgerRow
-    assessment: Assessment
-    made: Made = Made()
-
-    @property
-    def failed(self) -> bool:
-        """Return whether it could not be judged."""
-        return self.assessment.verdict == ERROR
 
 
 @dataclass(frozen=True)
@@ -135,6 +91,11 @@ class FigureEntry:
     error: str | None
     run: int
     seconds: float
+
+    @property
+    def failed(self) -> bool:
+        """Return whether it could not be drawn."""
+        return bool(self.error)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -181,6 +142,29 @@ class RowEntry(Assessment):
     run: int
     seconds: float
 
+    @property
+    def failed(self) -> bool:
+        """Return whether it could not be judged."""
+        return self.verdict == ERROR
+
+    @classmethod
+    def of(cls, scene: str, row: LedgerRow, assessment: Assessment, **how: Any) -> RowEntry:
+        """Return the entry of a row, with how it was made."""
+        return cls(
+            scene=scene,
+            name=row.name,
+            kind=row.kind,
+            section=row.section,
+            claim=row.summary,
+            printed=row.printed,
+            test=row.test,
+            cause=next((cause.name for cause in causes(scene) if row.name in cause.rows), ""),
+            erratum=row.erratum,
+            quantity=row.quantity,
+            **vars(assessment),
+            **how,
+        )
+
 
 @dataclass(frozen=True)
 class CauseEntry(Cause):
@@ -214,112 +198,44 @@ class Findings:
     causes: tuple[CauseEntry, ...]
     runs: tuple[Made, ...]
 
+    def as_json(self) -> dict[str, Any]:
+        """Return the ``reproduce`` document of docs/json.md."""
+        return document("reproduce", self)
 
-@dataclass(frozen=True)
-class Reproduction:
-    """What ``mbcheck reproduce`` has drawn and assessed.
+    @property
+    def entries(self) -> list[FigureEntry | RowEntry]:
+        """Return the figures, and then the rows."""
+        return [*self.figures, *self.rows]
 
-    Attributes
-    ----------
-    figures : dict of str to tuple of FigureOutcome
-        By scene.
-    rows : dict of str to tuple of RowOutcome
-    full : bool
-    versions : dict of str to str
-    """
+    @property
+    def scenes(self) -> list[str]:
+        """Return the scenes of all that is there, in the order of the list of scenes."""
+        there = {item.scene for item in self.entries}
+        return [scene for scene in SCENES if scene in there]
 
-    figures: dict[str, tuple[FigureOutcome, ...]]
-    rows: dict[str, tuple[RowOutcome, ...]]
-    full: bool
-    versions: dict[str, str]
+    def figures_of(self, scene: str) -> list[FigureEntry]:
+        """Return the figures of a scene's paper."""
+        return [item for item in self.figures if item.scene == scene]
+
+    def rows_of(self, scene: str) -> list[RowEntry]:
+        """Return the rows of a scene's paper."""
+        return [item for item in self.rows if item.scene == scene]
 
     @property
     def failures(self) -> list[str]:
         """Return what could not be drawn or assessed."""
         return [
-            f"figure {item.figure.number} of {scene}: {item.error}"
-            for scene, items in self.figures.items()
-            for item in items
+            f"figure {item.number} of {item.scene}: {item.error}"
+            for item in self.figures
             if item.failed
-        ] + [
-            f"{scene} {item.row.name}: {item.assessment.reason}"
-            for scene, items in self.rows.items()
-            for item in items
-            if item.failed
-        ]
+        ] + [f"{item.scene} {item.name}: {item.reason}" for item in self.rows if item.failed]
 
-    @property
-    def verdicts(self) -> dict[str, Counter[str]]:
-        """Return how many rows have which verdict, by scene; readings have none."""
-        return {
-            scene: Counter(item.assessment.verdict for item in items if item.assessment.verdict)
-            for scene, items in self.rows.items()
-        }
+    def verdicts(self, scene: str) -> Counter[str]:
+        """Return how many rows of a scene have which verdict; readings have none."""
+        return Counter(item.verdict for item in self.rows_of(scene) if item.verdict)
 
-    @property
-    def causes(self) -> dict[str, Counter[str]]:
-        """Return how many causes there are of each verdict, by scene; a row alone is its own."""
-        return {
-            scene: Counter(
-                verdict
-                for verdict, _ in {
-                    (item.assessment.verdict, cause_of(scene, item.row.name) or item.row.name)
-                    for item in items
-                    if item.assessment.verdict
-                }
-            )
-            for scene, items in self.rows.items()
-        }
-
-    def runs(self, scene: str = "") -> list[Made]:
-        """Return the different ways in which things of a scene, or of all, were made."""
-        different: list[Made] = []
-        for items in (self.figures, self.rows):
-            for own, outcomes in items.items():
-                for outcome in outcomes if own == scene or not scene else ():
-                    if outcome.made.within(0.0) not in different:
-                        different.append(outcome.made.within(0.0))
-        return different
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the ``reproduce`` document of docs/json.md."""
-        runs = self.runs()
-
-        def how(made: Made) -> dict[str, Any]:
-            return {"run": runs.index(made.within(0.0)), "seconds": round(made.seconds, 2)}
-
-        figures = tuple(
-            FigureEntry(
-                scene,
-                item.figure.number,
-                item.figure.title,
-                item.figure.caption,
-                item.error or None,
-                **how(item.made),
-            )
-            for scene, items in self.figures.items()
-            for item in items
-        )
-        rows = tuple(
-            RowEntry(
-                scene=scene,
-                name=row.name,
-                kind=row.kind,
-                section=row.section,
-                claim=row.summary,
-                printed=row.printed,
-                test=row.test,
-                cause=cause_of(scene, row.name),
-                erratum=row.erratum,
-                quantity=row.quantity,
-                **vars(assessment),
-                **how(made),
-            )
-            for scene, items in self.rows.items()
-            for row, assessment, made in items
-        )
-        named = tuple(
-            CauseEntry(**vars(cause), scene=scene) for scene in self.rows for cause in causes(scene)
-        )
-        made = tuple(runs)
-        return document("reproduce", Findings(self.versions, self.full, figures, rows, named, made))
+    def causes_by_verdict(self, scene: str) -> Counter[str]:
+        """Return how many causes there are of each verdict; a row alone is its own."""
+        rows = [item for item in self.rows_of(scene) if item.verdict]
+        different = {(item.verdict, item.cause or item.name) for item in rows}
+        return Counter(verdict for verdict, _ in different)

@@ -1,36 +1,80 @@
-"""The pages that ``mbcheck reproduce`` writes: Markdown, and the same as HTML."""
+"""The pages that ``mbcheck reproduce`` writes: Markdown, and the same as HTML.
+
+The template ``paper.md`` orders the chapters; their sentences and tables are made here.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import fields
 from itertools import pairwise
 from pathlib import Path
 
 from markupsafe import Markup
 
 from ...reference import get_scene
+from ..engines.registry import REFERENCE
 from ..reports.files import write_or_collect
-from ..reports.html import render
+from ..reports.html import render, render_markdown
 from ..reports.text import markdown_table
-from ..reports.words import code
-from . import chapters
-from .ledger import ERROR, VERDICTS
-from .outcomes import Made, Reproduction, RowOutcome, tables
+from ..reports.words import Markdown, code, number, plain, plural, with_unit
+from .assess import RowThreshold
+from .ledger import (
+    CORRECTED,
+    DEPENDS,
+    ERROR,
+    NOT_REPRODUCED,
+    NOT_TESTABLE,
+    OPEN,
+    REPRODUCED,
+    UNCONVERGED,
+    VERDICTS,
+)
+from .outcomes import Findings, RowEntry, causes, conclusions, tables
+
+STATEMENTS = ("number", "claim")
+"""Kinds of rows that the verdict on a paper counts; misprints and readings have chapters."""
+
+HOLDS = (REPRODUCED, CORRECTED)
+
+ROUGHLY = "come out only with as few assumed modes as are not converged"
+
+PROVENANCE = ("chosen", "calibrated", "derived")
+"""Of a parameter: the word before the colon of its source; without one it is printed."""
+
+DIGITS = 5
+
+MEANINGS = """\
+- **reproduced**: a printed number is what ours rounds to; a claim meets its conditions.
+- **reproduced, unconverged**: by the paper's own truncation; it converges to something else.
+- **reproduced with a corrected equation**: with a misprint put right, which the errata show.
+- **not reproduced**: computed, and otherwise than printed; the row gives the reason.
+- **depends on what is not printed**: it holds with some values of what the paper does not give.
+- **open**: our number is within 5 % of a limit that is ours, so that it decides nothing.
+- **not testable**: nothing in the paper could be computed and compared."""
+
+NOTE = (
+    "Rows, those of misprints too; in brackets, where several share one, their causes. Readings "
+    "have no verdict, and are not counted."
+)
+
+LEGEND = (
+    "Each row is something that the paper prints or claims, in our words. A printed number "
+    "is *reproduced* if ours rounds to it. Values are computed, none is tuned to agree where "
+    "the row does not say so; what cannot be tested is text."
+)
+"""How to read the ledger."""
 
 
-def write_pages(result: Reproduction, out: Path) -> None:
+def write_pages(result: Findings, out: Path) -> None:
     """Write a page for each paper and one that leads to them, as Markdown and as HTML."""
-    for scene in result.figures:
-        write(out, scene, scene_page(result, scene))
-    write(out, "index", index_page(result))
+    pages = {scene: scene_page(result, scene) for scene in result.scenes}
+    for name, text in (pages | {"index": index_page(result)}).items():
+        write_or_collect(out / f"{name}.md", text.encode())
+        write_or_collect(out / f"{name}.html", html(text).encode())
     write_or_collect(out / "summary.md", summary(result).encode())
-
-
-def write(out: Path, name: str, text: str) -> None:
-    """Write one page twice."""
-    write_or_collect(out / f"{name}.md", text.encode())
-    write_or_collect(out / f"{name}.html", html(text).encode())
 
 
 def html(text: str) -> str:
@@ -47,16 +91,14 @@ def html(text: str) -> str:
         (r'\.md"', '.html"'),
         (r"<table>", '<div class="wide"><table>'),
         (r"</table>", "</table></div>"),
-        *((f"<strong>{name}</strong>", badge(name)) for name in (*VERDICTS, ERROR)),
+        *(
+            (f"<strong>{name}</strong>", f'<strong class="verdict v{i}">{name}</strong>')
+            for i, name in enumerate((*VERDICTS, ERROR))
+        ),
     ):
         body = re.sub(markdown, page, body)
     title = text.partition("\n")[0].lstrip("# ")
     return render("paper.html", title=title, body=Markup(body))
-
-
-def badge(verdict: str) -> str:
-    """Return a verdict in its colour."""
-    return f'<strong class="verdict v{(*VERDICTS, ERROR).index(verdict)}">{verdict}</strong>'
 
 
 def anchor(heading: str) -> str:
@@ -64,146 +106,20 @@ def anchor(heading: str) -> str:
     return re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
 
 
-def index_page(result: Reproduction) -> str:
+def index_page(result: Findings) -> str:
     """Return the page that leads to the others."""
+    papers = [(scene, get_scene(scene).paper) for scene in result.scenes]
     parts = [
         "# The papers, reproduced",
-        "\n\n".join(
-            f"- [{get_scene(scene).paper.title}]({scene}.md), {get_scene(scene).paper.authors} "
-            f"({get_scene(scene).paper.year}): `{scene}`"
-            for scene in result.figures
-        ),
+        *(f"- [{p.title}]({scene}.md), {p.authors} ({p.year}): `{scene}`" for scene, p in papers),
     ]
-    if any(result.rows.values()):
+    if result.rows:
         parts += ["## What holds", counts(result), MEANINGS]
     parts += ["## How it was made", *how_made(result)]
     return "\n\n".join(parts) + "\n"
 
 
-MEANINGS = """\
-- **reproduced**: a printed number is what ours rounds to; a claim meets its conditions.
-- **reproduced, unconverged**: by the paper's own truncation; it converges to something else.
-- **reproduced with a corrected equation**: with a misprint put right, which the errata show.
-- **not reproduced**: computed, and otherwise than printed; the row gives the reason.
-- **depends on what is not printed**: it holds with some values of what the paper does not give.
-- **open**: our number is within 5 % of a limit that is ours, so that it decides nothing.
-- **not testable**: nothing in the paper could be computed and compared."""
-
-
-def how_made(result: Reproduction, scene: str = "") -> Iterator[str]:
-    """Yield versions, sizes and run times of what a page shows."""
-    name = f" {scene}" if scene else ""
-    for made in result.runs(scene):
-        own = [
-            outcome
-            for items in (result.figures, result.rows)
-            for key, outcomes in items.items()
-            for outcome in outcomes
-            if key == scene or not scene
-        ]
-        mine = [outcome for outcome in own if outcome.made.run == made.run]
-        seconds = sum(outcome.made.seconds for outcome in mine)
-        yield (
-            f"{len(mine)} figures and rows by "
-            f"`mbcheck reproduce{name}{' --full' if made.full else ''}` in {duration(seconds)}, "
-            f"maps that were there already not counted, with {with_versions(made)}."
-        )
-
-
-def duration(seconds: float) -> str:
-    """Return a run time in words."""
-    return f"{seconds:.0f} s" if seconds < 120 else f"{seconds / 60:.0f} min"
-
-
-def with_versions(made: Made) -> str:
-    """Return versions in one line."""
-    return ", ".join(f"{name} {version}" for name, version in made.versions.items())
-
-
-def counts(result: Reproduction) -> str:
-    """Return how many rows of each paper have which verdict, and how many causes."""
-    named = [*VERDICTS, *([ERROR] if result.failures else [])]
-    numbers, causes = result.verdicts, result.causes
-    rows = [
-        [name, *(with_causes(numbers[scene][name], causes[scene][name]) for scene in numbers)]
-        for name in named
-    ]
-    heads = ["Verdict", *(code(scene) for scene in numbers)]
-    return f"{NOTE}\n\n{markdown_table(heads, rows)}"
-
-
-NOTE = (
-    "Rows, those of misprints too; in brackets, where several share one, their causes. Readings "
-    "have no verdict, and are not counted."
-)
-
-
-def with_causes(rows: int, causes: int) -> str:
-    """Return a number of rows, and of their causes if there are fewer."""
-    return f"{rows} ({causes})" if causes < rows else str(rows)
-
-
-def scene_page(result: Reproduction, scene: str) -> str:
-    """Return the page of one paper."""
-    paper = get_scene(scene).paper
-    where = ", ".join(filter(None, [paper.journal, str(paper.year)]))
-    link = f", [doi:{paper.doi}](https://doi.org/{paper.doi})" if paper.doi else ""
-    figures, items = result.figures[scene], result.rows.get(scene, ())
-    parts = [f"# {scene}: {paper.title}", f"{paper.authors}, {where}{link}. [All papers](index.md)"]
-    parts += chapter("Verdict", [*missing(scene, items), *verdict(scene, items)])
-    parts += chapter("Parameters", [chapters.parameters(scene)])
-    parts += chapter(
-        "Figures",
-        [part for item in figures for part in chapters.figure_part(scene, item, items)],
-    )
-    drawn = [item.figure.number for item in figures if not item.failed]
-    for title, kinds, head in (
-        ("Ledger", ("number", "claim"), ledger_head),
-        ("Errata", ("misprint",), lambda scene, _: [chapters.errata(items)]),
-        ("What the text leaves open", ("reading",), lambda scene, items: []),
-    ):
-        own = [item for item in items if item.row.kind in kinds]
-        each = [part for item in own for part in chapters.row_part(scene, item, drawn)]
-        parts += chapter(title, [*head(scene, own), *each] if own else [])
-    parts += chapter("How it was made", list(how_made(result, scene)))
-    return "\n\n".join(parts) + "\n"
-
-
-def chapter(title: str, parts: Sequence[str]) -> list[str]:
-    """Return a chapter, nothing if there is nothing in it."""
-    return [f"## {title}", *parts] if parts else []
-
-
-def missing(scene: str, items: Sequence[RowOutcome]) -> list[str]:
-    """Return a warning if rows of the paper have not been judged yet."""
-    whole = len(tables(scene)[1])
-    if len(items) == whole:
-        return []
-    return [f"*{len(items)} of {whole} rows are judged here; `mbcheck reproduce {scene}`.*"]
-
-
-def verdict(scene: str, items: Sequence[RowOutcome]) -> list[str]:
-    """Return the verdict in sentences, one a line."""
-    if not items:
-        return []
-    return ["\n".join(f"{i}. {text}" for i, text in enumerate(chapters.verdict(scene, items), 1))]
-
-
-def ledger_head(scene: str, items: Sequence[RowOutcome]) -> list[str]:
-    """Return what comes before the rows: how to read them, all of them at a glance, causes."""
-    table = chapters.cause_table(scene, items)
-    return list(filter(None, [LEGEND, table, chapters.overview(items)]))
-
-
-LEGEND = (
-    "Each row is something that the paper prints or claims, in our words. A printed number "
-    "is *reproduced* if ours rounds to it. Values are computed, none is tuned to agree where "
-    "the row does not say so; what cannot be tested is text."
-)
-"""How to read the ledger."""
-
-
-def summary(result: Reproduction) -> str:
+def summary(result: Findings) -> str:
     """Return the verdicts alone: what stays the same from machine to machine."""
     parts = [
         "# Ledger: what of the papers holds",
@@ -211,21 +127,322 @@ def summary(result: Reproduction) -> str:
         "keeps the verdicts true.",
         counts(result),
     ]
-    for scene, items in result.rows.items():
-        parts += [
-            f"## {scene}",
-            markdown_table(
-                ["Row", "Where", "What", "Printed", "Verdict"],
-                [
-                    [
-                        f"`{item.row.name}`",
-                        item.row.section,
-                        item.row.summary,
-                        item.row.printed,
-                        item.assessment.verdict,
-                    ]
-                    for item in items
-                ],
+    heads = ["Row", "Where", "What", "Printed", "Verdict"]
+    for scene in result.scenes:
+        rows = [
+            [f"`{row.name}`", row.section, row.claim, row.printed, row.verdict]
+            for row in result.rows_of(scene)
+        ]
+        parts += [f"## {scene}", markdown_table(heads, rows)]
+    return "\n\n".join(parts) + "\n"
+
+
+def counts(result: Findings) -> str:
+    """Return how many rows of each paper have which verdict, and how many causes."""
+    by_scene = [(result.verdicts(one), result.causes_by_verdict(one)) for one in result.scenes]
+    named = [*VERDICTS, *([ERROR] if result.failures else [])]
+    rows = [
+        [
+            name,
+            *(
+                f"{rows[name]} ({own[name]})" if own[name] < rows[name] else str(rows[name])
+                for rows, own in by_scene
             ),
         ]
-    return "\n\n".join(parts) + "\n"
+        for name in named
+    ]
+    return f"{NOTE}\n\n{markdown_table(['Verdict', *map(code, result.scenes)], rows)}"
+
+
+def how_made(result: Findings, scene: str = "") -> Iterator[str]:
+    """Yield versions, sizes and run times of what a page shows."""
+    name = f" {scene}" if scene else ""
+    every = [item for item in result.entries if item.scene == scene or not scene]
+    for run in dict.fromkeys(item.run for item in every):
+        made, mine = result.runs[run], [item for item in every if item.run == run]
+        seconds = sum(item.seconds for item in mine)
+        duration = f"{seconds:.0f} s" if seconds < 120 else f"{seconds / 60:.0f} min"
+        versions = ", ".join(f"{name} {version}" for name, version in made.versions.items())
+        yield (
+            f"{len(mine)} figures and rows by "
+            f"`mbcheck reproduce{name}{' --full' if made.full else ''}` in {duration}, "
+            f"maps that were there already not counted, with {versions}."
+        )
+
+
+def scene_page(result: Findings, scene: str) -> str:
+    """Return the page of one paper."""
+    paper = get_scene(scene).paper
+    items, whole = result.rows_of(scene), len(tables(scene)[1])
+    numbers = [item.number for item in result.figures_of(scene) if not item.failed]
+    short = f"*{len(items)} of {whole} rows are judged here; `mbcheck reproduce {scene}`.*"
+    ledger = [item for item in items if item.kind in STATEMENTS]
+    return render_markdown(
+        "paper.md",
+        {
+            "plain": plain,
+            "code": code,
+            "sentence": sentence,
+            "links": row_links,
+            "lines": row_lines,
+            "table": markdown_table,
+            "figures_of": figures_of,
+            "about": lambda rows, n: [row for row in rows if n in figures_of(row.section)],
+        },
+        scene=scene,
+        paper=paper,
+        where=", ".join(filter(None, [paper.journal, str(paper.year)])),
+        link=f", [doi:{paper.doi}](https://doi.org/{paper.doi})" if paper.doi else "",
+        items=items,
+        missing=short if len(items) < whole else "",
+        verdict=list(verdict(scene, items)) if items else [],
+        parameters=parameters(scene),
+        figures=result.figures_of(scene),
+        numbers=numbers,
+        ledger=ledger,
+        legend=LEGEND,
+        cause_table=cause_table(scene, ledger),
+        overview=overview(ledger),
+        errata=[item for item in items if item.kind == "misprint"],
+        errata_table=errata(items),
+        readings=[item for item in items if item.kind == "reading"],
+        made="\n\n".join(how_made(result, scene)),
+    )
+
+
+# The verdict in five sentences --------------------------------------------------------------
+
+
+def verdict(scene: str, items: Sequence[RowEntry]) -> Iterator[str]:
+    """Yield what holds of a paper, what does not, and why: five sentences made of its rows."""
+    rows = [item for item in items if item.kind in STATEMENTS]
+    count = Counter(item.verdict for item in rows)
+    numbers = [item for item in rows if item.kind == "number"]
+    right = sum(item.verdict in HOLDS for item in numbers)
+    rough = sum(item.verdict == UNCONVERGED for item in numbers)
+    each = "; ".join(f"{count[name]} {name}" for name in VERDICTS if count[name])
+    yield (
+        f"Misprints (see 4) apart, {len(rows)} numbers and claims were judged: {each}; of the "
+        f"{plural(len(numbers), 'printed number')} {right} come out"
+        f"{f', and {rough} {ROUGHLY}' * bool(rough)}."
+    )
+    yield of_conclusions(scene, rows)
+    yield of_causes(scene, rows)
+    yield of_errata(items)
+    yield of_gaps(rows, items)
+
+
+def of_conclusions(scene: str, rows: Sequence[RowEntry]) -> str:
+    """Return what holds of the paper's abstract and conclusions."""
+    own = [item for item in rows if is_conclusion(scene, item.section)]
+    groups = {
+        "there hold": [item for item in own if item.verdict in HOLDS],
+        ROUGHLY: [item for item in own if item.verdict == UNCONVERGED],
+        "do not hold": [item for item in own if item.verdict == NOT_REPRODUCED],
+        "cannot be told": [item for item in own if item.verdict in (OPEN, DEPENDS, NOT_TESTABLE)],
+    }
+    parts = [
+        f"**{word}** ({len(group)}): {', '.join(summary_link(item) for item in group)}"
+        for word, group in groups.items()
+        if group
+    ]
+    return f"Of its abstract and conclusions {'; '.join(parts) or 'nothing was judged'}."
+
+
+def is_conclusion(scene: str, section: str) -> bool:
+    """Return whether something stands in the abstract or the conclusions."""
+    words = re.sub(r"(figure|equation|table)s? .*", "", section).split(", ")
+    return bool({"abstract", conclusions(scene)} & set(words) or "conclusion" in section)
+
+
+def summary_link(item: RowEntry) -> str:
+    """Return what a row says, as a link to it."""
+    text = item.claim.rstrip(".")
+    lower = text[:1].lower() + text[1:] if text[1:2].islower() else text
+    return f"[{plain(lower)}](#{item.name})"
+
+
+def row_links(names: Iterable[str]) -> str:
+    """Return links to rows."""
+    return ", ".join(f"[{code(name)}](#{name})" for name in names)
+
+
+def of_causes(scene: str, rows: Sequence[RowEntry]) -> str:
+    """Return why rows are not reproduced: causes that several share, and the others."""
+    failed = [item.name for item in rows if item.verdict == NOT_REPRODUCED]
+    shared = [
+        (cause, own)
+        for cause in causes(scene)
+        if (own := [name for name in failed if name in cause.rows])
+    ]
+    alone = [item.name for item in rows if item.verdict == NOT_REPRODUCED and not item.cause]
+    parts = [
+        f"{plain(cause.summary.rstrip('.'))} ({plural(len(own), 'row')}: {row_links(own)})"
+        for cause, own in shared
+    ]
+    if alone:
+        each = "each " * (len(alone) > 1)
+        parts.append(f"{each}with a reason of its own: {row_links(alone)}")
+    if not parts:
+        return "No row fails."
+    count = len(shared) + len(alone)
+    has = "has" if len(failed) == 1 else "have"
+    return (
+        f"The {plural(len(failed), 'row')} not reproduced {has} {plural(count, 'cause')}: "
+        f"{'; '.join(parts)}."
+    )
+
+
+def of_errata(items: Sequence[RowEntry]) -> str:
+    """Return how many misprints there are, and what becomes of the paper with them put right."""
+    errata = [item for item in items if item.erratum]
+    effects = [item.erratum.effect for item in errata if item.erratum]
+    harmless = sum(text.startswith("none") for text in effects)
+    rows = [item for item in items if item.kind in STATEMENTS]
+    saved = [item.name for item in rows if item.verdict == CORRECTED]
+    effect = f", {harmless} of them without an effect shown on its results" if harmless else ""
+    rest = f"; {plural(len(saved), 'row')} hold with them put right ({row_links(saved)})"
+    by_row = [equations_of(item.section) for item in errata]
+    numbers = set().union(*by_row)
+    places = f" in equations {', '.join(f'({one})' for one in sorted(numbers))}" if numbers else ""
+    elsewhere = sum(not own for own in by_row)
+    places += f", {elsewhere} of them elsewhere" if elsewhere else ""
+    return f"It has {plural(len(errata), 'misprint')}{places}{effect}{rest * bool(saved)}."
+
+
+def equations_of(section: str) -> set[int]:
+    """Return the equations that something stands in, not those that it stands beside.
+
+    >>> [equations_of(text) for text in ("(4), (5)", "2, above (17)", "2, (13), below (21)")]
+    [{4, 5}, set(), {13}]
+    """
+    inside = re.sub(r"(above|after|below|from) [^,]*", "", section)
+    return set(map(int, re.findall(r"\((\d+)\)", inside)))
+
+
+def of_gaps(rows: Sequence[RowEntry], items: Sequence[RowEntry]) -> str:
+    """Return what cannot be decided, since it is not in the paper."""
+    by_verdict = {
+        name: [item.name for item in rows if item.verdict == name]
+        for name in (DEPENDS, OPEN, NOT_TESTABLE)
+    }
+    parts = [
+        f"{plural(len(names), 'row')} {'is' if len(names) == 1 else 'are'} {name} "
+        f"({row_links(names)})".replace("is depends", "depends").replace("are depends", "depend")
+        for name, names in by_verdict.items()
+        if names
+    ]
+    left = [item.name for item in items if item.kind == "reading"]
+    parts.append(f"the text leaves open {len(left)} things that had to be chosen here")
+    return f"Not decided by what is printed: {'; '.join(parts)}."
+
+
+# Parameters ---------------------------------------------------------------------------------
+
+
+def parameters(scene: str) -> str:
+    """Return the table of the parameters' values, and where each is from."""
+    defaults = get_scene(scene).parameters()
+    rows = []
+    for item in fields(defaults):
+        about = item.metadata
+        word, colon, rest = about["source"].partition(":")
+        known = word in PROVENANCE
+        how = word if known else "printed"
+        where = rest.strip() if known and colon else "" if known else about["source"]
+        value = getattr(defaults, item.name)
+        words = value if isinstance(value, str) else with_unit(value, about["unit"], 10)
+        rows.append([about["symbol"], words, how, where, about["meaning"], code(item.name)])
+    heads = ["Symbol", "Value", "Provenance", "Where", "What", "Name"]
+    return markdown_table(heads, rows)
+
+
+def figures_of(section: str) -> list[int]:
+    """Return the figures that a row is about.
+
+    >>> [figures_of(text) for text in ("5.1, figures 2(a), 3(a)", "equation (4)", "figures 2-5")]
+    [[2, 3], [], [2, 3, 4, 5]]
+    """
+    numbers: list[int] = []
+    for text in re.findall(r"figures? (\d(?:[\d. ,()a-z-]|and)*)", section):
+        for first, last in re.findall(r"(?<![\d.])(\d+)(?:-(\d+))?(?![\d.])", text):
+            numbers += range(int(first), int(last or first) + 1)
+    return numbers
+
+
+# The ledger and the errata --------------------------------------------------------------------
+
+
+def overview(items: Sequence[RowEntry]) -> str:
+    """Return the table of all rows, each with a link to what was found."""
+    rows = [
+        [Markdown(row_links([row.name])), row.section, row.printed, Markdown(f"**{row.verdict}**")]
+        for row in items
+    ]
+    return markdown_table(["Row", "Where", "Printed", "Verdict"], rows)
+
+
+def errata(items: Sequence[RowEntry]) -> str:
+    """Return the table of misprints: where, and what should stand there."""
+    rows = [
+        [row.section, row.claim, row.erratum.corrected, Markdown(row_links([row.name]))]
+        for row in items
+        if row.erratum
+    ]
+    return markdown_table(["Where", "What is wrong", "Corrected", "Row"], rows)
+
+
+def cause_table(scene: str, items: Sequence[RowEntry]) -> str:
+    """Return the table of what several rows have in common, empty if none have."""
+    there = {row.name for row in items}
+    shared = [
+        [cause.summary, Markdown(row_links(own))]
+        for cause in causes(scene)
+        if (own := [name for name in cause.rows if name in there])
+    ]
+    return markdown_table(["Cause", "Rows"], shared) if shared else ""
+
+
+def sentence(text: str) -> str:
+    """Return text that ends as a sentence does."""
+    return text if text.endswith(".") else f"{text}."
+
+
+def row_lines(row: RowEntry) -> Iterator[str]:
+    """Yield the values of a row, its limits, its cause, its erratum and its command."""
+    ours = {REFERENCE: row.reference, **row.engines}
+    values = [f"{name} {plain(value)}" for name, value in ours.items() if value]
+    printed = [f"printed **{plain(row.printed)}**"] if row.printed else []
+    if printed or values:
+        yield "; ".join([*printed, *values])
+    yield from map(threshold, row.thresholds)
+    if cause := next((one for one in causes(row.scene) if one.name == row.cause), None):
+        others = [name for name in cause.rows if name != row.name]
+        yield f"cause: {plain(sentence(cause.summary))} Shared with {row_links(others)}"
+    if row.erratum:
+        for word, text in (
+            ("corrected", row.erratum.corrected),
+            ("why", row.erratum.why),
+            ("effect", row.erratum.effect),
+            ("our copy", row.erratum.copy),
+        ):
+            if text:
+                yield f"{word}: {plain(text)}"
+        if row.test:
+            yield f"shown by the test {code(row.test)}"
+    if row.thresholds or row.failed:
+        seconds = f" ({number(row.seconds, 2)} s)" if row.seconds >= 1 else ""
+        yield f"{code(f'mbcheck reproduce {row.scene} --row {row.name}')}{seconds}"
+
+
+def threshold(item: RowThreshold) -> str:
+    """Return by which limit a row is judged, and how far it is from that."""
+    ours = " (our limit)" if item.ours else ""
+    met = "met" if item.holds else "missed"
+    if item.value is None or item.limit is None or item.distance is None:
+        return f"condition for *{item.verdict}*: {code(item.quantity)} {met}{ours}"
+    text = f"{item.value:.{DIGITS}g} {item.relation} {item.limit:.{DIGITS}g}"
+    return (
+        f"condition for *{item.verdict}*: {code(item.quantity)} {plain(text)}{ours}, {met} "
+        f"by {abs(item.distance):.2g}"
+    )

@@ -119,7 +119,7 @@ class RowCheck(Task):
     def run(self, profile: str) -> list[Result]:
         """Return the row's result; rows have no tolerances that a profile could scale."""
         if self.row.is_text:
-            return [Result(self.subject, self.row.name, "skipped", TEXT)]
+            return self.skipped(TEXT)
         begin = perf_counter()
         outcome, failure = attempt(lambda: self.assess(shared_session(self.engines)))
         if outcome is None:
@@ -131,8 +131,7 @@ class RowCheck(Task):
         verdict: Verdict = "deviation" if changed else "pass"
         before = f"was {self.row.verdict}, is " if changed else ""
         return [
-            Result(
-                self.subject,
+            self.subject.result(
                 self.row.name,
                 verdict,
                 ": ".join(filter(None, (before + assessment.verdict, assessment.reason))),

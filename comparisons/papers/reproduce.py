@@ -15,7 +15,7 @@ from ..queries.environment import versions
 from ..reports.drawing import import_pyplot
 from .folder import Folder
 from .ledger import LedgerRow, PaperFigure
-from .outcomes import Made, Reproduction, scenes_with_ledger, tables
+from .outcomes import Findings, Made, scenes_with_ledger, tables
 from .session import Session
 
 Progress = Callable[[int, int, str], None]
@@ -56,7 +56,7 @@ class ReproduceRequest:
 
 
 @takes_fields_of(ReproduceRequest)
-def reproduce(asked: ReproduceRequest) -> Reproduction:
+def reproduce(asked: ReproduceRequest) -> Findings:
     """Draw the figures of papers and judge the rows of their ledgers; takes a `ReproduceRequest`.
 
     What is found takes its place in the folder, beside what other calls have found there. Only
@@ -89,7 +89,7 @@ def reproduce(asked: ReproduceRequest) -> Reproduction:
     return folder.selection(papers)
 
 
-def contents(out: str | Path) -> Reproduction:
+def contents(out: str | Path) -> Findings:
     """Return everything that calls of `reproduce` have found in a folder."""
     return Folder(Path(out), tables, Made(versions(available()))).contents
 

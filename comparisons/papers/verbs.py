@@ -22,7 +22,7 @@ from ..terminal.program import (
 from .reproduce import ReproduceRequest, contents, reproduce
 
 if TYPE_CHECKING:
-    from .outcomes import Reproduction
+    from .outcomes import Findings
 
 
 @click.command(
@@ -57,7 +57,7 @@ def reproduce_papers(json_file: Destination | None, **asked: Any) -> int:
     return FAILED if result.failures else 0
 
 
-def print_reproduction(result: Reproduction, out: Path, each: bool) -> None:
+def print_reproduction(result: Findings, out: Path, each: bool) -> None:
     """Print what became of each row, or how many have which verdict, and where the pages are."""
     from ..engines.registry import REFERENCE
     from ..reports.text import print_line
@@ -66,16 +66,15 @@ def print_reproduction(result: Reproduction, out: Path, each: bool) -> None:
     def show(text: str) -> None:
         print_line(console(), text)
 
-    for scene, number in result.verdicts.items():
-        for row, its, _ in result.rows[scene] if each else ():
-            ours = {REFERENCE: its.reference, **its.engines}
-            values = "; ".join(f"{name} {value}" for name, value in ours.items() if value)
-            show(f"{scene} {row.name}: {its.verdict or 'a reading'}")
-            printed = f"printed {row.printed}" if row.printed else ""
-            for words in filter(None, ("; ".join(filter(None, (printed, values))), its.reason)):
-                show(f"  {words}")
-        if not each:
-            words = ", ".join(f"{number[name]} {name}" for name in VERDICTS if number[name])
-            figures = len(result.figures[scene])
-            show(f"{scene}: {figures} figure{'s' * (figures != 1)}; {words or 'no rows'}")
+    for row in result.rows if each else ():
+        ours = {REFERENCE: row.reference, **row.engines}
+        values = "; ".join(f"{name} {value}" for name, value in ours.items() if value)
+        show(f"{row.scene} {row.name}: {row.verdict or 'a reading'}")
+        printed = f"printed {row.printed}" if row.printed else ""
+        for words in filter(None, ("; ".join(filter(None, (printed, values))), row.reason)):
+            show(f"  {words}")
+    for scene in () if each else result.scenes:
+        number, figures = result.verdicts(scene), len(result.figures_of(scene))
+        words = ", ".join(f"{number[name]} {name}" for name in VERDICTS if number[name])
+        show(f"{scene}: {figures} figure{'s' * (figures != 1)}; {words or 'no rows'}")
     show(f"see {out / 'index.html'}")

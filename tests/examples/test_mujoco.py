@@ -47,8 +47,7 @@ def beside(scene: str, case: str, kinds: tuple[str, ...]) -> None:
 
 def key(item: Any) -> tuple[str, ...]:
     """Return what a result is about, the engine apart."""
-    about = item.subject
-    return about.kind, about.model, about.method, item.quantity
+    return item.kind, item.model, item.method, item.quantity
 
 
 @pytest.mark.parametrize(("scene", "case"), QUICK)

@@ -30,7 +30,7 @@ def engine(request: pytest.FixtureRequest) -> Any:
 def test_trees_pass(engine: Any, scene: str) -> None:
     found = results(engine, scene)
     assert {item.verdict for item in found} <= {"pass", "skipped"}
-    assert {item.subject.kind for item in found if item.verdict == "pass"} == {
+    assert {item.kind for item in found if item.verdict == "pass"} == {
         "parts",
         "algebra",
         "step",
@@ -40,7 +40,7 @@ def test_trees_pass(engine: Any, scene: str) -> None:
 @pytest.mark.parametrize(("scene", "case"), [("hula_hoop", "rod_aligned"), (TREES[1], None)])
 def test_free_runs_of_trees_pass(engine: Any, scene: str, case: str | None) -> None:
     found = results(engine, scene, ("trajectory",), case)
-    assert {item.subject.method for item in found} == {"RK4", "Euler"}
+    assert {item.method for item in found} == {"RK4", "Euler"}
     assert {item.verdict for item in found} <= {"pass", "skipped"}
     assert "pass" in {item.verdict for item in found}
 

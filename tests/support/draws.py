@@ -300,9 +300,8 @@ def result_of_draw(draw: Draw, patience: float = PATIENCE) -> Result:
         engine, case, model, method, step, horizon = run_of(draw)
     except (MbcheckError, ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
         reason = f"the reference makes nothing of it: {type(error).__name__}: {error}"
-        return Result(
-            Subject("drawn", "verification", draw.engine, draw.scene), "-", "skipped", reason
-        )
+        about = Subject("drawn", "verification", draw.engine, draw.scene)
+        return about.result("-", "skipped", reason)
     check = Check(
         "parameters", dataclasses.replace(case, horizon=horizon), engine.name, model, method,
         (QUANTITY,), why_not=engine.why_not(case, model, method), step=step,
@@ -353,4 +352,4 @@ def result_of_outcome(outcome: Result | EngineError) -> Result:
     if isinstance(outcome, Result):
         return outcome
     reason = f"{outcome.kind}: {outcome.message}"
-    return Result(Subject("drawn", "verification", "-"), "-", "error", reason)
+    return Subject("drawn", "verification", "-").result("-", "error", reason)

@@ -23,12 +23,11 @@ def result(
     ran = error is not None and verdict != "skipped"
     scene, case = "hula_hoop", "point_mass_3hz_60n"
     prefix = f"verification/{scene}/{case}/{kind}/{engine}/{method}"
-    return Result(
-        Subject(prefix, "verification", engine, scene, case, kind, "tree", method),
+    return Subject(prefix, "verification", engine, scene, case, kind, "tree", method).result(
         quantity,
         verdict,
         reason,
-        "rad",
+        unit="rad",
         value=error if ran else None,
         reference=0.0 if ran else None,
         error=error if ran else None,

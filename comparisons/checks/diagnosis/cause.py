@@ -4,26 +4,37 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from itertools import permutations
 
 import numpy as np
 
+from ....reference.errors import Unsupported
 from ....reference.scene import Array
 from ...engines.run import EPS
 from ...engines.setup import Setup
 from ..kinds import algebra, stability
 from ..tolerances import matrix_rounding, sample_numbers
 from ..truth import simulated_horizon
-from .equations import accelerations_of, of_accelerations, of_matrices
-from .joints import of_joints
+from ..units import EXPLAINED
+from .equations import accelerations_of, error_of, of_accelerations, of_matrices
 from .motions import LONG, SEEN, Part, explanation, looked_at, reset
 from .placement import of_placement
-from .steps import ANOTHER_MODEL, of_order, of_steps
+from .steps import ANOTHER_MODEL, after_steps, of_order, of_steps
 
 SHORT = 512
 """Steps of a run whose first part is looked at before the whole; a continuum's take long."""
 
 DISTINCT = 8
 """Numbers that are not taken for numbers of 32 bits by chance."""
+
+FEW_JOINTS = 4
+"""Joints of which every order is tried."""
+
+MOST_JOINTS = 8
+"""Joints of which each pair is tried."""
+
+RIGHT = 1e-3
+"""Relative error that other joints' numbers do not leave."""
 
 
 def cause(setup: Setup, kind: str, verdicts: Mapping[str, str]) -> str:
@@ -129,3 +140,34 @@ def of_runs(setup: Setup) -> str:
             if said or not beam:
                 return said
     return ""
+
+
+def of_joints(setup: Setup) -> str:
+    """Return which joints are exchanged, if that explains wrong accelerations or single steps."""
+    scene = setup.scene
+    if scene.discretisation_coordinates or not setup.engine.reads_mjcf:
+        return ""
+    away = error_of if setup.method is None else (lambda one: after_steps(one, 1).error)
+    error = away(setup)
+    joints = setup.engine.joint_system(setup.case, setup.model).joints
+    if error < EXPLAINED or len(joints) > MOST_JOINTS:
+        return ""
+    words: dict[int, list[str]] = {}
+    for order in permutations(range(len(joints))):
+        moved = [i for i, j in enumerate(order) if i != j]
+        if not moved or (len(moved) > 2 and len(joints) > FEW_JOINTS):
+            continue
+        for inputs_too in (True, False):
+            try:
+                left = away(replace(setup, engine=setup.engine.reordered(order, inputs_too)))
+            except Unsupported:
+                return ""
+            if left < RIGHT and left < EXPLAINED * error:
+                where = "" if inputs_too else " in what it returns"
+                others = (f"{joints[i]} is {joints[order[i]]}" for i in moved)
+                said = f"joints are in another order: {', '.join(others)}"
+                if len(moved) == 2:
+                    said = f"joints {joints[moved[0]]} and {joints[moved[1]]} are exchanged"
+                words.setdefault(len(moved), []).append(f"{said}{where}")
+    fewest = words[min(words)] if words else []
+    return fewest[0] if len(fewest) == 1 else ""

@@ -7,11 +7,10 @@ from itertools import pairwise
 import numpy as np
 
 from ....reference.errors import CannotJudgeError, EngineError
-from ....reference.scene import Array, Case
+from ....reference.scene import Array
 from ....reference.solve.schemes import TABLEAUS
 from ...engines.setup import Setup, power_of_two
 from ..kinds import algebra, one_step
-from ..tolerances import rows
 from ..units import EXPLAINED
 from ..verdict import Finding, judge
 from .motions import Part, Seen, explanation, looked_at
@@ -81,7 +80,7 @@ def of_order(setup: Setup) -> str:
     away, answers = [], []
     for parts in counts:
         answers.append(one_step.after(setup, cases, length, parts)[: len(names)])
-        should = by_scheme(setup, cases, length, parts) if scheme else right.values
+        should = one_step.ideal(setup, cases, length, parts, names) if scheme else right.values
         errors = np.max(np.abs(answers[-1] - should), axis=1) / right.size
         away.append(float(np.max(errors)))
     turning = {rate for one in setup.scene.quaternions for rate in one.rates}
@@ -110,13 +109,6 @@ def of_order(setup: Setup) -> str:
     if measured >= order:
         return f"{said}, though it is of order {order}"
     return f"{said}, and it is of order {measured}, where {order} is declared"
-
-
-def by_scheme(setup: Setup, cases: list[Case], length: float, parts: int) -> Array:
-    """Return observables (k, n) that the declared scheme reaches in so many steps."""
-    names, samples = setup.scene.observables, np.array([parts])
-    ideal = [setup.with_case(one).scheme_states(length / parts, samples) for one in cases]
-    return np.hstack([rows(setup.equations, states, names) for states in ideal])
 
 
 def order_of(errors: list[float]) -> int:

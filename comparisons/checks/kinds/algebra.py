@@ -191,7 +191,10 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         if name == "mass_matrix":
             largest = np.sqrt(largest_inertias(reference, units[:, None] == units))
             summed = OPERATIONS * setup.epsilon / room * np.outer(largest, largest)
-            scale = np.maximum(entry_sizes(reference, cancelled), summed)
+            # an entry of terms that cancel is not smaller than so many of its two inertias' mean
+            inertia = np.sqrt(np.abs(np.diagonal(reference, axis1=1, axis2=2)))
+            mean = inertia[:, :, None] * inertia[:, None, :]
+            scale = np.maximum(np.maximum(np.abs(reference), cancelled * mean), summed)
         error = distance(answers[name], reference, scale)
         granted = room
         if name == "accelerations":
@@ -224,15 +227,6 @@ def rounding_of_rates(
     noise = sensitivities(equations.scene, equations.parameters, times, states.T).noise[n:]
     size = np.max(np.abs(accelerations), axis=0)
     return float(OPERATIONS * setup.epsilon * np.max(np.max(noise, axis=1) / (size + (size == 0))))
-
-
-def entry_sizes(matrices: Array, cancelled: float) -> Array:
-    """Return to what errors of mass matrices (k, n, n) are related, entry by entry.
-
-    An entry of terms that cancel is not smaller than so many times its two inertias' mean.
-    """
-    inertia = np.sqrt(np.abs(np.diagonal(matrices, axis1=1, axis2=2)))
-    return np.maximum(np.abs(matrices), cancelled * inertia[:, :, None] * inertia[:, None, :])
 
 
 def distance(values: Array, reference: Array, scale: Array) -> float:

@@ -54,18 +54,6 @@ stiffness of 32 elements is off by half a unit in its last place. It is 6e-11 wh
 apart, as by Exudyn's adapter."""
 
 
-def frequency_quantities(setup: Setup) -> tuple[str, ...]:
-    """Return the names of what the kind *frequency* measures of a continuum."""
-    names = tuple(f"omega_{i}" for i in range(1, COUNT + 1))
-    return (*names, "model_error")
-
-
-def order_quantities(setup: Setup) -> tuple[str, ...]:
-    """Return the names of what the kind *order* measures of elements."""
-    bracket = ("bracket",) if setup.frequency_side else ()
-    return ("order", "extrapolated", "least_error", *bracket)
-
-
 def steady(setup: Setup) -> Setup:
     """Return the setup in its steady motion, forces and motors off."""
     scene, case = setup.scene, setup.case
@@ -203,21 +191,12 @@ class Refinement(NamedTuple):
     spread: float
 
 
-HALVED = (0.5, 1, 2)
-"""Of the segments."""
-
-
 def refinement(runs: Sequence[float], truth: float, order: int) -> Refinement:
     """Return what first frequencies (3,) tell of elements of an order that approach the truth."""
     errors, gain = np.array(runs) / truth - 1, 2**order - 1
     slope = float(np.log2(abs(errors[1]) / abs(errors[2])))
     limits = [b + (b - a) / gain for a, b in pairwise(runs)]
     return Refinement(errors, slope, abs(limits[1] / truth - 1), abs(limits[1] - limits[0]) / truth)
-
-
-def noise_of(errors: Array, relative: float) -> float:
-    """Return by how much a slope may be off where frequencies are by so much, relative."""
-    return float(np.log2(1 + relative / abs(errors[2])))
 
 
 def measure_order(setup: Setup) -> list[Finding]:
@@ -228,9 +207,10 @@ def measure_order(setup: Setup) -> list[Finding]:
     """
     order = setup.element_order
     truth = float(of_continuum(setup)[0])
-    several = [setup.with_segments(factor) for factor in HALVED]
+    several = [setup.with_segments(factor) for factor in (0.5, 1, 2)]
     seen = refinement([float(of_engine(one)[0]) for one in several], truth, order)
-    errors, slack, room = seen.errors, SLACK + noise_of(seen.errors, NOISE), seen.spread + ROUNDING
+    errors, room = seen.errors, seen.spread + ROUNDING
+    slack = SLACK + float(np.log2(1 + NOISE / abs(errors[2])))
     counts = ", ".join(f"{one.case.parameters.segments:g}" for one in several)
     listed = ", ".join(f"{error:.2g}" for error in errors)
     reason = f"relative errors {listed} of the first frequency with {counts} elements"

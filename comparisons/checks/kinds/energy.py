@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from ....reference import get_scene
 from ....reference.errors import CannotJudgeError, EngineError
 from ....reference.scene import Array, Case
 from ...engines.equations import ModelEquations, invariants_of, scene_equations
@@ -34,13 +33,6 @@ CANCELLED = 1e-3
 def quantities(setup: Setup) -> tuple[str, ...]:
     """Return the names of what is measured."""
     return tuple(f"{name}_drift" for name in invariants_of(scene_equations(setup.case)))
-
-
-def silent_invariants(equations: ModelEquations, values: Mapping[str, Array]) -> list[str]:
-    """Return the invariants that a run gives neither itself nor by its states."""
-    if set(equations.scene.state_names) <= set(values):
-        return []
-    return [name for name in invariants_of(equations) if name not in values]
 
 
 def drifts(
@@ -87,7 +79,9 @@ def sensor_gaps(setup: Setup, step: float, values: Mapping[str, Array]) -> dict[
         return {}
     runs = [values]
     if setup.case.state:
-        slower = setup.with_case(replace(setup.case, state=half_of(setup.case)))
+        whole = {name for one in setup.scene.quaternions for name in one.coordinates}
+        state = {name: x if name in whole else x / 2 for name, x in setup.case.state.items()}
+        slower = setup.with_case(replace(setup.case, state=state))
         runs.append(slower.simulate(step, np.array([1])).values)
     states = np.hstack([np.array([run[name] for name in scene.state_names]) for run in runs])
     gaps = {}
@@ -104,12 +98,6 @@ def sensor_gaps(setup: Setup, step: float, values: Mapping[str, Array]) -> dict[
         off = max(0.0, float(np.max(np.abs(gap))) - lost)
         gaps[name] = off / size if size else off
     return gaps
-
-
-def half_of(case: Case) -> dict[str, float]:
-    """Return the initial values of a case, all half as large but for places of quaternions."""
-    whole = {name for one in get_scene(case.scene).quaternions for name in one.coordinates}
-    return {name: value if name in whole else value / 2 for name, value in case.state.items()}
 
 
 def size_of(invariant: Any, first: Any, q: Array, v: Array, c: Any) -> Any:
@@ -139,7 +127,8 @@ def measure(setup: Setup) -> list[Finding]:
     samples = sample_numbers(horizon, step, 128)
     times = setup.case.start_time + samples * step
     values = setup.simulate(step, samples).values
-    if missing := silent_invariants(formula, values):
+    missing = [name for name in invariants_of(formula) if name not in values]
+    if missing and not set(formula.scene.state_names) <= set(values):
         raise CannotJudgeError(
             f"{setup.engine.name} gives neither {', '.join(missing)} nor the states that they "
             "follow from"

@@ -12,7 +12,6 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +23,8 @@ from ....reference.errors import CannotJudgeError, EngineError, Unsupported
 from ....reference.scene import Array, Case
 from ...engines.setup import Setup
 from ..free_vibrations import START, Critical, Place, critical, places, stable_step
-from ..rules.cautions import noticing_rules
+from ..rules.cautions import cautions, noticing_rules
+from ..tolerances import rows
 from ..verdict import REFERENCE, Finding, detected_by
 
 QUANTITY = "step_limit"
@@ -80,7 +80,10 @@ def measure(setup: Setup) -> list[Finding]:
     limit = stable_step(setup, horizon, [at])
     if limit is None:
         return [without_limit(Vibration(setup, at, scheme, *fastest_mode(at)))]
-    free = Vibration(setup, at, scheme, *least_stable_mode(scheme, at, limit.step))
+    # the mode that the method multiplies most beyond its limit
+    values, vectors = np.linalg.eig(AMPLIFICATION[scheme](at.matrices, BEYOND * limit.step))
+    shape = vectors[: 2 * len(at.coordinates), np.argmax(np.abs(values))].real
+    free = Vibration(setup, at, scheme, critical(scheme, at, BEYOND * limit.step), shape)
     around = limit.step / 4, 4 * limit.step
     expected = bisected(lambda h: free.by_matrix(h, horizon) > GROWTH, *around)
     try:
@@ -137,21 +140,22 @@ def without_limit(free: Vibration) -> Finding:
     words, result = f"{free.words}: none by theory", None
     for periods in UNLIMITED:
         step = periods * 2 * np.pi / free.mode.omega
+        setup, horizon = free.setup.with_step(step), STEPS * step
         words += f"; with {periods:g} periods in a step "
         try:
-            growth = free.by_run(step, STEPS * step)
+            growth = free.by_run(step, horizon)
         except EngineError as error:
             words += f"{error.kind}: {error.message}"
             if error.kind == "step":
                 raise Unsupported(words) from error
-            noticed = (detected_by(error), *free.rules(step))
+            noticed = (detected_by(error), *noticing_rules(cautions(setup, horizon)))
             result = Finding(QUANTITY, "1", np.inf, 0.0, np.inf, GROWTH, words, None, noticed)
             continue
-        most = max(GROWTH, OVERSHOOT * free.by_matrix(step, STEPS * step))
+        most = max(GROWTH, OVERSHOOT * free.by_matrix(step, horizon))
         words += f"{growth:.3g} times as large as it is, {most:.3g} granted"
         if growth <= most:
             break
-        noticed = (*free.rules(step), REFERENCE)
+        noticed = (*noticing_rules(cautions(setup, horizon)), REFERENCE)
         result = Finding(QUANTITY, "1", growth, 0.0, growth, most, words, None, noticed)
     if result is None:
         return Finding(QUANTITY, "1", growth, 0.0, growth, most, words)
@@ -161,13 +165,6 @@ def without_limit(free: Vibration) -> Finding:
 def fastest_rate(at: Place) -> float:
     """Return the largest modulus of the eigenvalues about a place [1/s]."""
     return float(np.max(np.abs(at.rates)))
-
-
-def least_stable_mode(scheme: str, at: Place, limit: float) -> tuple[Critical, Array]:
-    """Return the mode that a method multiplies most beyond its limit [s], and its shape (2 w,)."""
-    values, vectors = np.linalg.eig(AMPLIFICATION[scheme](at.matrices, BEYOND * limit))
-    shape = vectors[:, np.argmax(np.abs(values))].real
-    return critical(scheme, at, BEYOND * limit), shape[: 2 * len(at.coordinates)]
 
 
 def fastest_mode(at: Place) -> tuple[Critical, Array]:
@@ -252,14 +249,7 @@ class Vibration:
         An observable that hardly moves has an infinite size.
         """
         equations = self.setup.equations
-
-        def observe(states: Any) -> Any:
-            values = equations.scene.observe(states, equations.parameters)
-            return np.array(
-                [np.broadcast_to(values[name], states.shape[1:]) for name in self.names]
-            )
-
-        rest, slopes = by_complex_step(observe, self.at.state)
+        rest, slopes = by_complex_step(lambda x: rows(equations, x, self.names), self.at.state)
         matrix = first_order(self.at.matrices)[np.ix_(self.rows, self.rows)]
         advance = expm(matrix * (2 * np.pi / fastest_rate(self.at) / 16))
         x, size = self.departure, np.abs(slopes @ self.departure)
@@ -316,10 +306,6 @@ class Vibration:
             if error.kind == "step":
                 raise
             return True
-
-    def rules(self, step: float) -> tuple[str, ...]:
-        """Return the rules that warn of a step."""
-        return noticing_rules(self.setup.with_step(step), STEPS * step)
 
 
 def step_numbers(step: float, horizon: float) -> NDArray[np.int_]:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,15 +18,16 @@ from scipy.linalg import eigh
 from ....reference import get_scene
 from ....reference.errors import MbcheckError
 from ....reference.linear import linearise
-from ....reference.orbits import Orbit, find_orbit
 from ....reference.scene import Array, Case
 from ...engines.equations import invariants_of, scene_equations
 from ...engines.run import EPS, VIOLATIONS, Trajectory
 from ...engines.setup import Setup, shortest_period
-from ..rules.cautions import noticing_rules
+from ..rules.cautions import cautions, noticing_rules
+from ..rules.model import shortest_length
 from ..tolerances import RICHARDSON_SAFETY, VIOLATION, rounding
 from ..verdict import REFERENCE, Finding, Inconclusive
 from .energy import drifts as invariant_drifts
+from .stability import true_orbit
 
 FREE, CONSERVATIVE, LOCKED, AFTER_PULSE = "free", "conservative", "locked", "after_pulse"
 """What is followed, as the `watch` of a case: small free vibrations about a state of rest; motion
@@ -74,10 +74,6 @@ class LongRun:
     samples: Any
     drifts: Callable[[Trajectory], Drifts]
 
-    def simulate(self, division: int) -> Trajectory:
-        """Run the engine with a fraction of the step."""
-        return self.setup.simulate(self.setup.step_size / division, self.samples * division)
-
     def drifts_of(self, trajectory: Trajectory) -> Drifts:
         """Return the drifts of a trajectory, and how far loops were open."""
         by_name = self.drifts(trajectory)
@@ -118,7 +114,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     """Follow a motion with the step and with half of it, and judge what drifts."""
     run = RUNS[setup.case.watch](setup)
     step, horizon = run.setup.step_size, run.setup.case.horizon
-    whole, half = run.simulate(1), run.simulate(2)
+    whole, half = (run.setup.simulate(step / k, run.samples * k) for k in (1, 2))
     first, second = run.drifts_of(whole), run.drifts_of(half)
     gain = 2**run.setup.integrator.order
     span = f"after {horizon / run.period:.4g} periods with h = {step:.3g} s"
@@ -126,7 +122,9 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     for name, (drift, floor) in first.items():
         other = second.get(name, (np.inf, 0.0))[0]
         reason = f"{name} {drift:.3g} {span}, {other:.3g} with half of it"
-        left, left_by_half = (in_logarithms(name, one) for one in (drift, other))
+        left, left_by_half = drift, other
+        if name == "energy":  # its rate of loss, which goes with the step, shows in the logarithm
+            left, left_by_half = (float(np.log1p(max(one, -1 + EPS))) for one in (drift, other))
         tolerance = RICHARDSON_SAFETY * gain / (gain - 1) * abs(left - left_by_half) + floor
         quantity = name if name in VIOLATIONS else f"{name}_drift"
         findings.append(Finding(quantity, "1", left, 0.0, abs(left), tolerance, reason))
@@ -139,15 +137,10 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     findings.append(Finding("clock", "s", late, 0.0, late, granted, f"{late:.2g} s off {span}"))
     noticed: tuple[str, ...] = ()
     if any(not one.error <= one.tolerance for one in findings):
-        noticed = (*noticing_rules(run.setup, horizon), REFERENCE)
+        noticed = (*noticing_rules(cautions(run.setup, horizon)), REFERENCE)
     asked = {one.quantity: replace(one, noticed_by=noticed) for one in findings}
     gone = "less is left of the motion than it is distorted by"
     return [asked.get(name, Inconclusive(name, gone)) for name in quantities(setup)]
-
-
-def in_logarithms(name: str, drift: float) -> float:
-    """Return a drift in a measure that goes with the rate of loss: of an energy, ln(1 + drift)."""
-    return float(np.log1p(max(drift, -1 + EPS))) if name == "energy" else drift
 
 
 # Free vibrations ----------------------------------------------------------------------------
@@ -167,6 +160,7 @@ class FreeMode(NamedTuple):
     push : float
         0 where every coordinate has a spring; else the ratio of the largest inertia to the least,
         with which the forces of second order push one that has none.
+    amplitude : float
     """
 
     rest: Array
@@ -174,11 +168,7 @@ class FreeMode(NamedTuple):
     shape: Array
     mass: Array
     push: float
-
-    @property
-    def amplitude(self) -> float:
-        """`AMPLITUDE`, or less."""
-        return AMPLITUDE_IF_PUSHED if self.push else AMPLITUDE
+    amplitude: float
 
     def amplitudes(self, states: Array) -> Any:
         """Return ``a - i a'/omega`` (n_t,), which turns with ``exp(i omega t)``."""
@@ -202,8 +192,10 @@ def free_mode(case: Case) -> FreeMode:
         squares, shapes = eigh((stiffness + stiffness.T) / 2, mass)
         if squares[0] > -1e-9 * squares[-1] and squares[-1] > 0:
             ratio = float(np.linalg.cond(mass * np.outer(size, size)))
-            push = ratio if squares[0] < 1e-9 * squares[-1] else 0.0
-            return FreeMode(rest, float(np.sqrt(squares[-1])), shapes[:, -1], mass, push)
+            omega, shape = float(np.sqrt(squares[-1])), shapes[:, -1]
+            if squares[0] < 1e-9 * squares[-1]:
+                return FreeMode(rest, omega, shape, mass, ratio, AMPLITUDE_IF_PUSHED)
+            return FreeMode(rest, omega, shape, mass, 0.0, AMPLITUDE)
     raise MbcheckError(f"{case.scene} has no stable state of rest here")
 
 
@@ -220,13 +212,6 @@ def sizes(case: Case) -> Array:
     scene = get_scene(case.scene)
     angles = [scene.units[name] == "rad" for name in scene.coordinates]
     return np.where(angles, 1.0, shortest_length(case.parameters))
-
-
-def shortest_length(parameters: Any) -> float:
-    """Return the shortest length of a scene [m], 1 m if it has none."""
-    endings = ("length", "radius", "eccentricity")
-    lengths = [value for name, value in parameters.as_dict().items() if name.endswith(endings)]
-    return min((value for value in lengths if isinstance(value, float) and value > 0), default=1.0)
 
 
 def free_vibration(setup: Setup) -> LongRun:
@@ -294,7 +279,7 @@ def marks(span: float, step: float, count: int) -> Any:
 def locked(setup: Setup) -> LongRun:
     """Return by what angle a rotation leaves the periodic orbit."""
     scene, case, longest = setup.scene, setup.case, setup.step_size
-    orbit = known_orbit(case.scene, case.parameters)
+    orbit = true_orbit(case.scene, case.parameters)
     per_period = int(np.ceil(orbit.period / longest))
     periods = int(case.horizon / orbit.period)
     state = dict(zip(scene.state_names, orbit.state.tolist(), strict=True))
@@ -309,12 +294,6 @@ def locked(setup: Setup) -> LongRun:
         return {"phase": (float(trajectory.values[angle][-1]) - state[angle] - whole, floor)}
 
     return LongRun(setup, orbit.period, samples, drifts)
-
-
-@lru_cache(maxsize=8)
-def known_orbit(scene: str, parameters: Any) -> Orbit:
-    """Return the reference's periodic orbit, remembered within a process."""
-    return find_orbit(get_scene(scene), parameters)
 
 
 RUNS: Mapping[str, Callable[[Setup], LongRun]] = {

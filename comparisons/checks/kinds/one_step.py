@@ -66,7 +66,10 @@ def quantities(setup: Setup) -> tuple[str, ...]:
     None of a model whose states are not those of a reference, and none of a run that starts
     with its loop open.
     """
-    if setup.case.inconsistency or not startable(setup):
+    scene = setup.scene
+    equations = setup.solved_equations.scene if scene.discretisation_coordinates else scene
+    same = setup.discrete or setup.coordinates == equations.coordinates
+    if setup.case.inconsistency or not same:
         return ()
     last = () if setup.scheme else ("extrapolated", "least_error")
     by_scheme = setup.scheme or scheme_of_velocities(setup)
@@ -87,15 +90,6 @@ def in_coordinates(setup: Setup) -> bool:
     scene = setup.solved_equations.scene
     others = setup.has_constraints or scene.discretisation_coordinates
     return scene is setup.scene and not others
-
-
-def startable(setup: Setup) -> bool:
-    """Return whether a model can be put into every state of a reference."""
-    if setup.discrete:
-        return True
-    scene = setup.scene
-    equations = setup.solved_equations.scene if scene.discretisation_coordinates else scene
-    return setup.coordinates == equations.coordinates
 
 
 def starts(setup: Setup, step: float, scheme: str | None) -> list[Case]:
@@ -179,7 +173,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         return findings
     states = list(range(len(setup.scene.observables)))
     window = Window(right.size, states, len(cases))
-    away = window.distance(prediction.limit, right.values)
+    away = window.largest(prediction.limit - right.values)
     room = rounding(1, 1.0, setup.epsilon) + float(np.max((right.bound / right.size)[states]))
     findings.append(Finding("scheme_residual", "1", away, 0.0, away, room, prediction.reason))
     return findings
@@ -195,7 +189,7 @@ def limit_of_steps(
     estimate = richardson(runs, setup.integrator.order)
     states = list(range(len(setup.scene.observables)))
     window = Window(np.maximum(size, right.size), states, len(cases))
-    away = window.distance(estimate.limit, right.values)
+    away = window.largest(estimate.limit - right.values)
     known = right.bound + rounding(4 * SETTLED, 1.0, setup.epsilon) * right.scale
     room = float(np.max((known / window.size)[states]))
     reason = (
@@ -204,7 +198,7 @@ def limit_of_steps(
     )
     granted = room + min(window.largest(estimate.moved), CAP**2)
     finding = Finding("extrapolated", "1", away, 0.0, away, granted, reason)
-    change = window.largest(np.abs(runs[0] - runs[1]))
+    change = window.largest(runs[0] - runs[1])
     if not setup.discrete or conclusion(finding, change, "shaken") is finding:
         return finding
     shaken = (
@@ -302,11 +296,16 @@ def predict(
             places, bounds = first_order_errors(setup, cases, step, right)
             errors[places] = np.minimum(errors[places], bounds)
         return replace(prediction, errors=errors)
-    ideal = [
-        rows(setup.solved_equations, setup.with_case(one).scheme_states(step, np.array([1])), names)
-        for one in cases
-    ]
-    return by_scheme(setup.scheme, values, np.hstack(ideal), right)
+    return by_scheme(setup.scheme, values, ideal(setup, cases, step, 1, names), right)
+
+
+def ideal(
+    setup: Setup, cases: list[Case], step: float, parts: int, names: tuple[str, ...]
+) -> Array:
+    """Return observables (k, n) that the setup's scheme reaches one step [s] after each start."""
+    number, length = np.array([parts]), step / parts
+    states = [setup.with_case(one).scheme_states(length, number) for one in cases]
+    return np.hstack([rows(setup.solved_equations, one, names) for one in states])
 
 
 def velocities_at(

@@ -6,15 +6,13 @@ declared order, those of its own scheme on the true equations are what it has to
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ....reference.errors import EngineError
 from ....reference.scene import Array
 from ...engines.setup import Setup, shortest_period
-from ..tolerances import least_error, rows, taylor_remainder
+from ..tolerances import least_error, richardson, rows, taylor_remainder
 from ..truth import Truth, permitted_horizon, roundoff_reference
 from ..verdict import Finding, Inconclusive, Series
 from . import elements
@@ -40,7 +38,8 @@ FLOOR = 30.0
 def quantities(setup: Setup) -> tuple[str, ...]:
     """Return the names of what is measured."""
     if setup.case.watch == "elements":
-        return elements.order_quantities(setup)
+        bracket = ("bracket",) if setup.frequency_side else ()
+        return ("order", "extrapolated", "least_error", *bracket)
     return ("order", "extrapolated", *(() if setup.scheme else ("least_error",)))
 
 
@@ -93,11 +92,10 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     if setup.scheme and finest < expected - SLACK:
         expected = min(expected, ideal_slope(setup, steps, floors, marks * coarsest))
     listed = ", ".join(f"{slope:.2f}" for slope in slopes[-4:])
-    gain = 2**order - 1
-    limits = [b + (b - a) / gain for a, b in pairwise(runs)]
-    last = relative_error(limits[-1], right)
-    spread = float(np.max(np.max(np.abs(limits[-1] - limits[-2]), axis=1) / right.size))
-    tolerance = spread + bound
+    declared = errors[0] * (np.array(steps) / steps[0]) ** order
+    estimate = richardson(runs[-3:], order)
+    last = relative_error(estimate.limit, right)
+    tolerance = float(np.max(np.max(estimate.moved, axis=1) / right.size)) + bound
     return [
         Finding(
             "order",
@@ -108,7 +106,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
             SLACK,
             f"slopes {listed} down to h = {steps[-1]:.3g} s, error {errors[-1]:.2g}; "
             f"declared {order}",
-            series_of(np.array(steps), np.array(errors), order),
+            Series("step", np.array(steps), np.array(errors), declared),
         ),
         Finding(
             "extrapolated",
@@ -138,11 +136,6 @@ def error_from_below(
     ) * (step / spacing) ** (order + 1)
     trust = float(np.max(right.bound / right.size)) + noise(1, 1.0, setup.epsilon)
     return least_error(order, step, error, trust, remainder)
-
-
-def series_of(steps: Array, errors: Array, order: int) -> Series:
-    """Return errors over steps (n,) beside those that shrink from the first as declared."""
-    return Series("step", steps, errors, errors[0] * (steps / steps[0]) ** order)
 
 
 def relative_error(values: Array, right: Truth) -> float:
@@ -182,19 +175,13 @@ def noise(steps: int, growth: float, epsilon: float) -> float:
 def enough(errors: list[float], order: int) -> bool:
     """Return whether finer steps would not change the verdict.
 
-    Large errors may shrink by a high order, and what is below them by a lower one.
+    The last two slopes stand at the declared order with a small error, since large errors may
+    shrink by a high order and what is below them by a lower one; or the last three have settled on
+    a lower order.
     """
-    small = errors[-1] < SMALL and stands(errors, order)
-    return len(errors) >= POINTS and (small or settled(errors, order))
-
-
-def settled(errors: list[float], order: int) -> bool:
-    """Return whether the last three slopes agree with each other on another order."""
+    if len(errors) < POINTS:
+        return False
     slopes = np.log2(np.array(errors[-4:-1]) / np.array(errors[-3:]))
-    return bool(np.ptp(slopes) < SLACK / 2 and np.mean(slopes) < order - WRONG_ORDER)
-
-
-def stands(errors: list[float], order: int) -> bool:
-    """Return whether the last two slopes agree with each other or exceed the order."""
-    slopes = np.log2(np.array(errors[-3:-1]) / np.array(errors[-2:]))
-    return bool(np.all(slopes > order - SLACK / 2))
+    stands = errors[-1] < SMALL and np.all(slopes[-2:] > order - SLACK / 2)
+    settled = np.ptp(slopes) < SLACK / 2 and np.mean(slopes) < order - WRONG_ORDER
+    return bool(stands or settled)

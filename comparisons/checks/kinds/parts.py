@@ -43,7 +43,7 @@ from ..diagnosis.shares import (
     of_share,
     part_of,
 )
-from ..diagnosis.terms import Inertia, added_forces, added_inertias, joints_of
+from ..diagnosis.terms import added_forces, added_inertias, joints_of
 from ..tolerances import OPERATIONS, largest_inertias, matrix_rounding
 from ..verdict import Finding, Inconclusive
 from .algebra import ROUNDING, random_states
@@ -265,7 +265,11 @@ def of_forces(
             force = [at(*here) for here in zip(times, q, v, strict=True)]
             candidates.append(Effect(name, columns(force), said, added=True))
         for one in added_inertias(file, inertial_names(file)) if matrices is None else ():
-            force = [added_need(file, one, *here) for here in zip(q, v, a, strict=True)]
+            changed = [one.changed(file, unit) for unit in np.eye(one.size)]
+            force = [
+                np.array([need(other, *here) for other in changed]) - need(file, *here)
+                for here in zip(q, v, a, strict=True)
+            ]
             candidates.append(Effect(one.name, columns(force), one.words, added=True))
     explained = explain(parts, candidates, relative, room)
     if not explained.unique and not whole.closures:
@@ -281,12 +285,6 @@ def need(whole: Mechanism, q: Array, v: Array, a: Array) -> Array:
     """Return the sum of weights and forces of inertia (n,) at accelerations."""
     inertial = inertial_force(whole, q, v) + mass_matrix(whole, q) @ a
     return np.asarray(weight(whole, q, whole.gravity) - inertial)
-
-
-def added_need(whole: Mechanism, one: Inertia, q: Array, v: Array, a: Array) -> Array:
-    """Return the change of that sum (k, n) by a unit of each number of an added inertia."""
-    changed = [one.changed(whole, unit) for unit in np.eye(one.size)]
-    return np.array([need(other, q, v, a) for other in changed]) - need(whole, q, v, a)
 
 
 def needed(whole: Mechanism, name: str, q: Array, v: Array, a: Array) -> Array:

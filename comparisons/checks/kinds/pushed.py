@@ -14,12 +14,12 @@ import numpy as np
 
 from ....reference.differences import by_complex_step
 from ....reference.errors import CannotJudgeError, EngineError, MbcheckError, Unsupported
-from ....reference.scene import Array, Case, Dynamics
+from ....reference.scene import Array, Case
 from ....reference.solve.solution import run_sizes
 from ...engines.equations import ModelEquations, scene_equations
 from ...engines.run import VIOLATIONS
 from ...engines.setup import Setup
-from ..rules.cautions import noticing_rules
+from ..rules.cautions import cautions, noticing_rules
 from ..tolerances import (
     CAP,
     RICHARDSON_SAFETY,
@@ -197,8 +197,8 @@ def compare_run(run: Sampled, values: Array, exact: Truth, model: Truth) -> Find
         f"{names[worst]}; {halving or f'halving the step shows {changes[0]:.1g}, as it should'}; "
         f"errors of the start grow by {errors_grow:.3g}"
     )
-    rules = noticing_rules(setup, setup.case.horizon) if not most <= tolerance else ()
-    noticed = (*rules, *((HALVING,) if halving else ()), REFERENCE)
+    said = [] if most <= tolerance else cautions(setup, setup.case.horizon)
+    noticed = (*noticing_rules(said), *((HALVING,) if halving else ()), REFERENCE)
     return Finding(QUANTITY, "1", most, 0.0, most, tolerance, reason, noticed_by=noticed)
 
 
@@ -212,13 +212,14 @@ def rates(equations: ModelEquations, case: Case) -> tuple[float, float]:
     of rotation is a vibration too.
     """
     scene, start = equations.scene, equations.start(case)
+    rate, times = scene.right_hand_side(equations.parameters), np.full(len(start), case.start_time)
     turns = [scene.state_names.index(name) for name in scene.rotations_per_period]
     decay = vibration = 0.0
     for angle in (0.0, np.pi / 2):
         state = start.copy()
         state[turns] += angle
         with np.errstate(all="ignore"):
-            slopes = jacobian(scene, equations.parameters, case.start_time, state)
+            slopes = by_complex_step(lambda x: rate(times, x), state)[1]
         if not np.all(np.isfinite(slopes)):
             continue
         eigenvalues = np.linalg.eigvals(slopes)
@@ -226,12 +227,6 @@ def rates(equations: ModelEquations, case: Case) -> tuple[float, float]:
         vibration = max(vibration, float(np.max(np.abs(eigenvalues.imag))))
     speeds = np.abs(start[len(start) // 2 :][turns])
     return decay, float(np.max(speeds, initial=vibration))
-
-
-def jacobian(scene: Dynamics, parameters: Any, time: float, state: Array) -> Array:
-    """Return the derivative (2 n, 2 n) of the rates by the state, by complex steps."""
-    rate = scene.right_hand_side(parameters)
-    return by_complex_step(lambda x: rate(np.full(len(state), time), x), state)[1]
 
 
 def longest_horizon(equations: ModelEquations, case: Case) -> float:

@@ -99,30 +99,21 @@ def measure_orbit(case: Case, orbit: Orbit, flow: Flow) -> Mapping[str, Array]:
     apart = flow(pair, np.array([float(PERIODS)]))[..., 0] @ [1, -1]
     ratio = abs(left @ (apart / scale)) / abs(left @ (2 * step / scale))
     equations = scene.orbit.quantities(samples, scene.coefficients(case.parameters))
+    name, turns = next(iter(scene.rotations_per_period.items()))
+    second = harmonics(samples[scene.coordinates.index(name)], turns)[1][1]
+    values = np.linalg.eigvals(slopes)
+    _, columns = linear_sum_assignment(np.abs(orbit.multipliers[:, None] - values))
     return {
         "closure": (around[:, -1] - orbit.state - period_advance(scene)[:, 0]) / scale,
-        "second_harmonic": np.array([ripple(case, samples)]),
+        "second_harmonic": np.array([second.amplitude]),
         "power_balance": np.array([sum(powers.values()) / max(map(abs, powers.values()))]),
-        "multipliers": matched(np.linalg.eigvals(slopes), orbit.multipliers),
+        "multipliers": values[columns],
         "growth": np.array([ratio ** (1 / PERIODS)]),
         **{
             name: np.array([np.exp(1j * equations[name]) if unit == "rad" else equations[name]])
             for name, unit in scene.orbit.units.items()
         },
     }
-
-
-def ripple(case: Case, samples: Array) -> float:
-    """Return the second-harmonic amplitude of the first turning coordinate [rad]."""
-    scene = get_scene(case.scene)
-    name, turns = next(iter(scene.rotations_per_period.items()))
-    return harmonics(samples[scene.coordinates.index(name)], turns)[1][1].amplitude
-
-
-def matched(values: Any, wanted: Any) -> Any:
-    """Return eigenvalues in the order of those that they come closest to."""
-    rows, columns = linear_sum_assignment(np.abs(wanted[:, None] - values[None, :]))
-    return values[columns[np.argsort(rows)]]
 
 
 @lru_cache(maxsize=16)
@@ -219,7 +210,10 @@ def measured(
 ) -> Measured:
     """Follow the orbit with ``count`` steps per period, twice and four times as many."""
     runs = [through(setup, orbit, count * k) for k in (1, 2, 4)]
-    floors = rounding_floors(orbit, right, bound, count, setup.epsilon)
+    growth = max(float(np.linalg.norm(orbit.monodromy, 2)), 1.0)
+    noise = setup.epsilon * (16 + np.sqrt(PERIODS * 4 * count)) * growth + 2 * bound
+    moved = {"multipliers": noise / PERTURBATION, "growth": noise / PERTURBATION}
+    floors = {name: size_of(name, right) * moved.get(name, noise) for name in right}
     estimates = {
         name: richardson([run[name] for run in runs], setup.integrator.order) for name in right
     }
@@ -349,20 +343,6 @@ def through(setup: Setup, orbit: Orbit, count: int) -> Mapping[str, Array]:
         return np.stack([run.matrix(scene.state_names) for run in runs], axis=1)
 
     return measure_orbit(setup.case, orbit, flow)
-
-
-def rounding_floors(
-    orbit: Orbit, right: Mapping[str, Array], bound: float, count: int, epsilon: float
-) -> Mapping[str, float]:
-    """Return what rounding and the reference's bound cost each quantity."""
-    growth = float(np.linalg.norm(orbit.monodromy, 2))
-    noise = epsilon * (16 + np.sqrt(PERIODS * 4 * count)) * max(growth, 1.0) + 2 * bound
-    return {
-        name: size_of(name, right)
-        * noise
-        / (PERTURBATION if name in ("multipliers", "growth") else 1.0)
-        for name in right
-    }
 
 
 OUTCOME_TOLERANCES = (1e-9, 1e-7)

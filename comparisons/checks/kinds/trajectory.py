@@ -115,19 +115,21 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         unit = unit_of(setup.case, name)
         series = Series("time", right.times[:seen], values[i, :seen], right.values[i, :seen])
         finding = Finding(name, unit, value, reference, error, tolerance, reason, series)
-        findings.append(prediction.conclusion(finding, float(np.max(prediction.change[i, :seen]))))
+        change = float(np.max(prediction.change[i, :seen]))
+        findings.append(conclusion(finding, change, prediction.unfollowed))
     if scene.run_quantities and not scheme:
         runs = [values, *finer] + ([coarse] if in_space else [])
         findings += run_quantities(setup, runs, right, in_space, prediction, room)
     states = [i for i, name in enumerate(names) if name in units]
     window = Window(size, states, seen)
-    away = window.distance(prediction.limit, right.values)
-    granted = prediction.granted(window) + room
+    away = window.largest(prediction.limit - right.values)
+    spread = window.largest(prediction.spread)
+    granted = min(spread, CAP**2) + room
     granted += float(np.max(right.bound[states] / size[states]))
     last = "scheme_residual" if scheme else "extrapolated"
     reason = f"{note}; {prediction.reason}"
     # what halving leaves open beyond all that is ever granted can tell neither right nor wrong
-    open_to = granted + max(0.0, window.largest(prediction.spread) - prediction.granted(window))
+    open_to = granted + max(0.0, spread - CAP**2)
     silence = (
         f"halving steps and elements leaves {open_to:.2g} open, and no more than {CAP**2:.2g} is "
         "granted: choose more of them"
@@ -140,13 +142,13 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         if granted < error <= open_to:
             return Inconclusive(name, silence)
         finding = Finding(name, "1", value, reference, error, granted, why)
-        return prediction.conclusion(finding, window.largest(prediction.change))
+        return conclusion(finding, window.largest(prediction.change), prediction.unfollowed)
 
     findings.append(relative_finding(last, away, 0.0, reason))
     if not setup.is_exact:
         exact = truth(scene_equations(setup.case), setup.case, times, names).values
         off, expected = (
-            window.distance(values, exact) for values in (prediction.limit, right.values)
+            window.largest(values - exact) for values in (prediction.limit, right.values)
         )
         reason = f"the model is off the scene by {expected:.2g} of the range at any step: "
         reason += equations.scene.title
@@ -178,9 +180,9 @@ def run_quantities(
     findings: list[Finding | Inconclusive] = []
     for name, unit in scene.run_quantities.units.items():
         reference, gain = derived[0][name]
-        value, half, quarter = (item[name][0] for item in derived[1:4])
-        limit = quarter + (quarter - half) / (2**order - 1)
-        predicted = max(abs(value - half) * 2**order / (2**order - 1), abs(value - limit))
+        values = [np.array(item[name][0]) for item in derived[1:4]]
+        estimate, value = richardson(values, order), float(values[0])
+        predicted = estimate.predicted / RICHARDSON_SAFETY
         if in_space:
             predicted += abs(value - derived[4][name][0]) / (2**in_space - 1)
         finding = Finding(
@@ -193,7 +195,8 @@ def run_quantities(
             f"predicted error {predicted:.3g} from half the step"
             + (" and half the elements" if in_space else ""),
         )
-        findings.append(prediction.conclusion(finding, abs(value - half)))
+        change = abs(value - float(values[1]))
+        findings.append(conclusion(finding, change, prediction.unfollowed))
     return findings
 
 
@@ -212,7 +215,10 @@ def unfollowed_vibrations(
 
 
 def conclusion(finding: Finding, change: float, unfollowed: str) -> Finding | Inconclusive:
-    """Return what was found, or nothing where it may be of vibrations that steps do not follow."""
+    """Return what was found, or nothing where it may be of vibrations that steps do not follow.
+
+    ``change`` is by how much the quantity moves when the step is halved.
+    """
     least = PROFILES["strict"] * finding.tolerance
     if unfollowed and least < finding.error < OPEN * change:
         return Inconclusive(finding.quantity, f"too coarse to tell: {unfollowed}")
@@ -242,13 +248,10 @@ class Window:
     states: list[int]
     seen: int
 
-    def distance(self, values: Array, reference: Array) -> float:
-        """Return the largest difference of rows (k, n_t), relative to their sizes."""
-        return self.largest(np.abs(values - reference))
-
     def largest(self, errors: Array) -> float:
         """Return the largest of errors (k, n_t), relative to their sizes."""
-        return float(np.max((errors[:, : self.seen] / self.size[:, None])[self.states]))
+        shares = np.abs(errors)[:, : self.seen] / self.size[:, None]
+        return float(np.max(shares[self.states]))
 
 
 @dataclass(frozen=True)
@@ -283,13 +286,6 @@ class Prediction:
     change: Array
     unfollowed: str = ""
 
-    def conclusion(self, finding: Finding, change: float) -> Finding | Inconclusive:
-        """Return what was found, or nothing where it may vanish with steps that are too coarse.
-
-        ``change`` is by how much the quantity moves when the step is halved.
-        """
-        return conclusion(finding, change, self.unfollowed)
-
     def with_elements(self, change: Array, order: int) -> Prediction:
         """Return it with the error in space that halving the elements showed (k, n_t)."""
         share = np.maximum.accumulate(np.abs(change), axis=1) / (2**order - 1)
@@ -299,10 +295,6 @@ class Prediction:
             spread=self.spread + self.safety * share,
             reason=f"{self.reason}; elements are off by up to {float(np.max(share)):.2g}",
         )
-
-    def granted(self, window: Window) -> float:
-        """Return the relative tolerance of the limit in a window."""
-        return min(window.largest(self.spread), CAP**2)
 
 
 def by_scheme(scheme: str, values: Array, ideal: Array, right: Truth) -> Prediction:
@@ -323,23 +315,20 @@ def by_extrapolation(
     order: int, runs: list[Array], right: Truth, names: tuple[str, ...]
 ) -> Prediction:
     """Predict errors from h, h/2, h/4 (Richardson), if they shrink as declared."""
-    values, half, quarter = runs
-    size = right.size[:, None]
-    gain = 2**order - 1
-    predicted = np.abs(values - half) * (gain + 1) / gain
-    before = half + (half - values) / gain
-    limit = quarter + (quarter - half) / gain
+    change, size = np.abs(runs[0] - runs[1]), right.size[:, None]
+    predicted = change * 2**order / (2**order - 1)
     seen = max(1, last_trusted_sample(np.maximum.accumulate(predicted / size, axis=1)))
     states = [i for i, name in enumerate(names) if not name.endswith("_violation")]
+    whole = richardson(runs, order)
     estimate = richardson([(run / size)[states, :seen] for run in runs], order)
     shrinks = estimate.shrinks(float(np.max(right.bound / right.size)))
     return Prediction(
         errors=np.maximum.accumulate(predicted, axis=1) if shrinks else 0 * predicted,
         safety=RICHARDSON_SAFETY,
-        limit=limit,
-        spread=np.abs(limit - before) if shrinks else 0 * predicted,
+        limit=whole.limit,
+        spread=whole.moved if shrinks else 0 * predicted,
         shrinks=shrinks,
         reason=f"value extrapolated to h -> 0; halving divides the error by "
         f"{estimate.ratio:.3g}, {2**order} expected",
-        change=np.abs(values - half),
+        change=change,
     )

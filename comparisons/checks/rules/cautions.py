@@ -13,7 +13,7 @@ import numpy as np
 
 from ...engines.setup import Setup
 from ..verdict import RULE
-from . import method, model, motion
+from . import method, model
 from .conditions import MEANINGS, Statement
 from .run import RunConditions
 
@@ -54,10 +54,10 @@ RULES: Mapping[str, Rule] = {
     ),
     "closure_softness": Rule(MEANINGS["closure_softness"], model.closure_softness),
     "discretisation": Rule("too few segments for the first frequency", model.discretisation),
-    "dead_centre": Rule("the mechanism passes near a singular position", motion.dead_centre),
-    "inconsistent_start": Rule("it starts off its constraints", motion.inconsistent_start),
-    "unstable_start": Rule("it starts on an unstable state of rest", motion.unstable_start),
-    "amplification": Rule("the motion is chaotic, or as good as", motion.amplification),
+    "dead_centre": Rule("the mechanism passes near a singular position", method.dead_centre),
+    "inconsistent_start": Rule("it starts off its constraints", method.inconsistent_start),
+    "unstable_start": Rule("it starts on an unstable state of rest", method.unstable_start),
+    "amplification": Rule("the motion is chaotic, or as good as", method.amplification),
     "clock_rounding": Rule(MEANINGS["clock_rounding"], method.clock_rounding),
     "engine_range": Rule("values that the engine takes for a failure", method.engine_range),
     "ill_conditioned": Rule(MEANINGS["ill_conditioned"], model.ill_conditioned),
@@ -74,9 +74,9 @@ def cautions(setup: Setup, horizon: float, rules: Mapping[str, Rule] = RULES) ->
     return [Caution(name, one.sentence) for name, one in said.items() if one is not None]
 
 
-def noticing_rules(setup: Setup, horizon: float) -> tuple[str, ...]:
-    """Return the rules that warn of a run over a horizon [s], each once, as who notices."""
-    return tuple(dict.fromkeys(f"{RULE}{one.rule}" for one in cautions(setup, horizon)))
+def noticing_rules(cautions: list[Caution]) -> tuple[str, ...]:
+    """Return the rules that warn of a run, each once, as who notices."""
+    return tuple(dict.fromkeys(f"{RULE}{one.rule}" for one in cautions))
 
 
 def explained(reason: str, cautions: list[Caution]) -> str:

@@ -71,12 +71,13 @@ def closure_softness(run: RunConditions) -> Statement | None:
 
 
 def shortest_length(parameters: Any) -> float:
-    """Return the smallest parameter that is a length and positive by its nature [m]."""
-    return min(
+    """Return the least parameter that is a length and positive by its nature [m], or 1 m."""
+    lengths = (
         getattr(parameters, item.name)
         for item in dataclasses.fields(parameters)
         if item.metadata["unit"] == "m" and item.metadata["bound"] == "positive"
     )
+    return min(lengths, default=1.0)
 
 
 @lru_cache(maxsize=1024)

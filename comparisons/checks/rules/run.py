@@ -40,12 +40,6 @@ class RunConditions(Setup):
         return start_and_rests(self.equations, tuple(self.start[: len(self.start) // 2]))
 
     @cached_property
-    def scene_start(self) -> Place:
-        """Start of the scene's equations, all at rest."""
-        start = self.scene.state(self.case.state)
-        return start_and_rests(scene_equations(self.case), tuple(start[: len(start) // 2]))[0]
-
-    @cached_property
     def period(self) -> float:
         """Period of the drive, or of the orbit [s]."""
         return float(self.scene.period(self.case.parameters))

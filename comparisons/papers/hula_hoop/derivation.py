@@ -9,10 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ....reference import get_scene
 from ....reference.hula_hoop.equations import (
     SEMICIRCLE,
-    HulaHoop,
     orbit_guesses,
 )
 from ....reference.hula_hoop.floquet import floquet_multipliers, variational_coefficients
@@ -25,18 +23,12 @@ from ....reference.hula_hoop.theory import (
     refined_solution,
 )
 from ....reference.scene import Array
-from ...checks.kinds.algebra import random_states
-from ...engines.equations import scene_equations
 from ...engines.registry import REFERENCE
-from ...engines.run import contained
-from ...queries.query import choose_engine
-from ...queries.request import Query
 from ..ledger import Numbers
 from ..session import Session
 from .results import (
     APPROXIMATIONS,
     EXAMPLE,
-    SCENE,
     apart,
     approximation_errors,
     example_rotation,
@@ -78,41 +70,6 @@ def uniform_rotation(session: Session) -> Numbers:
         "uniform": uniform,
         "ratio": error / uniform,
     }
-
-
-def equations_of_motion(session: Session, who: str) -> Numbers:
-    """Return errors at random states: of (7), (8), or of the accelerations of an engine."""
-    case = Query(SCENE).case
-    scene = get_scene(SCENE)
-    times, points = random_states(scene_equations(case), case, scene.coordinates)
-    derivative = scene.right_hand_side(case.parameters)
-    truth = np.array([derivative(t, x)[2:] for t, x in zip(times, points, strict=True)])
-    if who == REFERENCE:
-        return {"error": residual_of_7_8(times, points, truth), "count": len(times)}
-    engine, model = choose_engine(who, case, None)
-    with contained():
-        own = engine.accelerations(case, model, times, points)
-    return {"error": float(np.abs(own - truth).max() / np.abs(truth).max())}
-
-
-def residual_of_7_8(times: Array, points: Array, rates: Array, p: HulaHoop = EXAMPLE) -> float:
-    """Return the largest residual of (7), (8), in q = y / R and tau = omega_n t.
-
-    Parameters
-    ----------
-    times : array (n,) [s]
-    points, rates : array (n, 4), (n, 2)
-        States, and second derivatives of y and theta [m/s^2, rad/s^2].
-    """
-    c = nondimensional(p)
-    y, theta, y_dot, theta_dot = points.T
-    length, rate = p.rod_length, p.omega_n
-    q_2, theta_2 = rates[:, 0] / (length * rate**2), rates[:, 1] / rate**2
-    coupling = theta_2 * np.cos(theta) - (theta_dot / rate) ** 2 * np.sin(theta)
-    drive = c.force * np.cos(2 * np.pi * p.force_frequency * times)
-    slide = q_2 + 2 * c.rho * y_dot / (length * rate) + y / length + c.epsilon * coupling - drive
-    hinge = c.inertia * theta_2 + c.zeta_m * theta_dot / rate + q_2 * np.cos(theta)
-    return float(np.abs([slide, hinge]).max() / (np.abs(q_2).max() + np.abs(theta_2).max()))
 
 
 def plate_inertia(session: Session, expected: float = SEMICIRCLE) -> Numbers:
@@ -174,14 +131,16 @@ def homotopy(session: Session) -> Numbers:
     return {"error": max(abs(in_11(0.3) - in_10(0.3)), *map(abs, ends), *series)}
 
 
-def second_order(as_printed: bool) -> float:
-    """Return the error of the second order of (20), whose N is taken at V_1 as printed."""
+def second_order(session: Session) -> Numbers:
+    """Return errors of the second order of (20), whose N is taken at V_1 as printed."""
     (matrix, mixing), (initial, first, second, _) = LINEAR, FUNCTIONS
-    right = matrix @ second + mixing @ (np.cos(initial) * first)
-    own = matrix @ second + mixing @ np.sin(first) if as_printed else right
     step = 1e-4
     truth = (orders(step) - 2 * orders(0.0) + orders(-step)) / step**2 / 2
-    return float(np.max(np.abs(own - truth)))
+    printed, right = (
+        float(np.max(np.abs(matrix @ second + mixing @ nonlinear - truth)))
+        for nonlinear in (np.sin(first), np.cos(initial) * first)
+    )
+    return {"as_printed": printed, "corrected": right, "share": right / printed}
 
 
 def secular_terms(session: Session) -> Numbers:

@@ -1,171 +1,303 @@
-"""Measures of the hula_hoop paper's equations (1)-(8), (16)-(61): each against what it comes from.
+"""Equations of the hula_hoop paper: (1)-(8), (24)-(61) as printed, put right and derived.
 
-Expansions are taken at one motion of the form (16), (17) that solves nothing, `TRIAL`, whose
-derivatives are those of its Fourier series.
+They are taken along one motion of the form (16), (17) that solves nothing, `TRIAL`, with
+s = alpha tau. Where a motion is not needed, values are random.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
-from functools import partial
+from collections.abc import Mapping
 from math import factorial
-from typing import Any
 
 import numpy as np
 from scipy.special import jv
 
 from ....reference import get_scene
-from ....reference.differences import lagrange_terms
-from ....reference.hula_hoop.equations import SEMICIRCLE, HulaHoop, coefficients, drive, energy
-from ....reference.hula_hoop.theory import balance_residuals, nondimensional, paper_solution
-from ....reference.scene import Array
+from ....reference.hula_hoop.equations import (
+    SEMICIRCLE,
+    coefficients,
+    drive,
+    energy,
+)
+from ....reference.hula_hoop.theory import nondimensional, paper_solution, printed_residuals
+from ...checks.kinds.algebra import random_states
+from ...engines.equations import scene_equations
+from ...engines.registry import REFERENCE
+from ...engines.run import contained
+from ...queries.query import choose_engine
+from ...queries.request import Query
+from ..equations import Identities, Values
 from ..ledger import Numbers
 from ..session import Session
-from .derivation import PHASES, TRIAL, residual_of_7_8
+from .derivation import PHASES, TRIAL
 from .results import EXAMPLE, SCENE
 
 PLATE = EXAMPLE.replace(inertia_ratio=SEMICIRCLE)
-BODIES = (EXAMPLE, PLATE)
 
 
-# Section 2
+def motion(q: str = "q_1*cos(eta)", theta: str = "s + u_1*cos(psi)") -> str:
+    """Return (16), (17), (37), (48), and the left-hand sides of (7), (8) along them."""
+    return f"""
+        f_u = 2*alpha
+        psi = 2*s - gamma
+        eta = s - beta
+        q = {q}
+        theta = {theta}
+        pull = alpha**2*d(q, s, 2)
+        turn = alpha*d(theta, s)
+        bend = alpha**2*d(theta, s, 2)
+        coupling = bend*cos(theta) - turn**2*sin(theta)
+        slide = pull + 2*rho*alpha*d(q, s) + q + epsilon*coupling
+        hinge = inertia*bend + zeta_m*turn + pull*cos(theta)
+        """
 
 
-def printed_kinetic(q: Any, v: Any, p: HulaHoop) -> Any:
-    """Return T of (1), multiplied out as in its second line."""
-    own = v[0] ** 2 + 2 * p.rod_length * v[0] * v[1] * np.cos(q[1]) + (p.rod_length * v[1]) ** 2
-    inertia = p.inertia_ratio * p.free_mass * p.rod_length**2
-    return (p.main_mass * v[0] ** 2 + p.free_mass * own + inertia * v[1] ** 2) / 2
+def moved(theta_wave: str) -> str:
+    """Return the same with perturbations of size h, (53), (54), and the coefficients (57)-(61)."""
+    return f"""
+        q_wave = cos(3*s + 0.2)
+        theta_wave = {theta_wave}
+        {motion("q_1*cos(eta) + h*q_wave", "s + u_1*cos(psi) + h*theta_wave").strip()}
+        theta_b = s + u_1*cos(psi)
+        wave = -u_1*f_u*sin(psi)
+        p_1 = epsilon*cos(theta_b)
+        p_2 = -2*epsilon*(wave + alpha)*sin(theta_b)
+        p_3 = -epsilon*((alpha**2 + wave**2 + 2*alpha*wave)*cos(theta_b)
+            - u_1*f_u**2*cos(psi)*sin(theta_b))
+        p_4 = q_1*alpha**2*cos(eta)*sin(theta_b)/inertia
+        p_5 = cos(theta_b)/inertia
+        """
 
 
-def printed_potential(q: Any, p: HulaHoop) -> Any:
-    """Return V of (2)."""
-    return p.stiffness * q[0] ** 2 / 2
+NUMBERS = {name: float(value) for name, value in nondimensional(EXAMPLE)._asdict().items()}
+ALONG = NUMBERS | {name: vars(TRIAL)[name] for name in ("alpha", "q_1", "beta", "u_1", "gamma")}
+ALONG |= {"s": PHASES}
+"""Coefficients of (7), (8), and with them the values of the trial motion over a turn."""
+
+BODIES = {"I_m": np.repeat([0.0, SEMICIRCLE], 8)}
 
 
-def random_motions() -> list[Array]:
-    """Return y, theta and their rates (2, 2), 16 of them."""
-    random = np.random.default_rng(1)
-    scales = np.array([[0.01, 1], [1, 20]])
-    return [np.asarray(random.normal(size=(2, 2)) * scales) for _ in range(16)]
+def dimensional(values: Values) -> Values:
+    """Return parameters, a state and accelerations of the scene [SI] at a point.
 
-
-def printed_energies(session: Session) -> Numbers:
-    """Return by how much both lines of (1), with (2), miss the scene's energy, relative."""
-    errors = []
-    for p in BODIES:
-        for (y, theta), (y_dot, turn) in random_motions():
-            x_f = -p.rod_length * turn * np.sin(theta)
-            y_f = y_dot + p.rod_length * turn * np.cos(theta)
-            spin = p.inertia_ratio * p.free_mass * (p.rod_length * turn) ** 2
-            first = (p.main_mass * y_dot**2 + p.free_mass * (x_f**2 + y_f**2) + spin) / 2
-            second = printed_kinetic((y, theta), (y_dot, turn), p)
-            truth = energy((y, theta), (y_dot, turn), coefficients(p))
-            stored = printed_potential((y,), p)
-            errors += [abs((kinetic + stored) / truth - 1) for kinetic in (first, second)]
-    return {"error": max(errors)}
-
-
-def lagrange(session: Session) -> Numbers:
-    """Return what the scene's accelerations leave of (3)-(8) at random states.
-
-    Of (3), (4) with (1), (2) and the forces below them, and of (5), (6), over the largest term of
-    each in all states; and of (7), (8).
+    It has ``I_m`` and ``t`` [s]; y, theta and their rates are of random size.
     """
-    left: dict[str, float] = {"(3), (4)": 0.0, "(5), (6)": 0.0, "(7), (8)": 0.0}
-    for p in BODIES:
-        c, arm = coefficients(p), p.free_mass * p.rod_length
-        damping = 2 * p.damping_ratio * (p.main_mass + p.free_mass) * p.omega_n  # below (8)
-        friction = p.hinge_damping_ratio * arm * p.rod_length * p.omega_n
-        kinetic, potential = partial(printed_kinetic, p=p), partial(printed_potential, p=p)
-        terms: dict[str, list[Any]] = {"(3), (4)": [], "(5), (6)": []}
-        for i, (q, v) in enumerate(random_motions()):
-            time = 0.11 * i
-            a = np.array(get_scene(SCENE).accelerations(drive(time, c), q, v, c))
-            push = p.force_amplitude * np.cos(2 * np.pi * p.force_frequency * time)
-            forces = np.array([push - damping * v[0], -friction * v[1]])
-            cos, sin = np.cos(q[1]), np.sin(q[1])
-            printed = (
-                ((p.main_mass + p.free_mass) * a[0], arm * p.rod_length * a[1]),
-                (arm * a[1] * cos, p.inertia_ratio * arm * p.rod_length * a[1]),
-                (-arm * v[1] ** 2 * sin, arm * a[0] * cos),
-                (p.stiffness * q[0], 0.0),
-            )
-            own = lagrange_terms(kinetic, potential, q, v, a)
-            terms["(3), (4)"].append([*own, -forces])
-            terms["(5), (6)"].append([*printed, -forces])
-            state, rates = np.concatenate([q, v])[None], a[None]
-            in_7_8 = residual_of_7_8(np.array([time]), state, rates, p)
-            left["(7), (8)"] = max(left["(7), (8)"], in_7_8)
-        for name, every in terms.items():
-            sizes = np.max(np.abs(every), axis=(0, 1))
-            worst = np.max(np.abs(np.sum(every, axis=1)) / sizes)
-            left[name] = max(left[name], float(worst))
-    return {"left": left, "largest": max(left.values())}
+    p = EXAMPLE.replace(inertia_ratio=values["I_m"])
+    c, t = coefficients(p), values["t"]
+    q, v = (0.01 * values["y"], values["theta"]), (values["y_v"], 20 * values["theta_v"])
+    a = get_scene(SCENE).accelerations(drive(t, c), q, v, c)
+    return {
+        "M": p.main_mass, "m": p.free_mass, "R": p.rod_length,
+        "k": p.stiffness, "rho": p.damping_ratio, "zeta_m": p.hinge_damping_ratio,
+        "omega_n": float(p.omega_n), "F": p.force_amplitude, "f": p.force_frequency,
+        "y": q[0], "theta": q[1], "y_v": v[0], "theta_v": v[1],
+        "y_a": float(a[0]), "theta_a": float(a[1]), "energy": float(energy(q, v, c)),
+    }  # fmt: skip
 
 
-# Section 3: terms of (7), (8) along the trial motion
-
-
-def slopes(values: Any) -> tuple[Array, Array]:
-    """Return two derivatives in tau of samples (..., n) over `PHASES`, by their Fourier series."""
-    spectrum = np.fft.rfft(values)
-    factor = 1j * TRIAL.alpha * np.arange(spectrum.shape[-1])
-    first, second = (np.fft.irfft(spectrum * factor**k, len(PHASES)) for k in (1, 2))
-    return first, second
-
-
-def printed_trial() -> tuple[Array, Array]:
-    """Return q and theta by (53), (54) without the perturbations: (16), (17), (37), (48)."""
-    f_q, f_u, tau = TRIAL.alpha, 2 * TRIAL.alpha, PHASES / TRIAL.alpha
-    q = TRIAL.q_1 * np.cos(f_q * tau - TRIAL.beta)
-    return q, TRIAL.alpha * tau + TRIAL.u_1 * np.cos(f_u * tau - TRIAL.gamma)
-
-
-def trial() -> tuple[Array, Array, Array, Array, Array, Array]:
-    """Return q, q', q'', theta, theta', theta'' of it."""
-    q, theta = printed_trial()
-    turn, bend = slopes(theta - PHASES)
-    return q, *slopes(q), theta, TRIAL.alpha + turn, bend
-
-
-def linear_terms(session: Session) -> Numbers:
-    """Return by how much linear terms of (32) and (42) miss those of (7), (8) along (23), (40)."""
-    c, (q, q_1, q_2, _, turn, bend) = nondimensional(PLATE), trial()
-    a, size, u, b, g = TRIAL.alpha, TRIAL.q_1, TRIAL.u_1, TRIAL.beta, TRIAL.gamma
-    f_u, inertia, friction = 2 * a, c.inertia, c.zeta_m
-    in_32 = -size * a**2 * np.cos(PHASES - b) - 2 * c.rho * size * a * np.sin(PHASES - b)
-    in_32 += size * np.cos(PHASES - b)
-    sine, cosine = np.sin(2 * PHASES), np.cos(2 * PHASES)
-    in_42 = -inertia * u * f_u**2 * (np.cos(g) * cosine + np.sin(g) * sine) + friction * a
-    in_42 += -friction * u * f_u * np.cos(g) * sine + friction * u * f_u * np.sin(g) * cosine
-    slide, hinge = q_2 + 2 * c.rho * q_1 + q, inertia * bend + friction * turn
-    return {"error": np.max(np.abs([slide - in_32, hinge - in_42]))}
-
-
-def products(session: Session) -> Numbers:
-    """Return by how much the lines of (24) and (29) miss theta'^2 sin(theta), theta'' cos(theta).
-
-    The last line of (24) with what it has lost.
+BODY = """
+    mass = M + m
+    T = (M*y_v**2 + m*(y_v**2 + 2*R*y_v*theta_v*cos(theta) + (R*theta_v)**2)
+        + I_m*m*R**2*theta_v**2)/2
+    V = k*y**2/2
+    push = F*cos(2*pi*f*t) - 2*rho*mass*omega_n*y_v
+    friction = zeta_m*m*R**2*omega_n*theta_v
+    p_y = d(T, y_v)
+    p_theta = d(T, theta_v)
+    q_a = y_a/(R*omega_n**2)
+    turn = theta_v/omega_n
+    bend = theta_a/omega_n**2
     """
-    _, _, _, theta, turn, bend = trial()
-    a, u, f_u, psi = TRIAL.alpha, TRIAL.u_1, 2 * TRIAL.alpha, 2 * PHASES - TRIAL.gamma
-    wave, sine, cosine = u * f_u * np.sin(psi), np.sin(PHASES), np.cos(PHASES)
-    even, odd = np.cos(u * np.cos(psi)), np.sin(u * np.cos(psi))
-    square, swing = a**2 - 2 * a * wave + wave**2, -u * f_u**2 * np.cos(psi)
-    in_24 = (
-        (a - wave) ** 2 * np.sin(PHASES + u * np.cos(psi)),
-        square * (sine * even + cosine * odd),
-        square * sine * even + square * cosine * odd,
-    )
-    in_29 = (
-        swing * np.cos(PHASES + u * np.cos(psi)),
-        swing * (cosine * even - sine * odd),
-        swing * cosine * even - swing * sine * odd,
-    )
-    errors = [one - turn**2 * np.sin(theta) for one in in_24]
-    errors += [one - bend * np.cos(theta) for one in in_29]
-    return {"error": np.max(np.abs(errors))}
+"""(1) as its second line has it, (2), the forces below (4), momenta, and rates in tau."""
+
+IDENTITIES: Mapping[str, Identities] = {
+    "lost_dots": Identities(
+        """
+        at(d(cos(a + v*t), t), t, 0) = -v*sin(a)
+        printed = -a*sin(a)
+        """,
+        values={"a": 0.7, "v": 3.0},
+    ),
+    "square_25": Identities(
+        """
+        turn**2 * sin(theta) = (alpha**2 - 2*alpha*u_1*f_u*sin(psi)
+            + (u_1*f_u*sin(psi))**2)*sin(theta)
+        printed = (alpha**2 - 2*u_1*f_u*sin(psi) + (u_1*f_u*sin(psi))**2)*sin(theta)
+        """,
+        motion(), ALONG,
+    ),
+    "expansion_30": Identities(
+        """
+        bend*cos(theta) = bend*(cos(s)*even - sin(s)*odd)
+        printed = bend*cos(s)*even - bend + 4*J(5, u_1)*cos(5*psi)
+        """,
+        motion() + """
+        even = J(0, u_1) - 2*J(2, u_1)*cos(2*psi) + 2*J(4, u_1)*cos(4*psi)
+        odd = 2*J(1, u_1)*cos(psi) - 2*J(3, u_1)*cos(3*psi) + 2*J(5, u_1)*cos(5*psi)
+        """,
+        ALONG,
+    ),
+    "lost_term_35": Identities(
+        """
+        linear(2*mean(slide*sin(s), s), u_1)/u_1 = (balance - epsilon*alpha**2*u_1*sin(gamma)/2)/u_1
+        printed = balance/u_1
+        """,
+        motion() + """
+        balance = (1 - alpha**2)*q_1*sin(beta) - 2*rho*q_1*alpha*cos(beta) - epsilon*alpha**2
+        """,
+        ALONG | {"s": 0.0},
+    ),
+    "product_41": Identities(
+        """
+        2*mean(pull*cos(theta)*cos(2*s), s) = -q_1*alpha**2/2*(J(0, u_1)*cos(beta)
+            - J(2, u_1)*cos(beta - 2*gamma) + J(1, u_1)*sin(-beta - gamma)
+            - J(1, u_1)*sin(beta - gamma))
+        printed = -q_1*alpha**2/2*(J(0, u_1)*cos(beta) - J(2, u_1)*cos(beta - 2*gamma)
+            + J(1, u_1) + 2*(-beta - gamma) - J(1, u_1)*sin(beta - gamma))
+        """,
+        motion(), ALONG | {"s": 0.0},
+    ),
+    "kernel_45": Identities(
+        """
+        -cos(f*t) = inertia*d(right, t, 2) + zeta_m*d(right, t)
+        printed = inertia*d(wrong, t, 2) + zeta_m*d(wrong, t)
+        """,
+        """
+        f = 2*alpha
+        wrong = -(cos(f*t) - cos(t))/(1 - f**2)
+        right = (f*inertia*cos(f*t) - zeta_m*sin(f*t))/(f*((f*inertia)**2 + zeta_m**2))
+        """,
+        NUMBERS | {"t": np.linspace(0, 40, 400)},
+    ),
+    "variational_55": Identities(
+        """
+        at(d(epsilon*coupling, h), h, 0) = p_1*alpha**2*d(theta_wave, s, 2)
+            + p_2*alpha*d(theta_wave, s) + p_3*theta_wave
+        printed = (p_1 + p_2)*alpha*d(theta_wave, s) + p_3*theta_wave
+        """,
+        moved("cos(3*s/alpha)"), ALONG,
+    ),
+    "energies": Identities(
+        """
+        (1): energy/T = (M*y_v**2/2 + m*((R*theta_v*sin(theta))**2
+            + (y_v + R*theta_v*cos(theta))**2)/2 + I_m*m*(R*theta_v)**2/2 + V)/T
+        (1): energy/T = (T + V)/T
+        """,
+        BODY, BODIES, dimensional,
+    ),
+    "lagrange": Identities(
+        """
+        (3), (4): push/force = (d(p_y, theta)*theta_v + d(p_y, y_v)*y_a + d(p_y, theta_v)*theta_a
+            - d(T, y) + d(V, y))/force
+        (3), (4): -friction/torque = (d(p_theta, theta)*theta_v + d(p_theta, y_v)*y_a
+            + d(p_theta, theta_v)*theta_a - d(T, theta) + d(V, theta))/torque
+        (5), (6): push/force = (mass*y_a + m*R*(theta_a*cos(theta) - theta_v**2*sin(theta))
+            + k*y)/force
+        (5), (6): -friction/torque = ((1 + I_m)*m*R**2*theta_a + m*R*y_a*cos(theta))/torque
+        (7), (8): F/(mass*R*omega_n**2)*cos(2*pi*f*t)/q_a = (q_a + 2*rho*y_v/(R*omega_n) + y/R
+            + m/mass*(bend*cos(theta) - turn**2*sin(theta)))/q_a
+        (7), (8): -q_a*cos(theta)/bend = ((1 + I_m)*bend + zeta_m*turn)/bend
+        """,
+        BODY + """
+    force = mass*y_a
+    torque = m*R**2*theta_a
+    """,
+        BODIES, dimensional,
+    ),
+    "linear_terms": Identities(
+        """
+        slide - epsilon*coupling = -q_1*alpha**2*cos(eta) - 2*rho*q_1*alpha*sin(eta) + q_1*cos(eta)
+        hinge - pull*cos(theta) = -inertia*u_1*f_u**2*(cos(gamma)*cos(2*s) + sin(gamma)*sin(2*s))
+            + zeta_m*alpha - zeta_m*u_1*f_u*cos(gamma)*sin(2*s)
+            + zeta_m*u_1*f_u*sin(gamma)*cos(2*s)
+        """,
+        motion(),
+    ),
+    "products": Identities(
+        """
+        turn**2 * sin(theta) = (alpha - wave)**2*sin(s + u_1*cos(psi))
+        turn**2 * sin(theta) = square*(sin(s)*even + cos(s)*odd)
+        turn**2 * sin(theta) = square*sin(s)*even + square*cos(s)*odd
+        bend*cos(theta) = swing*cos(s + u_1*cos(psi))
+        bend*cos(theta) = swing*(cos(s)*even - sin(s)*odd)
+        bend*cos(theta) = swing*cos(s)*even - swing*sin(s)*odd
+        """,
+        motion() + """
+        wave = u_1*f_u*sin(psi)
+        square = alpha**2 - 2*alpha*wave + wave**2
+        swing = -u_1*f_u**2*cos(psi)
+        even = cos(u_1*cos(psi))
+        odd = sin(u_1*cos(psi))
+        """,
+    ),
+    "expansions": Identities(
+        """
+        (28): 2*mean(turn**2*sin(theta)*cos(s), s) = both*cos(gamma)
+        (28): 2*mean(turn**2*sin(theta)*sin(s), s) = (alpha**2 + square)*J(0, u_1)
+            + both*sin(gamma) + square*J(2, u_1)
+        (31): 2*mean(bend*cos(theta)*cos(s), s) = -u_1*f_u**2*(J(0, u_1) - J(2, u_1))/2*cos(gamma)
+        (31): 2*mean(bend*cos(theta)*sin(s), s) = u_1*f_u**2*J(1, u_1)
+            - u_1*f_u**2*(J(0, u_1) - J(2, u_1))/2*sin(gamma)
+        (42): 2*mean(pull*cos(theta)*cos(2*s), s) = half*(J(0, u_1)*cos(beta)
+            - J(2, u_1)*cos(beta - 2*gamma) - J(1, u_1)*(sin(beta + gamma) + sin(beta - gamma)))
+        (42): 2*mean(pull*cos(theta)*sin(2*s), s) = half*(J(0, u_1)*sin(beta)
+            + J(2, u_1)*sin(beta - 2*gamma) + J(1, u_1)*(cos(beta + gamma) - cos(beta - gamma)))
+        its mean: mean(pull*cos(theta), s) = half*(J(0, u_1)*cos(beta)
+            + J(1, u_1)*sin(beta - gamma))
+        """,
+        motion() + """
+        square = u_1**2*f_u**2/2
+        half = -q_1*alpha**2/2
+        both = (alpha**2 + square)*J(1, u_1) - alpha*u_1*f_u*(J(0, u_1) + J(2, u_1))
+            - square*(J(1, u_1) - J(3, u_1))/2
+        """,
+    ),
+    "first_order": Identities(
+        """
+        (36): at(d(2*mean(slide*cos(s), s), h), h, 0) = q_1*((1 - alpha**2)*cos(beta)
+            + 2*rho*alpha*sin(beta)) - epsilon*alpha**2*u_1*cos(gamma)/2
+        (46): at(d(2*mean(hinge*sin(2*s), s), h), h, 0) = -4*inertia*alpha**2*u_1*sin(gamma)
+            - 2*zeta_m*u_1*alpha*cos(gamma) - q_1*alpha**2*sin(beta)/2
+        (47): at(d(2*mean(hinge*cos(2*s), s), h), h, 0) = -4*inertia*alpha**2*u_1*cos(gamma)
+            + 2*zeta_m*u_1*alpha*sin(gamma) - q_1*alpha**2*cos(beta)/2
+        """,
+        motion("h*q_1*cos(eta)", "s + h*u_1*cos(psi)"),
+    ),
+    "solution_34": Identities(
+        """
+        -(S*sin(a*t) + C*cos(a*t)) = d(v, t, 2) + v
+        0*t = at(v, t, 0)
+        0*t = at(d(v, t), t, 0)
+        """,
+        "v = (S*(a*sin(t) - sin(a*t)) + C*(cos(t) - cos(a*t)))/(1 - a**2)",
+    ),
+    "coefficients_57": Identities(
+        """
+        at(d(slide, h), h, 0) = alpha**2*d(q_wave, s, 2) + 2*rho*alpha*d(q_wave, s) + q_wave
+            + p_1*alpha**2*d(theta_wave, s, 2) + p_2*alpha*d(theta_wave, s) + p_3*theta_wave
+        at(d(hinge/inertia, h), h, 0) = alpha**2*d(theta_wave, s, 2)
+            + zeta_m/inertia*alpha*d(theta_wave, s) + p_4*theta_wave
+            + p_5*alpha**2*d(q_wave, s, 2)
+        """,
+        moved("sin(s) - 0.7*cos(4*s)"),
+    ),
+}  # fmt: skip
+"""Those of a row, by its name."""
+
+
+def equations_of_motion(session: Session, who: str) -> Numbers:
+    """Return errors at random states: of (7), (8), or of the accelerations of an engine."""
+    if who == REFERENCE:
+        error = IDENTITIES["lagrange"](session)["(7), (8)"]
+        return {"error": error, "count": len(BODIES["I_m"])}
+    case, scene = Query(SCENE).case, get_scene(SCENE)
+    times, points = random_states(scene_equations(case), case, scene.coordinates)
+    derivative = scene.right_hand_side(case.parameters)
+    truth = np.array([derivative(t, x)[2:] for t, x in zip(times, points, strict=True)])
+    engine, model = choose_engine(who, case, None)
+    with contained():
+        own = engine.accelerations(case, model, times, points)
+    return {"error": float(np.abs(own - truth).max() / np.abs(truth).max())}
 
 
 def bessel_series(session: Session) -> Numbers:
@@ -191,130 +323,13 @@ def bessel(session: Session) -> Numbers:
     return {"errors": errors, "largest": max(errors.values())}
 
 
-def harmonic(values: Array, order: int) -> tuple[float, float]:
-    """Return the coefficients of cosine and sine of one order in samples over `PHASES`."""
-    wave = np.mean(2 * values * np.exp(1j * order * PHASES))
-    return wave.real, wave.imag
-
-
-def expansions(session: Session) -> Numbers:
-    """Return errors of (28), of (31), and of (42) with its mean (44), at `TRIAL`."""
-    _, _, pull, theta, turn, bent = trial()
-    a, u, g, b = TRIAL.alpha, TRIAL.u_1, TRIAL.gamma, TRIAL.beta
-    j, f = jv(np.arange(4), u), 2 * TRIAL.alpha
-    sin, cos = np.sin(g), np.cos(g)
-    square, mixed, bend = u**2 * f**2 / 2, -2 * a * u * f, -u * f**2
-    both = (a**2 + square) * j[1] + mixed * (j[0] + j[2]) / 2 - square * (j[1] - j[3]) / 2
-    in_28 = both * cos, (a**2 + square) * j[0] + both * sin + square * j[2]
-    in_31 = bend * (j[0] - j[2]) / 2 * cos, -bend * j[1] + bend * (j[0] - j[2]) / 2 * sin
-    half = -TRIAL.q_1 * a**2 / 2
-    in_42 = (
-        half * (j[0] * np.cos(b) - j[2] * np.cos(b - 2 * g))
-        - half * j[1] * (np.sin(b + g) + np.sin(b - g)),
-        half * (j[0] * np.sin(b) + j[2] * np.sin(b - 2 * g))
-        + half * j[1] * (np.cos(b + g) - np.cos(b - g)),
-    )
-    torque = pull * np.cos(theta)
-    pairs: dict[str, tuple[Any, Any]] = {
-        "(28)": (in_28, harmonic(turn**2 * np.sin(theta), 1)),
-        "(31)": (in_31, harmonic(bent * np.cos(theta), 1)),
-        "(42)": (in_42, harmonic(torque, 2)),
-        "its mean": (half * (j[0] * np.cos(b) + j[1] * np.sin(b - g)), np.mean(torque)),
-    }
-    errors = {name: float(np.max(np.abs(np.subtract(*pair)))) for name, pair in pairs.items()}
-    return {"errors": errors, "largest": max(errors.values())}
-
-
-def first_order(session: Session) -> Numbers:
-    """Return by how much (36), (46) and (47) miss the harmonics of (7), (8) at small amplitudes.
-
-    Over the amplitudes, to which they are of first order.
-    """
-    c, size = nondimensional(PLATE), 1e-6
-    a, q_1, u_1, b, g = c.alpha, TRIAL.q_1 * size, TRIAL.u_1 * size, TRIAL.beta, TRIAL.gamma
-    small = replace(TRIAL, alpha=a, q_1=q_1, u_1=u_1)
-    along, _, _, cosine, sine = balance_residuals(small, PLATE)
-    damped, heavy = 2 * c.zeta_m * u_1 * a, 4 * c.inertia * a**2 * u_1
-    in_36 = q_1 * ((1 - a**2) * np.cos(b) + 2 * c.rho * a * np.sin(b))
-    in_36 -= c.epsilon * a**2 * u_1 * np.cos(g) / 2 + c.force
-    in_46 = -heavy * np.sin(g) - damped * np.cos(g) - q_1 * a**2 * np.sin(b) / 2
-    in_47 = -heavy * np.cos(g) + damped * np.sin(g) - q_1 * a**2 * np.cos(b) / 2
-    errors = {"(36)": along - in_36, "(46)": sine - in_46, "(47)": cosine - in_47}
-    return {
-        "errors": {name: float(abs(error)) / q_1 for name, error in errors.items()},
-        "largest": float(max(abs(error) for error in errors.values())) / q_1,
-    }
-
-
-def correction(s: float, c: float, alpha: float) -> tuple[Array, Array]:
-    """Return tau (400,), and (34) or (45) with two derivatives; s, c stand with sine and cosine."""
-    tau = np.linspace(0, 40, 400)
-    scales = np.array([s * alpha, c, -s, -c])[:, None] / (1 - alpha**2)
-    speeds = np.array([1, 1, alpha, alpha])[:, None]
-    starts = np.array([0, np.pi / 2, 0, np.pi / 2])[:, None]  # sine, cosine, sine, cosine
-    waves = [
-        np.sum(scales * speeds**k * np.sin(speeds * tau + starts + k * np.pi / 2), axis=0)
-        for k in range(3)
-    ]
-    return tau, np.array(waves)
-
-
-def solution_34(session: Session) -> Numbers:
-    """Return by how much (34) misses V'' + V = -(S sin(alpha tau) + C cos(alpha tau)), and rest."""
-    alpha, s, c = float(nondimensional(PLATE).alpha), 0.7, -0.4
-    tau, (value, rate, bent) = correction(s, c, alpha)
-    left = np.max(abs(bent + value + s * np.sin(alpha * tau) + c * np.cos(alpha * tau)))
-    return {"error": float(max(left, abs(value[0]), abs(rate[0])))}
-
-
 def approximations(session: Session) -> Numbers:
-    """Return the largest corrections (34) and (45) by (49)-(52), over q_1 and u_1."""
-    solution, c = paper_solution(PLATE), nondimensional(PLATE)
-    a, q_1, u_1, b, g = (
-        float(getattr(solution, name)) for name in ("alpha", "q_1", "u_1", "beta", "gamma")
-    )
-    spring, damper, inertial = (1 - a**2) * q_1, 2 * c.rho * q_1 * a, c.epsilon * a**2
-    in_34 = (
-        spring * np.sin(b) - damper * np.cos(b) - inertial,
-        spring * np.cos(b) + damper * np.sin(b) - inertial * u_1 * np.cos(g) / 2 - c.force,
-    )
-    heavy, friction = 4 * c.inertia * a**2 * u_1, 2 * c.zeta_m * u_1 * a
-    in_45 = (
-        -heavy * np.sin(g) - friction * np.cos(g) + q_1 * a**2 * np.sin(-b) / 2,
-        -heavy * np.cos(g) + friction * np.sin(g) - q_1 * a**2 * np.cos(-b) / 2,
-    )
-    of_q, of_theta = correction(*in_34, a)[1][0], correction(*in_45, 2 * a)[1][0]
-    return {"of_q": np.max(np.abs(of_q / q_1)), "of_theta": np.max(np.abs(of_theta / u_1))}
+    """Return bounds of the corrections (34) and (45) by (49)-(52), over q_1 and u_1.
 
-
-# Section 4
-
-
-def variations(session: Session) -> Numbers:
-    """Return by how much (55), put right, and (56)-(61) miss (7), (8) along (53) and (54).
-
-    The perturbations are two waves of our choice, and so small that their squares vanish.
+    The residuals of (35), (36), (46), (47) are their coefficients of sine and cosine.
     """
-    c, tiny = nondimensional(PLATE), 1e-30
-    q_wave, theta_wave = np.cos(3 * PHASES + 0.2), np.sin(PHASES) - 0.7 * np.cos(4 * PHASES)
-    waves = q_wave, *slopes(q_wave), theta_wave, *slopes(theta_wave)
-    q, q_1, q_2, theta, turn, bend = (
-        base + 1j * tiny * wave for base, wave in zip(trial(), waves, strict=True)
-    )
-    coupling = bend * np.cos(theta) - turn**2 * np.sin(theta)
-    slide = q_2 + 2 * c.rho * q_1 + q + c.epsilon * coupling
-    hinge = bend + (c.zeta_m * turn + q_2 * np.cos(theta)) / c.inertia
-    f_q, f_u = TRIAL.alpha, 2 * TRIAL.alpha
-    psi, eta = 2 * PHASES - TRIAL.gamma, PHASES - TRIAL.beta
-    theta_b, wave = PHASES + TRIAL.u_1 * np.cos(psi), -TRIAL.u_1 * f_u * np.sin(psi)
-    p_1, p_2 = c.epsilon * np.cos(theta_b), -2 * c.epsilon * (wave + f_q) * np.sin(theta_b)
-    square = f_q**2 + wave**2 + 2 * f_q * wave
-    bent = -TRIAL.u_1 * f_u**2 * np.cos(psi)
-    p_3 = -c.epsilon * (square * np.cos(theta_b) + bent * np.sin(theta_b))
-    p_4 = TRIAL.q_1 * f_q**2 * np.cos(eta) * np.sin(theta_b) / c.inertia
-    p_5 = np.cos(theta_b) / c.inertia
-    a, a_1, a_2, b, b_1, b_2 = waves  # q~ and theta~ with their derivatives
-    in_55 = a_2 + 2 * c.rho * a_1 + a + p_1 * b_2 + p_2 * b_1 + p_3 * b
-    in_56 = b_2 + c.zeta_m / c.inertia * b_1 + p_4 * b + p_5 * a_2
-    off = [slide.imag / tiny - in_55, hinge.imag / tiny - in_56]
-    return {"error": np.max(np.abs(off)) / np.max(np.abs(in_55))}
+    solution = paper_solution(PLATE)
+    left = np.abs(printed_residuals(solution, PLATE)).reshape(2, 2).max(axis=1)
+    a = np.array([1, 2]) * float(solution.alpha)
+    of_q, of_theta = left * (a + 3) / abs(1 - a**2) / np.abs([solution.q_1, solution.u_1])
+    return {"of_q": of_q, "of_theta": of_theta}

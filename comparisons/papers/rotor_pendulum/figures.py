@@ -25,7 +25,7 @@ from ...scenes.rotor_pendulum.phase import PHASES
 from ..drawing import dotted, draw_gap, handles_of, outside_legend
 from ..ledger import PaperFigure
 from ..session import Session
-from .limits import STARTS, fold_curve
+from .regions import STARTS, fold_curve
 from .results import (
     BETAS,
     ENGINE_GRID,

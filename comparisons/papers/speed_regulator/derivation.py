@@ -1,14 +1,20 @@
-"""Measures of what the speed_regulator paper derives, sections 1-3 up to equation (20)."""
+"""Measures of what the speed_regulator paper derives, sections 1-3 up to equation (20).
+
+Functions of (7)-(19), as printed and put right, take crank angles of any shape; rows of vectors
+come first.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ....reference import get_scene
+from ....reference.scene import Array
 from ....reference.speed_regulator.equations import (
+    SpeedRegulator,
     coefficients,
     outputs,
 )
@@ -21,8 +27,144 @@ from ...queries.request import Query
 from ...queries.simulate import simulate
 from ..ledger import Numbers
 from ..session import Session
-from . import printed
 from .results import EXAMPLE, SCENE, damped, recorded_motion, turn_speeds
+
+
+class PrintedKinematics(NamedTuple):
+    """Equations (2)-(12).
+
+    Attributes
+    ----------
+    beta : array
+    t, u : array
+        (7), (10).
+    places : array (5, ...)
+        phi, x_C, y_C, -beta, y_B of (2), (3).
+    a_1, a_2 : array (5, ...)
+        (11), (12).
+    """
+
+    beta: Any
+    t: Any
+    u: Any
+    places: Any
+    a_1: Any
+    a_2: Any
+
+
+def kinematics(phi: Any, p: SpeedRegulator) -> PrintedKinematics:
+    """Return what (2)-(12) say at crank angles, complex ones included."""
+    r, l = p.crank_radius, p.rod_length
+    ratio, sin, cos = r / l, np.sin(phi), np.cos(phi)
+    beta = np.arcsin(ratio * cos)
+    sin_b, cos_b = np.sin(beta), np.cos(beta)
+    t = ratio * sin / cos_b
+    u = ratio * cos / cos_b - t**2 * sin_b / cos_b
+    places = [phi, r * cos - l / 2 * sin_b, r * sin - l / 2 * cos_b, -beta, r * sin - l * cos_b]
+    a_1 = [
+        1 + 0 * phi,
+        -r * sin + l / 2 * t * cos_b,
+        r * cos - l / 2 * t * sin_b,
+        t,
+        r * cos - l * t * sin_b,
+    ]
+    a_2 = [
+        0 * phi,
+        -r * cos + l / 2 * t**2 * sin_b + l / 2 * u * cos_b,
+        -r * sin + l / 2 * t**2 * cos_b - l / 2 * u * sin_b,
+        u,
+        -r * sin + l * t**2 * cos_b - l * u * sin_b,
+    ]
+    return PrintedKinematics(beta, t, u, np.array(places), np.array(a_1), np.array(a_2))
+
+
+def masses(p: SpeedRegulator) -> Array:
+    """Return the diagonal of [m] in (13), the rod homogeneous."""
+    rod = p.rod_mass * p.rod_length**2 / 12
+    return np.array([p.flywheel_inertia, p.rod_mass, p.rod_mass, rod, p.slider_mass])
+
+
+def reaction_matrix(phi: float, p: SpeedRegulator, printed: bool = False) -> Array:
+    """Return [N] of (14) at one angle; row 4 as printed has lost the minus signs of (13)."""
+    r, l = p.crank_radius, p.rod_length
+    beta = float(kinematics(phi, p).beta)
+    x, y = l / 2 * np.cos(beta), l / 2 * np.sin(beta) * (1 if printed else -1)
+    return np.array(
+        [
+            [-r * np.sin(phi), r * np.cos(phi), 0, 0],
+            [-1, 0, 1, 0],
+            [0, -1, 0, 1],
+            [x, y, x, y],
+            [0, 0, 0, -1],
+        ]
+    )
+
+
+def free_bodies(phi: float, speed: float, p: SpeedRegulator, printed: bool = False) -> Array:
+    """Return phi'' and X_A, Y_A, X_B, Y_B by (14), its five rows solved together."""
+    at = kinematics(phi, p)
+    load = p.damping * at.a_1[4] * speed + spring(phi, p)
+    external = np.array([p.torque, 0, 0, 0, -load])
+    m = masses(p)
+    matrix = np.column_stack([m * at.a_1, -reaction_matrix(phi, p, printed)])
+    return np.asarray(np.linalg.solve(matrix, external - m * at.a_2 * speed**2))
+
+
+def spring(phi: Any, p: SpeedRegulator) -> Any:
+    """Return F_e: that of (13) where ``spring_rest`` is -l."""
+    return p.stiffness * (kinematics(phi, p).places[4] - p.spring_rest)
+
+
+def moment_of_inertia(phi: Any, p: SpeedRegulator) -> Any:
+    """Return J(phi) of (18)."""
+    a_1 = kinematics(phi, p).a_1
+    return np.tensordot(masses(p), a_1 * a_1, 1)
+
+
+def printed_slope(phi: Any, p: SpeedRegulator) -> Any:
+    """Return J'(phi) as (18) prints it: half of the derivative."""
+    at = kinematics(phi, p)
+    return np.tensordot(masses(p), at.a_1 * at.a_2, 1)
+
+
+def torque(phi: Any, speed: Any, p: SpeedRegulator) -> Any:
+    """Return M of (19) by its first two lines."""
+    y_phi = kinematics(phi, p).a_1[4]
+    return p.torque - y_phi * (p.damping * speed * y_phi + spring(phi, p))
+
+
+def acceleration(phi: Any, speed: Any, p: SpeedRegulator, factor: float = 2.0) -> Any:
+    """Return phi'' by (17) with (18), (19); ``factor`` 1 takes J' as printed, 2 puts it right."""
+    slope = factor * printed_slope(phi, p)
+    return (torque(phi, speed, p) - slope * speed**2 / 2) / moment_of_inertia(phi, p)
+
+
+SAMPLES = 4096
+"""Of a turn; means of periodic functions are then exact to rounding up to lambda = 0.98."""
+
+
+def averages(p: SpeedRegulator) -> dict[str, float]:
+    """Return the means of section 3 over a turn of the crank.
+
+    ``slope`` of J' over that of J; ``spring_19`` and ``spring_3`` of the spring's torque with the
+    references of (19) and of section 3, over its amplitude; ``cos_squared``; ``remainder`` of
+    t^2 sin^2 beta; ``mixed`` of t cos phi sin beta; ``damper`` of (r cos phi - l t sin beta)^2/l^2.
+    """
+    phi = 2 * np.pi * np.arange(SAMPLES) / SAMPLES
+    at = kinematics(phi, p)
+    y_phi, y, sin_b = at.a_1[4], at.places[4], np.sin(at.beta)
+    near, far = y_phi * (p.rod_length + y), y_phi * (p.crank_radius + p.rod_length + y)
+    means = {
+        "slope": np.mean(printed_slope(phi, p)) / np.mean(moment_of_inertia(phi, p)),
+        "spring_19": np.mean(near / np.max(abs(near))),
+        "spring_3": np.mean(far / np.max(abs(far))),
+        "cos_squared": np.mean(np.cos(phi) ** 2),
+        "remainder": np.mean((at.t * sin_b) ** 2),
+        "mixed": np.mean(at.t * np.cos(phi) * sin_b),
+        "damper": np.mean(y_phi**2) / p.rod_length**2,
+    }
+    return {name: float(mean) for name, mean in means.items()}
+
 
 ANGLES = 2 * np.pi * np.arange(64) / 64 + 0.05
 SPEED = 5.07
@@ -70,8 +212,8 @@ def kinematic_error(session: Session) -> Numbers:
     """
     errors, gain = [], 2.0
     for p in (EXAMPLE, EXAMPLE.replace(crank_radius=0.9)):
-        at = printed.kinematics(ANGLES, p)
-        moved = printed.kinematics(ANGLES + 1j * PROBE, p)
+        at = kinematics(ANGLES, p)
+        moved = kinematics(ANGLES + 1j * PROBE, p)
         r, l, sin_b, cos_b = p.crank_radius, p.rod_length, np.sin(at.beta), np.cos(at.beta)
         closure = r * np.cos(ANGLES) - l * sin_b
         in_5 = r * np.sin(ANGLES) + l * slope_of(moved.beta) * cos_b
@@ -102,7 +244,7 @@ def slider_forces(session: Session) -> Numbers:
     """
     p, c, scene = EXAMPLE, coefficients(EXAMPLE), get_scene(SCENE)
     r, l = p.crank_radius, p.rod_length
-    at = printed.kinematics(ANGLES, p)
+    at = kinematics(ANGLES, p)
     arm = r * np.cos(ANGLES) - l * at.t * np.sin(at.beta)
     spring = p.stiffness * (l + r * np.sin(ANGLES) - l * np.cos(at.beta)) * arm
     damper = p.damping * SPEED * arm * arm
@@ -110,7 +252,7 @@ def slider_forces(session: Session) -> Numbers:
     slope = slope_of(scene.energy([ANGLES + 1j * PROBE], [still], c))
     free = coefficients(p.replace(damping=0.0))
     rates = [scene.accelerations(0.0, [ANGLES], [still + SPEED], one)[0] for one in (free, c)]
-    moment = printed.moment_of_inertia(ANGLES, p)
+    moment = moment_of_inertia(ANGLES, p)
     errors = spring - slope, damper - moment * (rates[0] - rates[1])
     sizes = np.max(np.abs(slope)), np.max(np.abs(damper))
     return {"error": max(np.max(np.abs(e)) / size for e, size in zip(errors, sizes, strict=True))}
@@ -122,7 +264,7 @@ def reactions(session: Session, who: str) -> Numbers | str:
     exact = outputs(phi[None], np.full((1, 3), SPEED), coefficients(EXAMPLE))
     names = ("reaction_a_x", "reaction_a_y", "reaction_b_x", "reaction_b_y")
     if who == REFERENCE:
-        solved = np.array([printed.free_bodies(q, SPEED, EXAMPLE) for q in phi]).T
+        solved = np.array([free_bodies(q, SPEED, EXAMPLE) for q in phi]).T
         own: Numbers = dict(zip(names, solved[1:], strict=True))
     else:
         case = Query(SCENE).case
@@ -138,7 +280,7 @@ def reactions(session: Session, who: str) -> Numbers | str:
 def work_of_reactions(as_printed: bool) -> Numbers:
     """Return the largest part of A_1^T [N], over the rod's length."""
     parts = [
-        printed.kinematics(phi, EXAMPLE).a_1 @ printed.reaction_matrix(phi, EXAMPLE, as_printed)
+        kinematics(phi, EXAMPLE).a_1 @ reaction_matrix(phi, EXAMPLE, as_printed)
         for phi in map(float, ANGLES)
     ]
     return {"work": float(np.max(np.abs(parts))) / EXAMPLE.rod_length}
@@ -154,7 +296,7 @@ def accelerations_17(session: Session, who: str) -> Numbers:
         return float(np.max(abs(values - exact)) / np.max(abs(exact)))
 
     if who == REFERENCE:
-        right, wrong = (printed.acceleration(phi, speed, EXAMPLE, factor) for factor in (2, 1))
+        right, wrong = (acceleration(phi, speed, EXAMPLE, factor) for factor in (2, 1))
         return {"error": error(right), "as_printed": error(wrong)}
     case = Query(SCENE).case
     engine, model = choose_engine(who, case, None)
@@ -196,7 +338,7 @@ def nonlinearity(session: Session) -> Numbers:
 
 def largest_mean(*names: str) -> Numbers:
     """Return the largest modulus of some means of section 3, for several lambda."""
-    return {"mean": max(abs(printed.averages(p)[name]) for p in RATIOS for name in names)}
+    return {"mean": max(abs(averages(p)[name]) for p in RATIOS for name in names)}
 
 
 def mean_spring(session: Session) -> Numbers:
@@ -209,19 +351,17 @@ def remainder(session: Session) -> Numbers:
     """Return the mean of t^2 sin^2 beta, by samples and in closed form."""
     ratio = EXAMPLE.crank_radius / EXAMPLE.rod_length
     closed = 1 - math.sqrt(1 - ratio**2) - ratio**2 / 2
-    return {"value": printed.averages(EXAMPLE)["remainder"], "exact": closed}
+    return {"value": averages(EXAMPLE)["remainder"], "exact": closed}
 
 
 def remainder_everywhere(session: Session) -> Numbers:
     """Return that mean for several lambda, and the error that 0.000204 makes of (21)."""
-    means = {f"{p.crank_radius / p.rod_length:g}": printed.averages(p)["remainder"] for p in RATIOS}
+    means = {f"{p.crank_radius / p.rod_length:g}": averages(p)["remainder"] for p in RATIOS}
     errors = [float(printed_mean_speed(p) / mean_speed(p) - 1) for p in RATIOS]
     ratios = np.array([p.crank_radius / p.rod_length for p in RATIOS])
     exact = 1 - np.sqrt(1 - ratios**2)
     return {
-        "closed": np.max(
-            abs(np.array([printed.averages(p)["damper"] for p in RATIOS]) / exact - 1)
-        ),
+        "closed": np.max(abs(np.array([averages(p)["damper"] for p in RATIOS]) / exact - 1)),
         "means": [f"{mean:.3g} at {ratio}" for ratio, mean in means.items()],
         "errors": errors,
         "largest": max(map(abs, errors)),
@@ -230,6 +370,6 @@ def remainder_everywhere(session: Session) -> Numbers:
 
 def mean_damper(session: Session) -> Numbers:
     """Return the mean torque of the damper by (20), in c l^2 omega_1, and by samples."""
-    mean = printed.averages(EXAMPLE)["damper"]
+    mean = averages(EXAMPLE)["damper"]
     by_20 = 0.5 * (EXAMPLE.crank_radius / EXAMPLE.rod_length) ** 2 + 0.000204
     return {"mean": mean, "printed": by_20, "error": abs(by_20 / mean - 1)}

@@ -8,10 +8,7 @@ import mbcheck
 from mbcheck.comparisons.checks import execution, suite
 from mbcheck.comparisons.engines import registry as engines
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.reference.errors import (
-    EngineUnavailableError,
-    UsageError,
-)
+from mbcheck.reference.errors import EngineUnavailableError
 from mbcheck.tests.support.documents import validated
 
 
@@ -47,12 +44,3 @@ def test_an_engine_not_asked_for_may_be_missing(monkeypatch: pytest.MonkeyPatch)
     validated("check", report.as_json())
     with pytest.raises(EngineUnavailableError, match="libgl1"):
         mbcheck.check(engines=["exudyn"])
-
-
-@pytest.mark.parametrize(
-    ("request_", "words"),
-    [({"scenes": ["hula_hop"]}, "'hula_hoop'"), ({"ids": ["nothing"]}, "no check")],
-)
-def test_refused(request_: dict[str, Any], words: str) -> None:
-    with pytest.raises(UsageError, match=words):
-        mbcheck.check(**request_)

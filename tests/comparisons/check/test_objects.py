@@ -142,9 +142,6 @@ def test_limits_need_a_process() -> None:
     [
         ("check --engine my_engine.MyEngine", "'my_engine:MyEngine'"),
         ("check --engine a.b.C", "'a.b:C'"),
-        ("check --kind trajektory", "'trajectory'"),
-        ("check hulahoop", "'hula_hoop'"),
-        ("check hula_hoop --engine mujoko", "'mujoco'"),
         ("check hula_hoop --engine mujoco --method implicitfst", "'implicitfast'"),
         ("check --profile strikt", "'strict'"),
         ("check --source validatoin", "'validation'"),

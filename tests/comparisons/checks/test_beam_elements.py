@@ -6,26 +6,23 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
 import pytest
 
 from mbcheck.comparisons.check.custom import custom_case
 from mbcheck.comparisons.checks.free_vibrations import excitation
-from mbcheck.comparisons.checks.kinds.trajectory import Prediction
+from mbcheck.comparisons.checks.kinds.trajectory import conclusion
 from mbcheck.comparisons.checks.suite import checks_of, run_check
 from mbcheck.comparisons.checks.verdict import Finding, Inconclusive, Result
 from mbcheck.comparisons.engines.adapter import Adapter
-from mbcheck.comparisons.engines.protocol import Method
-from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.faults.catalogue import ENGINES, scaled
 from mbcheck.comparisons.faults.exudyn import OtherItems, Rebuilt
-from mbcheck.comparisons.faults.variants import Misread, Wrapped
+from mbcheck.comparisons.faults.runs import Starting
+from mbcheck.comparisons.faults.variants import Misread
 from mbcheck.models.exudyn_system import items
 from mbcheck.models.rotating_beam import exudyn_model
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 from mbcheck.reference.rotating_beam.scene import SCENE
-from mbcheck.reference.scene import Array, Case
 from mbcheck.tests.support.subjects import is_seen
 
 METHOD = "GeneralizedAlpha"
@@ -150,33 +147,19 @@ def test_only_weighed_shows_that_a_torque_moves_the_clamp(engine: str) -> None:
     assert drives == {("pulse_quick", False), ("weighed", True)}
 
 
-DROPPED: Mapping[str, Callable[[str], bool]] = {
-    "shape": lambda name: not name.startswith("theta"),
-    "rates_of_the_shape": lambda name: not name.startswith("theta") and name.endswith("_dot"),
-    "speed_of_the_hub": lambda name: name == "theta_dot",
+KEPT: Mapping[str, Callable[[str], bool]] = {
+    "shape": lambda name: name.startswith("theta"),
+    "rates_of_the_shape": lambda name: name.startswith("theta") or not name.endswith("_dot"),
+    "speed_of_the_hub": lambda name: name != "theta_dot",
 }
-"""Which of a start's values an engine ignores."""
-
-
-class Forgetful(Wrapped):
-    """An engine that starts without some of the values that it is told."""
-
-    drops: Callable[[str], bool]
-
-    def simulate(
-        self, case: Case, model: str, method: Method, step: float, times: Array
-    ) -> Trajectory:
-        """Integrate from what is left."""
-        left = {name: value for name, value in case.state.items() if not self.drops(name)}
-        return self.engine.simulate(replace(case, state=left), model, method, step, times)
+"""What an engine ignores of a start, and which of its values it keeps."""
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("engine", ["mujoco", "exudyn"])
-@pytest.mark.parametrize("values", DROPPED)
+@pytest.mark.parametrize("values", KEPT)
 def test_a_step_sees_a_bent_turning_start_that_is_ignored(values: str, engine: str) -> None:
-    wrong = Forgetful(ENGINES[engine]())
-    wrong.drops = DROPPED[values]
+    wrong = Starting(ENGINES[engine](), KEPT[values])
     (check,) = (
         one
         for one in checks_of("step", SCENE.case("spin_up_quick"), engine)
@@ -216,16 +199,12 @@ def test_steps_follow_fewer_of_the_vibrations_that_a_sudden_torque_shakes() -> N
 
 
 def test_what_may_vanish_with_the_step_is_called_neither_right_nor_wrong() -> None:
-    rows = np.zeros((1, 1))
-    one = Prediction(rows, 1.5, rows, rows, False, "", rows, "the start shakes it")
-    finding = Finding("theta", "rad", 1.0, 1.1, 0.1, 0.01)
-    assert isinstance(one.conclusion(finding, 0.05), Inconclusive)
-    strict = one.conclusion(replace(finding, error=0.009), 0.05)
-    assert isinstance(strict, Inconclusive)
-    assert one.conclusion(finding, 0.01) is finding  # more than halving the step can explain
-    assert one.conclusion(replace(finding, error=0.005), 0.05).quantity == "theta"
-    assert isinstance(one.conclusion(replace(finding, error=0.005), 0.05), Finding)
-    assert replace(one, unfollowed="").conclusion(finding, 0.05) is finding
+    finding, shaken = Finding("theta", "rad", 1.0, 1.1, 0.1, 0.01), "the start shakes it"
+    assert isinstance(conclusion(finding, 0.05, shaken), Inconclusive)
+    assert isinstance(conclusion(replace(finding, error=0.009), 0.05, shaken), Inconclusive)
+    assert conclusion(finding, 0.01, shaken) is finding  # more than halving the step can explain
+    assert isinstance(conclusion(replace(finding, error=0.005), 0.05, shaken), Finding)
+    assert conclusion(finding, 0.05, "") is finding
 
 
 @pytest.mark.slow

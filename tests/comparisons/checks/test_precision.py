@@ -50,7 +50,7 @@ def everything(engine: Any, scene: str) -> list[Result]:
 def test_a_right_engine_passes(scene: str, method: str) -> None:
     found = results(Single(METHODS[method]), scene, QUICK)
     assert not bad(found)
-    passed = {one.subject.kind for one in found if one.verdict == "pass"}
+    passed = {one.kind for one in found if one.verdict == "pass"}
     assert passed >= {"algebra", "step", "trajectory"}
 
 
@@ -61,7 +61,7 @@ def test_a_right_engine_passes(scene: str, method: str) -> None:
 def test_a_right_engine_passes_whatever_is_checked(scene: str, method: str) -> None:
     found = everything(Single(METHODS[method]), scene)
     assert not bad(found)
-    judged = {one.subject.kind for one in found if one.verdict == "pass"}
+    judged = {one.kind for one in found if one.verdict == "pass"}
     assert judged >= {"algebra", "step", "trajectory", "frequency", "stability", "energy"}
 
 
@@ -78,7 +78,7 @@ def test_one_per_cent_of_a_parameter_is_seen(scene: str, name: str) -> None:
         return p.replace(**{name: 1.01 * getattr(p, name)})
 
     wrong = Single(METHODS["scheme"], change=change)
-    kinds = {one.subject.kind for one in bad(results(wrong, scene, QUICK, explain=False))}
+    kinds = {one.kind for one in bad(results(wrong, scene, QUICK, explain=False))}
     assert "algebra" in kinds
     assert kinds & {"step", "trajectory"}
 

@@ -16,15 +16,13 @@ from mbcheck.comparisons.engines.isolation import STATM, isolated
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.faults.catalogue import ENGINES
 from mbcheck.comparisons.faults.variants import Misread
-from mbcheck.reference import SCENES, get_scene
-from mbcheck.reference.scene import Case
+from mbcheck.reference import SCENES
 from mbcheck.tests.support import draws
 from mbcheck.tests.support.draws import (
     Draw,
     drawn,
     result_of_draw,
     result_of_outcome,
-    shape,
     silent,
 )
 
@@ -139,19 +137,6 @@ def test_what_was_found_is_mended(name: str) -> None:
 # A test of the test: what it would catch
 
 
-def test_draws_cover_decades_and_are_valid() -> None:
-    for scene in SCENES:
-        described = get_scene(scene)
-        parameters, states = shape(scene)
-        for place in (-draws.GRID, 0, draws.GRID):
-            p = draws.parameters_at(described, (place,) * parameters)
-            state = draws.state_at(described, p, (place,) * states)
-            assert described.state(state).shape == (2 * len(described.coordinates),)
-    low, high = (draws.parameters_at(get_scene("hula_hoop"), (place,) * 9) for place in (-500, 500))
-    assert high.stiffness / low.stiffness == pytest.approx(1e6)
-    assert low.damping_ratio == 0
-
-
 MIDDLE = Draw(
     "hula_hoop", "exudyn", 3, 0, 500, (0, 0, 0, 0, 0, 0, -500, 0, 0), (100, 200, 250, 400)
 )
@@ -189,18 +174,3 @@ def test_a_check_that_takes_too_long_is_given_up(monkeypatch: pytest.MonkeyPatch
     row = result_of_draw(MIDDLE, patience=0.5)
     assert row.verdict == "skipped"
     assert "takes more than 0.5 s" in row.reason
-
-
-def test_a_draw_that_takes_its_process_down_fails() -> None:
-    from mbcheck.reference.errors import EngineError
-
-    row = result_of_outcome(EngineError("crashed", "SIGSEGV"))
-    assert (row.verdict, row.reason) == ("error", "crashed: SIGSEGV")
-
-
-def test_the_fastest_motion_sets_the_horizon() -> None:
-    p = get_scene("rotating_beam").parameters()
-    still = Case("rotating_beam", "x", p.replace(angular_speed=0.0), {})
-    fast = replace(still, parameters=p.replace(angular_speed=628.0))
-    assert draws.fastest_period(fast) == pytest.approx(0.01, rel=1e-3)
-    assert draws.fastest_period(still) > 1

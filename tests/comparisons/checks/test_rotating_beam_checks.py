@@ -35,7 +35,14 @@ from mbcheck.reference.rotating_beam.chain import scene_of
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 from mbcheck.reference.rotating_beam.scene import SCENE, beam_scene
 from mbcheck.reference.scene import Array, Case
-from mbcheck.tests.support.subjects import Subject, check_of, is_seen, label, results_of
+from mbcheck.tests.support.subjects import (
+    Altered,
+    Subject,
+    check_of,
+    is_seen,
+    label,
+    results_of,
+)
 
 CHAIN = Subject("rotating_beam", "mujoco", "chain", "RK4")
 ELEMENTS = Subject("rotating_beam", "exudyn", "elements", "GeneralizedAlpha")
@@ -93,23 +100,15 @@ class PlainEigenvalues(Wrapped):
         return mass, 0 * damping, stiffness + case.parameters.angular_speed**2 * mass
 
 
-class Fading(Wrapped):
-    """An engine whose motion fades once the drive is over."""
-
-    rate = 1e-4
-
-    def simulate(
-        self, case: Case, model: str, method: Method, step: float, times: Array
-    ) -> Trajectory:
-        """Integrate, and take the same share of all speeds and of what is conserved."""
-        found = self.engine.simulate(case, model, method, step, times)
-        after = np.maximum(0, times - SCENE.drive_end_time(case.parameters))
-        faded = {
-            name: values * np.exp(-self.rate * after)
-            for name, values in found.values.items()
-            if name.endswith("_dot") or name in ("energy", "momentum")
-        }
-        return replace(found, values={**found.values, **faded})
+def fading(found: Trajectory, case: Case) -> Trajectory:
+    """Take a share of all speeds and of what is conserved away once the drive is over."""
+    after = np.maximum(0, found.times - SCENE.drive_end_time(case.parameters))
+    faded = {
+        name: values * np.exp(-1e-4 * after)
+        for name, values in found.values.items()
+        if name.endswith("_dot") or name in ("energy", "momentum")
+    }
+    return replace(found, values={**found.values, **faded})
 
 
 class Stubborn(Wrapped):
@@ -349,8 +348,8 @@ def test_explicit_solvers_are_refused_and_fail_when_forced() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("subject", SUBJECTS, ids=label)
 def test_motion_that_fades_after_the_pulse_loses_energy(subject: Subject) -> None:
-    engine = ENGINES[subject.engine]()
-    results = results_of(subject, "energy", Fading(engine), "pulse_quick")
+    engine = Altered(ENGINES[subject.engine](), fading)
+    results = results_of(subject, "energy", engine, "pulse_quick")
     # the pulse leaves next to no momentum that could fade
     assert {item.quantity: item.verdict for item in results}["energy_drift"] == "deviation"
 

@@ -57,7 +57,7 @@ def judged(engine: Solved, scene: str, kinds: tuple[str, ...] = KINDS) -> Any:
 @pytest.mark.parametrize("scene", CASES)
 def test_the_reference_does_not_pass_for_a_method(scene: str, order: int) -> None:
     found = judged(Exact(mbcheck.Method("RK44", order)), scene)
-    seen = {item.subject.kind for item in bad(found) if item.quantity == "least_error"}
+    seen = {item.kind for item in bad(found) if item.quantity == "least_error"}
     assert seen == set(KINDS)
     assert all("too good for its order" in item.reason for item in bad(found))
 

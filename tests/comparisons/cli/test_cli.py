@@ -210,7 +210,8 @@ def judged(verdict: Any) -> Judged:
     about = Subject(
         prefix, "verification", "mujoco", "hula_hoop", "free_undamped", "energy", "tree", "RK4"
     )
-    return Judged(about, "drift", verdict, "twice its tolerance", "J", 1.0, 0.0, 1.0, 0.5)
+    numbers = {"value": 1.0, "reference": 0.0, "error": 1.0, "tolerance": 0.5}
+    return about.result("drift", verdict, "twice its tolerance", unit="J", **numbers)
 
 
 def pretend(monkeypatch: pytest.MonkeyPatch, run: Callable[..., Any]) -> None:

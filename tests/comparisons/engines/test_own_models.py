@@ -86,7 +86,7 @@ def of_model(model: str, *kinds: str, tells: bool = True) -> list[Any]:
     if not tells:
         engine.closure = "rigid"
     every = results(engine, REGULATOR.name, kinds, ROTATION.name)
-    return [item for item in every if item.subject.model == model]
+    return [item for item in every if item.model == model]
 
 
 @pytest.mark.parametrize("model", ["rigid", "soft"])

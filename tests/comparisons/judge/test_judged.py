@@ -16,12 +16,12 @@ import mbcheck
 from mbcheck.comparisons.judge import comparison
 from mbcheck.comparisons.judge.comparison import compare
 from mbcheck.comparisons.judge.judge import judge_trajectory
-from mbcheck.comparisons.judge.recording import Recording, recording, written
+from mbcheck.comparisons.judge.recording import recording
 from mbcheck.comparisons.queries.simulate import Simulation, simulate
 from mbcheck.comparisons.reports.queries import csv_text
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineError, UsageError
-from mbcheck.tests.support.command import invoke, refusal
+from mbcheck.tests.support.command import invoke
 from mbcheck.tests.support.documents import validated
 from mbcheck.tests.support.trajectory import (
     CASE,
@@ -205,15 +205,6 @@ def test_what_stands_still_is_not_excused_by_its_few_digits() -> None:
     }
 
 
-def test_written_digits() -> None:
-    assert written(np.array([0.5, 39.140123, 0.0])) == (6, 8)
-    assert written(np.array([1.5e-05, 100.0, np.nan])) == (6, 2)
-    exact = Recording("a", np.array([0.0, 1 / 3]), {"x": np.array([0.1, 2 / 3])})
-    assert exact.rounding(exact.columns["x"]) == 0.0
-    rounded = Recording("a", np.array([0.0, 0.25]), {"x": np.array([0.125, 2.0])})
-    assert rounded.rounding(rounded.columns["x"]) == 0.5e-2
-
-
 def test_a_coarse_method_is_judged_as_far_as_it_can_be(truth: Simulation) -> None:
     found = judge_trajectory(columns(truth), CASE, order=1, step=2e-3)
     assert 1 < found.judged < found.samples
@@ -373,8 +364,3 @@ def test_quietly() -> None:
     Path("a.csv").write_text(GOOD)
     done = invoke(f"judge a.csv --case {CASE} --tolerance 0.5 -q")
     assert done.stdout == "PASS: 1 passed, 0 deviations, 0 errors, 3 skipped\n"
-
-
-@pytest.mark.parametrize("option", ["--set a=1", "--state a=1", "--horizon 1"])
-def test_options_of_a_scene_need_one(option: str) -> None:
-    assert "are of one scene: name it" in refusal(f"check {option}")

@@ -14,7 +14,7 @@ from mbcheck.comparisons.papers import ledger, pages
 from mbcheck.comparisons.papers.assess import Assessment, assess
 from mbcheck.comparisons.papers.folder import FINDINGS
 from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED, LedgerRow, half_unit
-from mbcheck.comparisons.papers.outcomes import Reproduction, RowOutcome, scenes_with_ledger, tables
+from mbcheck.comparisons.papers.outcomes import Findings, RowEntry, scenes_with_ledger, tables
 from mbcheck.comparisons.papers.reproduce import contents
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.tests.support.words import POINTS, agree, agree_by_chance
@@ -31,26 +31,26 @@ def folder(clone: Path) -> Path:
 
 
 @pytest.fixture(scope="module")
-def found(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Reproduction:
+def found(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Findings:
     """Return what is committed, read in another folder."""
     copy = tmp_path_factory.mktemp("papers")
     shutil.copy(folder / FINDINGS, copy)
     return contents(copy)
 
 
-def test_all_rows_and_figures_are_there(found: Reproduction, folder: Path) -> None:
+def test_all_rows_and_figures_are_there(found: Findings, folder: Path) -> None:
     """One that is new comes with ``mbcheck reproduce SCENE --row NAME --out docs/papers``."""
-    assert [
-        (scene, item.row.name) for scene in scenes_with_ledger() for item in found.rows[scene]
-    ] == [(scene, row.name) for scene, row in ROWS]
+    assert [(item.scene, item.name) for item in found.rows] == [
+        (scene, row.name) for scene, row in ROWS
+    ]
     assert found.failures == []
     for scene in scenes_with_ledger():
-        numbers = [item.figure.number for item in found.figures[scene]]
+        numbers = [item.number for item in found.figures_of(scene)]
         assert numbers == [figure.number for figure in tables(scene)[0]]
         assert all((folder / "figures" / f"{scene}_{n}.png").exists() for n in numbers)
 
 
-def test_pages_show_what_was_found(found: Reproduction, folder: Path, tmp_path: Path) -> None:
+def test_pages_show_what_was_found(found: Findings, folder: Path, tmp_path: Path) -> None:
     pages.write_pages(found, tmp_path)
     for name in ("index", *scenes_with_ledger()):
         for suffix in ("md", "html"):
@@ -58,10 +58,9 @@ def test_pages_show_what_was_found(found: Reproduction, folder: Path, tmp_path: 
             assert (folder / path).read_text("utf-8") == (tmp_path / path).read_text("utf-8"), path
 
 
-def test_verdicts_are_the_expected_ones(found: Reproduction) -> None:
-    for items in found.rows.values():
-        for item in items:
-            assert item.assessment.verdict == item.row.verdict, item.row.name
+def test_verdicts_are_the_expected_ones(found: Findings) -> None:
+    for item, (_, row) in zip(found.rows, ROWS, strict=True):
+        assert item.verdict == row.verdict, item.name
 
 
 def test_links_and_pictures_are_there_and_small(folder: Path) -> None:
@@ -78,8 +77,8 @@ def test_links_and_pictures_are_there_and_small(folder: Path) -> None:
     assert size < MOST_BYTES
 
 
-def outcome_of(found: Reproduction, scene: str, name: str) -> RowOutcome:
-    return next(item for item in found.rows[scene] if item.row.name == name)
+def entry_of(found: Findings, scene: str, name: str) -> RowEntry:
+    return next(item for item in found.rows_of(scene) if item.name == name)
 
 
 def texts(assessment: Assessment) -> dict[str, str]:
@@ -161,9 +160,9 @@ def test_counts_of_chaotic_motions_agree_as_chance_allows(other: str, same: bool
     assert agree_by_chance(text, other, 290) == same
 
 
-def is_published(found: Reproduction, scene: str, name: str, session: Session) -> None:
+def is_published(found: Findings, scene: str, name: str, session: Session) -> None:
     """Assess a row: the verdict and the words are those of the page."""
-    published = outcome_of(found, scene, name).assessment
+    published = entry_of(found, scene, name)
     now = expected(row_named(scene, name), session)
     assert now.verdict == published.verdict
     points = next((n for n in map(int, POINTS.findall(now.reason)) if n > FEW), ALL_POINTS)
@@ -176,7 +175,7 @@ def is_published(found: Reproduction, scene: str, name: str, session: Session) -
 
 @pytest.mark.parametrize(("scene", "name"), cases(slow=False))
 def test_quick_row_is_what_a_run_gives(
-    scene: str, name: str, found: Reproduction, session: Session
+    scene: str, name: str, found: Findings, session: Session
 ) -> None:
     is_published(found, scene, name, session)
 
@@ -184,6 +183,6 @@ def test_quick_row_is_what_a_run_gives(
 @pytest.mark.slow
 @pytest.mark.parametrize(("scene", "name"), cases(slow=True))
 def test_row_is_what_a_run_gives(
-    scene: str, name: str, found: Reproduction, with_fewer: Callable[[str], Session]
+    scene: str, name: str, found: Findings, with_fewer: Callable[[str], Session]
 ) -> None:
     is_published(found, scene, name, with_fewer(scene))

@@ -53,7 +53,7 @@ TOY_ROWS = (
     statement("slip", "6", "no slip", ledger.REPRODUCED, numbers=crash_unforeseen),
     reading(
         "units", "table 1", "a | unit", "none given",
-        candidates={"m": "1", "km": "2"},
+        candidates="m | 1\nkm | 2",
     ),
 )  # fmt: skip
 
@@ -75,7 +75,7 @@ def test_what_fails_is_told_and_the_rest_goes_on(tmp_path: Path) -> None:
     found = reproduce.reproduce(
         ["hula_hoop"], out=tmp_path, progress=lambda *step: steps.append(step)
     )
-    verdicts = [item.assessment.verdict for item in found.rows["hula_hoop"]]
+    verdicts = [item.verdict for item in found.rows]
     assert verdicts == [ledger.REPRODUCED, ledger.ERROR, ledger.ERROR, ledger.READ]
     assert len(found.failures) == 3
     assert "exploded" in found.failures[0]
@@ -106,8 +106,9 @@ def test_interrupted_run_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     replace_tables(monkeypatch, lambda scene: (TOY_FIGURES[:1], rows))
     again = reproduce.reproduce(["hula_hoop"], out=tmp_path, resume=True)
     assert calls == ["speed"]
-    assert [item.assessment for item in again.rows["hula_hoop"]] == [
-        assess(row, Session()) for row in rows
+    assert [(item.verdict, item.reason, item.thresholds) for item in again.rows] == [
+        (found.verdict, found.reason, found.thresholds)
+        for found in (assess(row, Session()) for row in rows)
     ]
     assert calls == ["speed"] * 2
     reproduce.reproduce(["hula_hoop"], out=tmp_path)
@@ -187,7 +188,7 @@ def test_verb_exits_with_1_if_something_failed(tmp_path: Path) -> None:
 def test_one_figure_alone(tmp_path: Path) -> None:
     found = reproduce.reproduce(["hula_hoop"], out=tmp_path, figure=2)
     assert not found.failures
-    assert found.rows["hula_hoop"] == ()
+    assert found.rows == ()
     with pytest.raises(UsageError, match="there is no figure 9; there are 2, 3"):
         reproduce.reproduce(["hula_hoop"], out=tmp_path, figure=9)
 
@@ -205,14 +206,14 @@ def test_rows_and_figures_alone_take_their_place_in_what_is_there(
     other = (replace(SPEED, numbers=lambda session: {"value": 3.0}), *TOY_ROWS[1:])
     replace_tables(monkeypatch, lambda scene: (TOY_FIGURES, other))
     found = reproduce.reproduce(["hula_hoop"], out=tmp_path, rows=["speed"])
-    assert [item.row.name for item in found.rows["hula_hoop"]] == ["speed"]
-    assert found.figures["hula_hoop"] == ()
+    assert [item.name for item in found.rows] == ["speed"]
+    assert found.figures == ()
     both = reproduce.reproduce(["hula_hoop"], out=tmp_path, figure=2, rows=["units"])
-    assert [len(both.figures["hula_hoop"]), len(both.rows["hula_hoop"])] == [1, 1]
+    assert [len(both.figures), len(both.rows)] == [1, 1]
     whole = reproduce.contents(tmp_path)
-    assert [item.row.name for item in whole.rows["hula_hoop"]] == [row.name for row in TOY_ROWS]
-    assert whole.rows["hula_hoop"][0].assessment.verdict == ledger.NOT_REPRODUCED
-    assert [item.figure.number for item in whole.figures["hula_hoop"]] == [2, 3]
+    assert [item.name for item in whole.rows] == [row.name for row in TOY_ROWS]
+    assert whole.rows[0].verdict == ledger.NOT_REPRODUCED
+    assert [item.number for item in whole.figures] == [2, 3]
     pages.write_pages(whole, tmp_path)
     page = (tmp_path / "hula_hoop.md").read_text(encoding="utf-8")
     assert "#### `units`" in page
@@ -229,7 +230,7 @@ def test_what_other_versions_found_is_kept_apart(tmp_path: Path) -> None:
     older["runs"][0]["versions"]["mbcheck"] = "0.0.1"
     file.write_text(json.dumps(older), "utf-8")
     reproduce.reproduce(["hula_hoop"], out=tmp_path, rows=["speed"], resume=True)
-    runs = reproduce.contents(tmp_path).runs("hula_hoop")
+    runs = reproduce.contents(tmp_path).runs
     assert sorted(run.versions["mbcheck"] == "0.0.1" for run in runs) == [False, True]
 
 
@@ -238,7 +239,7 @@ def test_a_damaged_file_is_replaced(tmp_path: Path, caplog: pytest.LogCaptureFix
     (tmp_path / "findings.json").write_text('{"rows": 3}', "utf-8")
     reproduce.reproduce(["hula_hoop"], out=tmp_path, rows=["speed"])
     assert "is damaged, or another document" in caplog.text
-    assert len(reproduce.contents(tmp_path).rows["hula_hoop"]) == 1
+    assert len(reproduce.contents(tmp_path).rows) == 1
 
 
 @pytest.mark.usefixtures("_toys")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import fcntl
 import os
 import pickle
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from hashlib import sha256
@@ -14,7 +14,11 @@ from typing import Any, TypeVar, cast
 
 import pytest
 
+from mbcheck.comparisons.papers.assess import Assessment
+from mbcheck.comparisons.papers.ledger import LedgerRow
+from mbcheck.comparisons.papers.outcomes import FigureEntry, Findings, Made, RowEntry, tables
 from mbcheck.comparisons.papers.session import Session
+from mbcheck.tests.support.words import agree
 
 T = TypeVar("T")
 
@@ -65,3 +69,24 @@ def folder_of_all(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "values_of_papers"
     folder.mkdir(exist_ok=True)
     return folder
+
+
+def expected_findings(*scenes: str) -> Findings:
+    """Return all of some papers, with the verdicts that their rows expect."""
+    rows = tuple(
+        RowEntry.of(scene, row, Assessment(row.verdict, "why"), run=0, seconds=0.0)
+        for scene in scenes
+        for row in tables(scene)[1]
+    )
+    figures = tuple(
+        FigureEntry(scene, one.number, one.title, one.caption, None, 0, 0.0)
+        for scene in scenes
+        for one in tables(scene)[0]
+    )
+    return Findings({}, False, figures, rows, (), (Made({}),))
+
+
+def holds(row: LedgerRow, words: Sequence[str]) -> None:
+    """Assert that the candidates of a reading give these words."""
+    for given, computed in zip(row.candidates.values(), words, strict=True):
+        assert agree(given, computed)

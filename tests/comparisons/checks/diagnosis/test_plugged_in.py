@@ -33,24 +33,34 @@ class Explicit(MujocoPlugin):
     methods: Any = (mbcheck.Method("RK4", 4, "RK44"),)
     tableau: ClassVar[Any] = KUTTA
 
+    def begin(self, start: float, number: int, step: float) -> float:
+        """Return the time at which a step with this number takes the drive to begin."""
+        return start + number * step
+
+    def time(self, begin: float, share: float, step: float) -> float:
+        """Return the time of a stage."""
+        return begin + share * step
+
+    def stepped(self, system: Any, begin: float, x: Any, step: float) -> Any:
+        """Return the state (2, n) after a step by the tableau."""
+        slopes: list[Any] = []
+        a, b = self.tableau
+        for row in a:
+            q, v = x + step * sum(w * k for w, k in zip(row, slopes, strict=True))
+            at = self.time(begin, sum(row), step)
+            slopes.append(np.array([v, self.accelerations(system, at, q, v)]))
+        return x + step * sum(w * k for w, k in zip(b, slopes, strict=True))
+
     def simulate(self, system: Any, method: Any, step: float, times: Any) -> Any:
-        """Integrate by the tableau."""
-        now, rows = system.start_time, []
-        x = np.array([system.positions, system.velocities])
-        steps, (a, b) = 0, self.tableau
+        """Integrate from sample to sample, by a clock of its own."""
+        x, steps, rows = np.array([system.positions, system.velocities]), 0, []
         for time in times:
-            while now + step / 2 < time:
-                slopes: list[Any] = []
-                for row in a:
-                    q, v = x + step * sum(w * k for w, k in zip(row, slopes, strict=True))
-                    at = now + step * sum(row)
-                    slopes.append(np.array([v, self.accelerations(system, at, q, v)]))
-                x = x + step * sum(w * k for w, k in zip(b, slopes, strict=True))
-                steps += 1
-                now = system.start_time + steps * step
-            rows.append((*x, now))
-        positions, velocities, clock = (np.array(part) for part in zip(*rows, strict=True))
-        return mbcheck.Motion(positions, velocities, clock, steps)
+            while system.start_time + (steps + 0.5) * step < time:
+                begin = self.begin(system.start_time, steps, step)
+                x, steps = self.stepped(system, begin, x, step), steps + 1
+            rows.append(x)
+        q, v = np.array(rows).swapaxes(0, 1)
+        return mbcheck.Motion(q, v, steps=steps)
 
 
 def explicit(tableau: Any, *methods: mbcheck.Method) -> Any:

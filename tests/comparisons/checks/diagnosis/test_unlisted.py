@@ -22,11 +22,9 @@ pytest.importorskip("mujoco")
 
 from mbcheck.examples.mujoco_engine import MujocoPlugin
 
+from .test_plugged_in import Explicit, causes
+
 HOOP = "spinning_3hz_60n"
-
-
-def causes(found: list[Result]) -> set[str]:
-    return {item.cause or "" for item in bad(found)}
 
 
 class Telling(Turning):
@@ -117,42 +115,10 @@ def test_rates_that_are_not_those_of_the_positions_are_named(
     assert causes(results(engine, scene, ("step",), case)) == {said}
 
 
-class Kutta(MujocoPlugin):
-    """The classical method on MuJoCo's accelerations, by a clock of its own."""
+class Kutta(Explicit):
+    """The classical method on MuJoCo's accelerations."""
 
     methods: Any = MujocoPlugin.methods[:1]
-
-    def looked_at(self, begin: float, number: int, step: float) -> float:
-        """Return the time at which a step with this number takes the drive to begin."""
-        return begin + number * step
-
-    def simulate(self, system: Any, method: Any, step: float, times: Any) -> Any:
-        """Integrate."""
-        x, steps, rows = np.array([system.positions, system.velocities]), 0, []
-        for time in times:
-            while system.start_time + (steps + 0.5) * step < time:
-                begin = self.looked_at(system.start_time, steps, step)
-                x, steps = self.stepped(system, begin, x, step), steps + 1
-            rows.append(x)
-        q, v = np.array(rows).swapaxes(0, 1)
-        return mbcheck.Motion(q, v, steps=steps)
-
-    def stepped(self, system: Any, begin: float, x: Any, step: float) -> Any:
-        """Return the state (2, n) after a step."""
-
-        def rates(share: float, x: Any) -> Any:
-            at = self.time(begin, share, step)
-            return np.array([x[1], self.accelerations(system, at, *x)])
-
-        a = rates(0.0, x)
-        b = rates(0.5, x + step / 2 * a)
-        c = rates(0.5, x + step / 2 * b)
-        d = rates(1.0, x + step * c)
-        return x + step / 6 * (a + 2 * b + 2 * c + d)
-
-    def time(self, begin: float, share: float, step: float) -> float:
-        """Return the time of a stage."""
-        return begin + share * step
 
 
 class Decimated(Kutta):
@@ -160,9 +126,9 @@ class Decimated(Kutta):
 
     every = 4
 
-    def looked_at(self, begin: float, number: int, step: float) -> float:
+    def begin(self, start: float, number: int, step: float) -> float:
         """Return the time of the last of these steps."""
-        return begin + number // self.every * self.every * step
+        return start + number // self.every * self.every * step
 
     def time(self, begin: float, share: float, step: float) -> float:
         """Return the same time for all stages."""
@@ -219,9 +185,9 @@ def test_what_a_run_does_with_a_right_model_is_named(engine: Any, said: str, kin
 class SingleClock(Kutta):
     """A clock of 32 bits beside states of 64."""
 
-    def looked_at(self, begin: float, number: int, step: float) -> float:
+    def begin(self, start: float, number: int, step: float) -> float:
         """Return the time as 32 bits have it."""
-        return float(np.float32(begin) + np.float32(number * step))
+        return float(np.float32(start) + np.float32(number * step))
 
 
 def forced(engine: Any) -> list[Result]:

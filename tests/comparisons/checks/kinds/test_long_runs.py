@@ -21,6 +21,7 @@ from mbcheck.comparisons.scenes.data import scene_data
 from mbcheck.comparisons.scenes.extremes import LongMotion, check_of, prepared
 from mbcheck.reference import get_scene
 from mbcheck.reference.scene import Array, Case
+from mbcheck.tests.support.subjects import Altered
 
 PERIODS = 20
 
@@ -89,26 +90,6 @@ def test_a_clock_with_dyadic_steps_is_exact_and_may_round_with_others() -> None:
 # Wrong engines
 
 
-class Damped(Wrapped):
-    """An engine that takes a share of all motion away over a run."""
-
-    def __init__(self, engine: Any, share: float) -> None:
-        super().__init__(engine)
-        self.share = share
-
-    def simulate(
-        self, case: Case, model: str, method: Method, step: float, times: Array
-    ) -> Trajectory:
-        found = self.engine.simulate(case, model, method, step, times)
-        rest = get_scene(case.scene).state({})
-        factor = np.exp(-self.share * times)
-        values = {
-            name: rest[i] + (found.values[name] - rest[i]) * factor
-            for i, name in enumerate(get_scene(case.scene).state_names)
-        }
-        return replace(found, values={**found.values, **values})
-
-
 class FastClock(Wrapped):
     """An engine whose steps are longer than it tells."""
 
@@ -120,49 +101,35 @@ class FastClock(Wrapped):
         return replace(found, times=times, clock=times)
 
 
-class Slipping(Wrapped):
-    """An engine that loses a turn on the way."""
-
-    def simulate(
-        self, case: Case, model: str, method: Method, step: float, times: Array
-    ) -> Trajectory:
-        found = self.engine.simulate(case, model, method, step, times)
-        turns = next(iter(get_scene(case.scene).rotations_per_period))
-        late = times > case.start_time + 0.6 * (times[-1] - case.start_time)
-        return replace(
-            found, values={**found.values, turns: found.values[turns] - 2 * np.pi * late}
-        )
+def damped(found: Trajectory, case: Case) -> Trajectory:
+    """Take a share of all motion away over a run."""
+    rest, names = get_scene(case.scene).state({}), get_scene(case.scene).state_names
+    factor = np.exp(-1e-3 * found.times)
+    left = {n: at + (found.values[n] - at) * factor for n, at in zip(names, rest, strict=True)}
+    return replace(found, values={**found.values, **left})
 
 
-class Opening(Wrapped):
-    """An engine whose loop opens slowly."""
-
-    def simulate(
-        self, case: Case, model: str, method: Method, step: float, times: Array
-    ) -> Trajectory:
-        found = self.engine.simulate(case, model, method, step, times)
-        wider = found.values["position_violation"] + 1e-8 * np.asarray(times) ** 3
-        return replace(found, values={**found.values, "position_violation": wider})
+def slipping(found: Trajectory, case: Case) -> Trajectory:
+    """Lose a turn on the way."""
+    turns = next(iter(get_scene(case.scene).rotations_per_period))
+    late = found.times > case.start_time + 0.6 * (found.times[-1] - case.start_time)
+    return replace(found, values={**found.values, turns: found.values[turns] - 2 * np.pi * late})
 
 
-class LateClock(Wrapped):
-    """An engine whose clock is off by less than the guard sees."""
-
-    def simulate(
-        self, case: Case, model: str, method: Method, step: float, times: Array
-    ) -> Trajectory:
-        found = self.engine.simulate(case, model, method, step, times)
-        return replace(found, clock=found.clock * (1 + 1e-15))
+def opening(found: Trajectory, case: Case) -> Trajectory:
+    """Open the loop slowly."""
+    wider = found.values["position_violation"] + 1e-8 * found.times**3
+    return replace(found, values={**found.values, "position_violation": wider})
 
 
-class Broken(Wrapped):
-    """An engine that comes to no number, and tells nobody."""
+def late_clock(found: Trajectory, case: Case) -> Trajectory:
+    """Let the clock be off by less than the guard sees."""
+    return replace(found, clock=found.clock * (1 + 1e-15))
 
-    def simulate(
-        self, case: Case, model: str, method: Method, step: float, times: Array
-    ) -> Trajectory:
-        found = self.engine.simulate(case, model, method, step, times)
-        return replace(found, values={n: np.nan * v for n, v in found.values.items()})
+
+def broken(found: Trajectory, case: Case) -> Trajectory:
+    """Come to no number, and tell nobody."""
+    return replace(found, values={n: np.nan * v for n, v in found.values.items()})
 
 
 def stiffer(p: Any) -> Any:
@@ -177,12 +144,18 @@ WRONG_ONES: tuple[tuple[Callable[[Any], Any], str, str, str, str], ...] = (
     (lambda e: Misread(e, stiffer), "hula_hoop", FREE, "RK44", "phase_drift"),
     (lambda e: Misread(e, heavier), "hula_hoop", FREE, "RK44", "phase_drift"),
     (FastClock, "hula_hoop", FREE, "RK44", "phase_drift"),
-    (lambda e: Damped(e, 1e-3), "hula_hoop", FREE, "RK44", "energy_drift"),
-    (lambda e: Damped(e, 1e-3), "hula_hoop", CONSERVATIVE, "RK44", "energy_drift"),
-    (LateClock, "hula_hoop", FREE, "RK44", "clock"),
-    (Slipping, "hula_hoop", LOCKED, "RK44", "phase_drift"),
-    (Slipping, "speed_regulator", LOCKED, "GeneralizedAlpha", "phase_drift"),
-    (Opening, "speed_regulator", LOCKED, "GeneralizedAlpha", "position_violation"),
+    (lambda e: Altered(e, damped), "hula_hoop", FREE, "RK44", "energy_drift"),
+    (lambda e: Altered(e, damped), "hula_hoop", CONSERVATIVE, "RK44", "energy_drift"),
+    (lambda e: Altered(e, late_clock), "hula_hoop", FREE, "RK44", "clock"),
+    (lambda e: Altered(e, slipping), "hula_hoop", LOCKED, "RK44", "phase_drift"),
+    (
+        lambda e: Altered(e, slipping),
+        "speed_regulator", LOCKED, "GeneralizedAlpha", "phase_drift",
+    ),
+    (
+        lambda e: Altered(e, opening),
+        "speed_regulator", LOCKED, "GeneralizedAlpha", "position_violation",
+    ),
     (
         lambda e: Misread(e, lambda p: p.replace(torque=1.01 * p.torque)),
         "speed_regulator", LOCKED, "GeneralizedAlpha", "phase_drift",
@@ -205,7 +178,7 @@ def test_a_wrong_engine_is_caught(
 
 
 def test_the_guard_notices_what_is_no_number() -> None:
-    results = followed(Broken(ENGINES["mujoco"]()), "hula_hoop", FREE, "RK4")
+    results = followed(Altered(ENGINES["mujoco"](), broken), "hula_hoop", FREE, "RK4")
     assert {one.verdict for one in results.values()} == {"error"}
     assert {one.noticed_by[0] for one in results.values()} == {GUARD}
 

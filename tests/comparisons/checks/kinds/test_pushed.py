@@ -9,7 +9,6 @@ from scipy.integrate import solve_ivp
 
 from mbcheck.comparisons.checks import truth
 from mbcheck.comparisons.checks.kinds import pushed
-from mbcheck.comparisons.checks.kinds.pushed import halving_shows
 from mbcheck.comparisons.checks.suite import Check, run_check
 from mbcheck.comparisons.checks.verdict import (
     ENGINE,
@@ -17,7 +16,6 @@ from mbcheck.comparisons.checks.verdict import (
     HALVING,
     REFERENCE,
     Result,
-    detected_by,
 )
 from mbcheck.comparisons.engines.equations import scene_equations
 from mbcheck.comparisons.engines.protocol import Method
@@ -28,7 +26,6 @@ from mbcheck.comparisons.faults.mujoco import MujocoAdapter
 from mbcheck.comparisons.faults.runs import Resetting
 from mbcheck.comparisons.faults.variants import Misread
 from mbcheck.reference import get_scene
-from mbcheck.reference.errors import EngineError
 from mbcheck.reference.scene import Array, Case
 
 SPINNING = get_scene("hula_hoop").case("spinning_3hz_60n")
@@ -75,11 +72,6 @@ def test_halving_sees_a_force_through_controls() -> None:
         assert row.verdict == "deviation"
         assert HALVING in row.noticed_by
         assert f"order {order} instead of 4" in row.reason
-
-
-def test_who_notices_goes_by_the_kind_of_failure() -> None:
-    assert detected_by(EngineError("solver", "no solution")) == ENGINE
-    assert detected_by(EngineError("clock", "off")) == GUARD
 
 
 def test_the_guard_sees_what_is_not_a_number() -> None:
@@ -164,14 +156,6 @@ def test_references_of_stiff_dampers_agree(damping: float) -> None:
     )
     assert np.max(found.bound / found.size) < 1e-9
     np.testing.assert_allclose(found.states, other.y, atol=1e-8 * np.max(np.abs(other.y)))
-
-
-def test_halved_steps() -> None:
-    assert halving_shows([16e-4, 1e-4], 4, 1e-9) == ""
-    assert "order 1.0 instead of 4" in halving_shows([2e-4, 1e-4], 4, 1e-9)
-    assert halving_shows([2e-10, 1e-10], 4, 1e-9) == ""  # rounding
-    assert "changes it by 0.3" in halving_shows([0.3, 0.01], 4, 1e-9)
-    assert halving_shows([np.nan, 0.01], 4, 1e-9)
 
 
 def test_a_soft_closure_that_is_told_is_right_and_one_that_is_not_is_wrong() -> None:

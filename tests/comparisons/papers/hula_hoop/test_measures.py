@@ -12,15 +12,14 @@ from mbcheck.comparisons.engines.registry import REFERENCE
 from mbcheck.comparisons.maps.request import Axis
 from mbcheck.comparisons.maps.store import Map
 from mbcheck.comparisons.papers.assess import assess
-from mbcheck.comparisons.papers.hula_hoop import derivation, regions, results
-from mbcheck.comparisons.papers.hula_hoop.region_rows import REGION_ROWS
-from mbcheck.comparisons.papers.hula_hoop.rows import ROWS
+from mbcheck.comparisons.papers.hula_hoop import derivation, identities, regions, results
+from mbcheck.comparisons.papers.hula_hoop.figures import motion_figure
+from mbcheck.comparisons.papers.hula_hoop.rows import REGION_ROWS, ROWS
 from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED, REPRODUCED, VERDICTS
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.comparisons.queries.query import choose_engine
 from mbcheck.comparisons.scenes.hula_hoop.motion import MOTION_VARIABLES, MOTIONS
-from mbcheck.reference.hula_hoop.equations import SEMICIRCLE, HulaHoop
-from mbcheck.reference.hula_hoop.theory import nondimensional
+from mbcheck.reference.hula_hoop.equations import SEMICIRCLE
 
 ENGINES = ("mujoco", "exudyn")
 
@@ -54,7 +53,7 @@ def test_a_wrong_engine_fails_the_equations(monkeypatch: pytest.MonkeyPatch) -> 
         engine, model = choose_engine(*args)
         return Wrong(engine), model
 
-    monkeypatch.setattr(derivation, "choose_engine", choose_wrong)
+    monkeypatch.setattr(identities, "choose_engine", choose_wrong)
     assessment = assess(BY_NAME["equations_of_motion"], Session(engines=("mujoco",)))
     assert assessment.verdict == NOT_REPRODUCED
 
@@ -63,11 +62,6 @@ def test_a_wrong_plate_fails() -> None:
     (condition,) = BY_NAME["plate_inertia"].judgement[REPRODUCED]
     assert condition.holds(derivation.plate_inertia(Session()))
     assert not condition.holds(derivation.plate_inertia(Session(), SEMICIRCLE + 1e-3))
-
-
-def test_one_eleventh() -> None:
-    assert assess(BY_NAME["mass_ratio"], Session()).reference == "0.090909"
-    assert nondimensional(HulaHoop()).epsilon == pytest.approx(1 / 11)
 
 
 # Runs
@@ -198,3 +192,18 @@ def test_a_region_of_another_class_fails() -> None:
     assert share("blue_o") == {"share": pytest.approx(17 / 35), "count": 35}
     assert share("cyan_o")["share"] == 0
     assert np.isnan(regions.robust_in(session, ~here, "blue_o")["share"])
+
+
+def test_figure_of_motions_from_rest() -> None:
+    session = made_up(*ENGINES)
+    own = session.cache[results.SCENE, "class", False, "exudyn", None]
+    own.variables["motion"][5, 5] = MOTIONS.index("cyan_plus")
+    figure = motion_figure(session, plate=False)
+    titles = [axes.get_title(loc="left") for axes in figure.axes]
+    assert "mujoco agrees at 100.0%" in titles[1]
+    assert "exudyn agrees at 97.1%" in titles[2]
+    markers = {line.get_marker(): len(line.get_xdata()) for line in figure.axes[0].lines
+               if len(line.get_xdata())}  # fmt: skip
+    assert markers == {"o": 18, "x": 18}
+    apart = {line.get_label(): len(line.get_xdata()) for line in figure.axes[3].lines}
+    assert apart == {"not robust": 1, "mujoco differs": 0, "exudyn differs": 1}

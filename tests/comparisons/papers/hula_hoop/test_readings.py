@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -38,18 +37,12 @@ from mbcheck.reference.hula_hoop.equations import HulaHoop
 from mbcheck.reference.hula_hoop.floquet import floquet_multipliers
 from mbcheck.reference.hula_hoop.theory import paper_solution
 from mbcheck.reference.solve.rk8 import rk8_steps
+from mbcheck.tests.support.papers.shared import holds
 from mbcheck.tests.support.words import agree
 
 pytestmark = pytest.mark.slow
 
 ROWS = {row.name: row for row in READINGS}
-
-
-def holds(name: str, words: Sequence[str]) -> None:
-    """Assert that the candidates of a row give these words, of which the first are its own."""
-    row = ROWS[name]
-    for given, computed in zip(row.candidates.values(), words, strict=True):
-        assert agree(given, computed)
 
 
 def from_rest(p: HulaHoop, angles: Any = 0.0) -> list[LockIn]:
@@ -94,7 +87,7 @@ def test_units_of_the_damping(session: Session) -> None:
     ]
     damping, hinge = np.array(ratios).T
     ends = from_rest(EXAMPLE.replace(damping_ratio=damping, hinge_damping_ratio=hinge))
-    holds("damping_units", [lock_words(end) for end in ends])
+    holds(ROWS["damping_units"], [lock_words(end) for end in ends])
     assert agree(ROWS["damping_units"].reference, lock_words(ends[0]))
     run = example_from_rest(session)
     single = lock_in(run.times, run.observables["theta"], run.observables["theta_dot"])
@@ -105,7 +98,7 @@ def test_units_of_the_damping(session: Session) -> None:
 def test_starts_near_rest() -> None:
     angles = np.array([0.0, 1e-6, -1e-6, 1e-3, -1e-3, 1e-2, -1e-2, 0.1, -0.1])
     words = [lock_words(end) for end in from_rest(EXAMPLE, angles)]
-    holds("start", words)
+    holds(ROWS["start"], words)
     assert all(word.startswith("locks in") for word in words)
 
 
@@ -132,7 +125,7 @@ def test_axes_of_the_maps() -> None:
             count = len(regions(multiplier >= 1))
             parts.append(f"{np.mean(multiplier < 1):.0%} stable, {count} unstable regions")
         words.append(f"fig. 4 {parts[0]}; fig. 6 {parts[1]}")
-    holds("axes_of_maps", words)
+    holds(ROWS["axes_of_maps"], words)
 
 
 def test_solution_that_figures_were_drawn_with(session: Session) -> None:
@@ -144,7 +137,7 @@ def test_solution_that_figures_were_drawn_with(session: Session) -> None:
             count = len(regions(~stable(session, plate, name)))
             parts.append(f"{count} unstable regions, {match:.0%} like fig. {7 if plate else 5}")
         words.append(f"fig. 4 {parts[0]}; fig. 6 {parts[1]}")
-    holds("drawn_solution", words)
+    holds(ROWS["drawn_solution"], words)
 
 
 def test_limits_between_classes(session: Session) -> None:
@@ -171,7 +164,7 @@ def test_limits_between_classes(session: Session) -> None:
         }
         return ", ".join(f"{name} {np.mean(where):.0%}" for name, where in classes.items())
 
-    holds("class_definitions", [shares(*item) for item in limits])
+    holds(ROWS["class_definitions"], [shares(*item) for item in limits])
 
 
 def test_power_that_a_generator_could_take(session: Session) -> None:
@@ -190,5 +183,4 @@ def test_definition_of_hula_hoop_motion(session: Session) -> None:
     for several in (kinds[:1], kinds[:2], kinds):
         shares = [np.mean(is_class(motion, "motion", name)) for name in several]
         words.append(f"{sum(shares):.0%}")
-    row = ROWS["definition"]
-    assert [agree(*pair) for pair in zip(row.candidates.values(), words, strict=True)] == [True] * 4
+    holds(ROWS["definition"], words)

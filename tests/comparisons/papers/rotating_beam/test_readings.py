@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -42,16 +41,10 @@ from mbcheck.reference.rotating_beam.scene import SCENE, beam_scene, critical_sp
 from mbcheck.reference.rotating_beam.shapes import cantilever_modes
 from mbcheck.reference.solve.single import states_at
 from mbcheck.tests.support.papers.rotating_beam import linear_pulse
-from mbcheck.tests.support.words import agree
+from mbcheck.tests.support.papers.shared import holds
 
 BY_NAME = {row.name: row for row in READINGS}
 SLOW = pytest.mark.slow
-
-
-def holds(name: str, words: Sequence[str]) -> None:
-    """Assert that the candidates of a row give these words."""
-    for given, computed in zip(BY_NAME[name].candidates.values(), words, strict=True):
-        assert agree(given, computed)
 
 
 def listed(values: Any, digits: int = 4) -> str:
@@ -71,7 +64,7 @@ def test_speed_of_figure_3(session: Session) -> None:
             f"maxima {listed(two, 3)} with two assumed modes, {listed(converged, 3)} converged; "
             f"crossover of 0.4 kg {places[0]:.3f} and {places[1]:.3f}"
         )
-    holds("speed_of_figure_3", words)
+    holds(BY_NAME["speed_of_figure_3"], words)
     assert f"at {listed(speeds)} rad/s" in BY_NAME["speed_of_figure_3"].reason
     assert np.ptp(speeds) > 0.1  # no one speed
 
@@ -84,7 +77,7 @@ def test_modes_of_figure_3() -> None:
         places = np.array([best_mass_position(loaded(mass), modes) for mass in LOADS])
         off.append(float(np.max(np.abs(places - printed))))
         words.append(f"{listed(places)}: off by up to {off[-1]:.4f}")
-    holds("modes_of_figure_3", words)
+    holds(BY_NAME["modes_of_figure_3"], words)
     assert np.argmin(off) == 1  # two assumed modes
     assert f"within {off[1]:.4f}" in BY_NAME["modes_of_figure_3"].reason
 
@@ -99,7 +92,7 @@ def test_axis_of_figure_2(session: Session) -> None:
 def test_masses_of_responses(session: Session) -> None:
     peaks = zip(*(by_mass(session, REFERENCE, figure, peak) for figure in (4, 5)), strict=True)
     words = [f"largest deflection {a:.4g} m in figure 4, {b:.3g} m in figure 5" for a, b in peaks]
-    holds("masses_of_responses", words)
+    holds(BY_NAME["masses_of_responses"], words)
 
 
 class Pulse(NamedTuple):
@@ -134,7 +127,7 @@ def pulse(p: RotatingBeam) -> Pulse:
 
 def test_hub_of_figure_5() -> None:
     pulses = [pulse(FIGURE_5.replace(hub_inertia=inertia)) for inertia in (0.0, 10.0, 100.0)]
-    holds("hub_of_figure_5", [str(item) for item in pulses])
+    holds(BY_NAME["hub_of_figure_5"], [str(item) for item in pulses])
     for item in pulses:
         assert np.all(np.diff(item.angle) < 0)
         assert np.all(np.diff(item.largest) > 0)
@@ -156,7 +149,7 @@ def test_hub_radius_of_figures() -> None:
             f"{crossing[1]} converged; {shapes or 'no maxima'}; figure 5: "
             f"{pulse(FIGURE_5.replace(hub_radius=radius))}"
         )
-    holds("hub_radius_of_figures", words)
+    holds(BY_NAME["hub_radius_of_figures"], words)
 
 
 @SLOW
@@ -179,7 +172,7 @@ def test_model_of_figure_4() -> None:
     words.append(
         f"none: it diverges above {critical:.3g} rad/s with 0.4 kg, and the hub gets to 10"
     )
-    holds("model_of_figure_4", words)
+    holds(BY_NAME["model_of_figure_4"], words)
     off = [100 * (b / a - 1) for a, b in zip(peaks[0], peaks[1], strict=True)]
     assert f"by {listed(off, 2)} %" in BY_NAME["model_of_figure_4"].reason
 
@@ -189,7 +182,10 @@ def test_damping() -> None:
     mass, _, stiffness = linearise(SCENE, p, np.zeros(2 * len(SCENE.coordinates)))
     omega = float(np.sqrt(eigh(stiffness, mass, eigvals_only=True)[1]))
     left = [np.exp(-ratio * omega * 10) for ratio in (0.0, 0.001, 0.01)]
-    holds("damping", [f"{share:.3g} of the amplitude is left after 10 s more" for share in left])
+    holds(
+        BY_NAME["damping"],
+        [f"{share:.3g} of the amplitude is left after 10 s more" for share in left],
+    )
     assert f"0.4 kg: {omega:.3g} rad/s" in BY_NAME["damping"].reason
 
 
@@ -203,7 +199,7 @@ def test_angle_of_figure_5(session: Session) -> None:
         lag = np.arctan2(motion.values["tip_deflection"], along)
         hub.append(float(motion.values["theta"][end][0]))
         free_end.append(float((motion.values["theta"] + lag)[end][0]))
-    holds("angle_of_figure_5", [f"{listed(angles)} rad" for angles in (hub, free_end)])
+    holds(BY_NAME["angle_of_figure_5"], [f"{listed(angles)} rad" for angles in (hub, free_end)])
     assert np.all(np.diff([hub, free_end]) < 0)
 
 

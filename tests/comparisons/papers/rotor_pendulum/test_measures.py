@@ -11,7 +11,7 @@ import pytest
 from mbcheck.comparisons.engines.registry import REFERENCE
 from mbcheck.comparisons.papers.assess import assess
 from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED
-from mbcheck.comparisons.papers.rotor_pendulum import cases, limits, regions, results, starts
+from mbcheck.comparisons.papers.rotor_pendulum import cases, regions, results
 from mbcheck.comparisons.papers.rotor_pendulum.rows import ROWS
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference import get_scene
@@ -44,7 +44,7 @@ def test_settled_orbits_are_known() -> None:
 
 
 def test_curve_of_the_motor_has_the_slope_of_14_and_its_largest_torque() -> None:
-    curve = starts.motor_curve(CASE_1, 8.0)
+    curve = cases.motor_curve(CASE_1, 8.0)
     speed = float(CASE_1.synchronous_speed)
     assert curve(speed) == 0
     assert curve(speed - 1e-4) / 1e-4 == pytest.approx(float(CASE_1.motor_slope), rel=1e-6)
@@ -93,16 +93,16 @@ def test_rotor_on_the_rod_fluctuates_more() -> None:
 @pytest.mark.parametrize("angle", ["pi/6", "pi/3"])
 def test_orbits_begin_at_the_fold(angle: str, session: Session) -> None:
     """Sought from the theory's phase, an orbit is there just above the fold, and not below it."""
-    n_x, n_phi = (float(values[1]) for values in limits.fold_curve(session, angle))
+    n_x, n_phi = (float(values[1]) for values in regions.fold_curve(session, angle))
     beta = results.BETAS[angle]
-    near = [limits.at_ratios(n_x, n_phi * factor, beta) for factor in (0.998, 1.004)]
+    near = [regions.at_ratios(n_x, n_phi * factor, beta) for factor in (0.998, 1.004)]
     before, after = results.settled(session, near)
     assert (before.kind, after.kind) == ("none", "synphase")
 
 
 def test_dampers_of_table_1_move_the_fold(session: Session) -> None:
     """A wrong damper, 1 % weaker, shows as a shift of the limit that its bound is far below."""
-    (one,) = limits.folds(session, "pi/6")[1:2]
+    (one,) = regions.folds(session, "pi/6")[1:2]
     wrong = replace(one, parameters=one.parameters.replace(rod_damping=0.99 * 15.0))
-    here, there = (limits.ratio_of(item, item.solution[1].place[1]) for item in (one, wrong))
+    here, there = (regions.ratio_of(item, item.solution[1].place[1]) for item in (one, wrong))
     assert 1e-4 < abs(there - here) < 0.1

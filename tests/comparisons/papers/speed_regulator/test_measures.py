@@ -11,7 +11,7 @@ from mbcheck.comparisons.engines.registry import REFERENCE
 from mbcheck.comparisons.papers.assess import assess
 from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED
 from mbcheck.comparisons.papers.session import Session
-from mbcheck.comparisons.papers.speed_regulator import printed, results
+from mbcheck.comparisons.papers.speed_regulator import derivation, results
 from mbcheck.comparisons.papers.speed_regulator.figures import last_turn, turns_apart
 from mbcheck.comparisons.papers.speed_regulator.rows import ROWS
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
@@ -29,12 +29,12 @@ def test_another_speed_is_not_reproduced() -> None:
 
 @pytest.mark.slow
 def test_wrong_kinematics_change_verdicts(monkeypatch: pytest.MonkeyPatch) -> None:
-    right = printed.kinematics
+    right = derivation.kinematics
     wrong = lambda phi, p: right(phi, p)._replace(t=1.001 * right(phi, p).t)  # noqa: E731
-    monkeypatch.setattr(printed, "kinematics", wrong)
+    monkeypatch.setattr(derivation, "kinematics", wrong)
     assert assess(BY_NAME["remainder"], Session()).verdict == NOT_REPRODUCED
     wrong = lambda phi, p: right(phi, p)._replace(a_1=1.001 * right(phi, p).a_1)  # noqa: E731
-    monkeypatch.setattr(printed, "kinematics", wrong)
+    monkeypatch.setattr(derivation, "kinematics", wrong)
     session = Session()
     for name in ("equation_17", "mean_damper", "kinematics"):
         assert assess(BY_NAME[name], session).verdict == NOT_REPRODUCED, name
@@ -43,7 +43,7 @@ def test_wrong_kinematics_change_verdicts(monkeypatch: pytest.MonkeyPatch) -> No
 def test_averages_are_those_of_a_quadrature() -> None:
     for ratio in (0.1, 0.2, 0.6):
         p = SpeedRegulator(crank_radius=ratio * 1.25)
-        means = printed.averages(p)
+        means = derivation.averages(p)
         assert means["damper"] == pytest.approx(1 - math.sqrt(1 - ratio**2), rel=1e-13)
         assert means["remainder"] == pytest.approx(means["damper"] - ratio**2 / 2, rel=1e-10)
         assert means["cos_squared"] == pytest.approx(0.5, rel=1e-14)

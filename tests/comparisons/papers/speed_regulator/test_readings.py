@@ -28,18 +28,12 @@ from mbcheck.reference.speed_regulator import theory
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
 from mbcheck.reference.speed_regulator.rest import found_equilibria
 from mbcheck.reference.speed_regulator.theory import least_torque, printed_mean_speed, rotation
-from mbcheck.tests.support.words import agree
+from mbcheck.tests.support.papers.shared import holds
 
 BY_NAME = {row.name: row for row in READINGS}
 SLOW = pytest.mark.slow
 REST = REGIMES.index("rest")
 BISECTIONS = 18
-
-
-def holds(name: str, words: Sequence[str]) -> None:
-    """Assert that the candidates of a row give these words."""
-    for given, computed in zip(BY_NAME[name].candidates.values(), words, strict=True):
-        assert agree(given, computed)
 
 
 def least_torques(sets: Sequence[SpeedRegulator]) -> Array:
@@ -85,7 +79,7 @@ def test_missing_parameters() -> None:
         smaller,
         smaller.replace(stiffness=200.0),
     ]
-    holds("missing_parameters", candidates_of(sets))
+    holds(BY_NAME["missing_parameters"], candidates_of(sets))
 
 
 def test_what_the_printed_speed_fixes() -> None:
@@ -105,7 +99,7 @@ def test_damper_of_figure_4() -> None:
             f"{cycle.mean_speed:.4f} rad/s, multiplier {cycle.multiplier:.4f}, half of a deviation "
             f"gone in {-np.log(2) / np.log(cycle.multiplier):.0f} turns"
         )
-    holds("damper_of_figure_4", words)
+    holds(BY_NAME["damper_of_figure_4"], words)
 
 
 @SLOW
@@ -118,7 +112,7 @@ def test_reference_of_the_spring() -> None:
         rests: Mapping[str, float] = found_equilibria(p)
         listed = ", ".join(f"{name} {angle:.2f}" for name, angle in rests.items())
         words.append(f"{text}; equilibria [rad]: {listed}")
-    holds("spring_reference", words)
+    holds(BY_NAME["spring_reference"], words)
     assert rounds_to(rotation(EXAMPLE).mean_speed, PRINTED_SPEED)
 
 
@@ -131,7 +125,7 @@ def test_braking_of_figure_6() -> None:
         damped(8.0),
         damped(4.0),
     ]
-    holds("braking_of_figure_6", candidates_of(sets))
+    holds(BY_NAME["braking_of_figure_6"], candidates_of(sets))
 
 
 @SLOW
@@ -145,7 +139,7 @@ def test_axes_of_figure_3() -> None:
             f"begins at {least:.4f} N m; (21) off by {off[0]:+.1%} at twice that, {off[1]:+.2%} "
             f"at {TORQUE[1]:g} N m"
         )
-    holds("axes_of_figure_3", words)
+    holds(BY_NAME["axes_of_figure_3"], words)
 
 
 @SLOW
@@ -182,7 +176,7 @@ def test_tolerance_of_the_solver() -> None:
 
 def test_starts_of_figure_4() -> None:
     starts = [(phi, speed) for speed in (0.0, 0.6, 0.8, 2.0, 8.0) for phi in (0.0, np.pi)]
-    holds("starts_of_figure_4", [end_of(*start) for start in starts])
+    holds(BY_NAME["starts_of_figure_4"], [end_of(*start) for start in starts])
 
 
 def end_of(phi: float, speed: float) -> str:
