@@ -112,8 +112,8 @@ def executor(workers: int) -> Iterator[Callable[[Perform, Sequence[Task]], Searc
         outcome = outcomes.pop(first)
         if isinstance(outcome, EngineError):
             raise outcome
-        found: SearchOutcome = outcome
-        return found
+        result: SearchOutcome = outcome
+        return result
 
     try:
         yield outcome_of_first

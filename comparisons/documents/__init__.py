@@ -39,7 +39,7 @@ DOCUMENTS: Mapping[str, tuple[str, str]] = {
         "What accuracy costs, and which settings to choose.",
     ),
     "tradeoff_model": (
-        "tradeoff.document.TradeoffModelDocument",
+        "tradeoff.model.TradeoffModelDocument",
         "Which step and integrator an MJCF file needs.",
     ),
     "diff": ("diff.changes.Diff", "What changed between two runs of checks."),

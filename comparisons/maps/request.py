@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...reference import get_scene
 from ...reference.errors import UnknownNameError, UsageError
-from ...reference.scene import Array, Case, Scene
+from ...reference.scene import Array, Case
 from ...reference.solve import HEYOKA, takes_heyoka
 from ..documents.fields import OptionMark
 from ..engines.registry import REFERENCE, get_engine
@@ -184,42 +184,27 @@ def by_engine(asked: Request) -> Request:
     return replace(asked, model=setup.model, method=method, block=block, backend="numpy")
 
 
-def on_axes(scene: str, base: Any, values: Mapping[str, Array]) -> Any:
-    """Return parameters whose fields on the axes are arrays (k,).
-
-    Parameters come before what sets parameters, so that this can depend on those.
-    """
-    special = axis_names(scene)
-    changed = base.replace(**{k: v for k, v in values.items() if k not in special})
-    for name, value in values.items():
-        if name in special:
-            changed = special[name].apply(changed, value)
-    return changed
-
-
 def corners_of(asked: Request) -> Points:
     """Return the first and the last point of a map."""
     return points_of(asked, np.array([[0, 0], [asked.x.count - 1, asked.y.count - 1]]))
 
 
 def points_of(asked: Request, places: NDArray[np.int_]) -> Points:
-    """Return some points of a map, by their columns and rows (k, 2)."""
-    scene: Scene = get_scene(asked.scene)
+    """Return some points of a map, by their columns and rows (k, 2).
+
+    Parameters on the axes come before what sets parameters, so that this can depend on those.
+    """
+    scene, special = get_scene(asked.scene), axis_names(asked.scene)
     values = {
         asked.x.name: asked.x.values[places[:, 0]],
         asked.y.name: asked.y.values[places[:, 1]],
     }
-    return Points(
-        scene,
-        on_axes(asked.scene, scene.parameters().replace(**(asked.parameters or {})), values),
-        places,
-        values,
-        asked.engine,
-        asked.model or "",
-        asked.method,
-        asked.step,
-        asked.backend,
-    )
+    parameters = scene.parameters().replace(**(asked.parameters or {}))
+    parameters = parameters.replace(**{k: v for k, v in values.items() if k not in special})
+    for name in [name for name in values if name in special]:
+        parameters = special[name].apply(parameters, values[name])
+    method = asked.model or "", asked.method, asked.step, asked.backend
+    return Points(scene, parameters, places, values, asked.engine, *method)
 
 
 def evaluate(asked: Request, places: NDArray[np.int_]) -> QuantityValues:

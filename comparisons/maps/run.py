@@ -134,7 +134,7 @@ class Grid:
     progress : callable
     unfinished : Path or None
         File that keeps the map meanwhile.
-    kept : Map or None
+    before : Map or None
         What that had before.
     variables : dict of str to array (n_y, n_x)
     computed : bool array (n_y, n_x)
@@ -156,9 +156,9 @@ class Grid:
         self.done = self.total = 0
         self.saved, self.pause, self.is_new = monotonic(), OFTEN, False
         self.settings = json.loads(json.dumps(asked.as_dict()))
-        self.kept = self.read_kept(resume)
+        self.before = self.read_unfinished(resume)
 
-    def read_kept(self, resume: bool) -> Map | None:
+    def read_unfinished(self, resume: bool) -> Map | None:
         """Return what the file of the unfinished map has, if there is one.
 
         Raises
@@ -172,16 +172,18 @@ class Grid:
             raise UsageError(
                 f"{self.unfinished} is an unfinished map: go on with --resume, or delete it"
             )
-        kept = read(self.unfinished)
-        others = [name for name, value in self.settings.items() if kept.settings.get(name) != value]
-        others += ["its variables"] if set(kept.variables) != set(self.variables) else []
+        before = read(self.unfinished)
+        others = [
+            name for name, value in self.settings.items() if before.settings.get(name) != value
+        ]
+        others += ["its variables"] if set(before.variables) != set(self.variables) else []
         if others:
             raise UsageError(
                 f"--resume: {self.unfinished} is of another map ({', '.join(others)}); ask for the "
                 "same, or delete it"
             )
-        self.problems += kept.problems
-        return kept
+        self.problems += before.problems
+        return before
 
     def map(self) -> Map:
         """Return the map as far as it is computed."""
@@ -212,8 +214,8 @@ class Grid:
             size = min(size, max(FEW, -(-len(places) // SHARES)))
         for block in split(places, size):
             column, row = block.T
-            if self.kept is not None and np.all(self.kept.computed[row, column]):
-                values = {name: item[row, column] for name, item in self.kept.variables.items()}
+            if self.before is not None and np.all(self.before.computed[row, column]):
+                values = {name: item[row, column] for name, item in self.before.variables.items()}
                 self.place(block, QuantityValues(values))
             else:
                 missing.append(block)
@@ -226,13 +228,13 @@ class Grid:
                 self.save()
             keep_budget(self.done / self.total)
 
-    def place(self, block: Places, found: QuantityValues) -> None:
+    def place(self, block: Places, result: QuantityValues) -> None:
         """Put a finished block where it belongs."""
         column, row = block.T
         for name, values in self.variables.items():
-            values[row, column] = found.values[name]
+            values[row, column] = result.values[name]
         self.computed[row, column] = True
-        for i, words in found.problems.items():
+        for i, words in result.problems.items():
             x, y = self.asked.x.values[column[i]], self.asked.y.values[row[i]]
             self.problems.append((float(x), float(y), words))
         self.done += len(block)
@@ -280,7 +282,9 @@ def refined(grid: Grid) -> Iterator[Places]:
     """
     asked = grid.asked
     key = next(name for name, item in asked.mapped.variables.items() if item.classes)
-    spacing = coarse_spacing(min(asked.shape))
+    count = min(asked.shape) - 1
+    cells = max(1, min(COARSE_CELLS, count / 4))
+    spacing = 1 << max(0, int(np.floor(np.log2(count / cells))))
     yield everywhere(asked, spacing)
     while True:
         spread(grid, spacing)
@@ -315,12 +319,6 @@ def straight_on(before: Places, places: Places, shape: tuple[int, int], spacing:
     wanted = np.unique(about.reshape(-1, 2), axis=0)
     inside = np.all((wanted >= 0) & (wanted < [len(one) for one in lines]), axis=1)
     return np.stack([one[i] for one, i in zip(lines, wanted[inside].T, strict=True)], axis=1)
-
-
-def coarse_spacing(count: int) -> int:
-    """Return the spacing of the coarse lattice, a power of two."""
-    cells = min(COARSE_CELLS, (count - 1) / 4)
-    return 1 << max(0, int(np.floor(np.log2((count - 1) / max(cells, 1)))))
 
 
 def lattice(count: int, spacing: int) -> Places:

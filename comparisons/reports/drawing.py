@@ -29,11 +29,6 @@ class EngineLook:
     marker: str
     filled: bool = True
 
-    @property
-    def face(self) -> str:
-        """Colour of the face of a marker."""
-        return self.colour if self.filled else "white"
-
 
 LOOKS = (
     EngineLook("#D55E00", (0, (4, 1.5)), "s"),

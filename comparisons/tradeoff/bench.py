@@ -161,8 +161,8 @@ class Bench:
         Of periods.
     sites : array of int
         Sites that are observed.
-    dofs : bool array (n_v,)
-        Degrees of freedom that are.
+    observed : bool array (n_v + n_sites,)
+        Which degrees of freedom are observed, and all of these sites.
     """
 
     def __init__(self, loaded: Loaded, asked: TradeoffRequest) -> None:
@@ -175,7 +175,8 @@ class Bench:
                 f"file; give {self.period:g} s or more"
             )
         self.count = max(1, round(asked.horizon / self.period))
-        self.sites, self.dofs = observables(loaded, asked.observed)
+        self.sites, dofs = observables(loaded, asked.observed)
+        self.observed = np.append(dofs, np.ones(len(self.sites), dtype=bool))
         self.limits: dict[float | None, dict[str, float]] = {}
         names = ("horizon", "seed", "exact", "observed")
         about = {name: getattr(asked, name) for name in names} | {"target": asked.target}
@@ -380,20 +381,32 @@ class Bench:
             seconds / time,
         )
 
-    def apart(self, one: SampledRun, other: SampledRun, size: Array) -> Array:
-        """Return the largest error (n,) at each time that both reached, relative to `sizes`."""
-        n, size = min(len(one.positions), len(other.positions)), np.where(size > 0, size, 1.0)
-        model, moved = self.loaded.model, np.empty(self.loaded.model.nv)
-        errors = np.zeros(n)
+    def distances(self, run: SampledRun, positions: Array, points: Array) -> Array:
+        """Return how far what is observed in a run is from positions and points of sites.
+
+        Parameters
+        ----------
+        run : SampledRun
+        positions, points : array (n, n_q), (n, n_sites, 3)
+
+        Returns
+        -------
+        array (n, n_dofs + n_sites)
+            At each time that both reached.
+        """
+        n = min(len(run.positions), len(positions))
+        moved = np.empty((n, self.loaded.model.nv))
         for i in range(n):
             self.loaded.mujoco.mj_differentiatePos(
-                model, moved, 1.0, other.positions[i], one.positions[i]
+                self.loaded.model, moved[i], 1.0, positions[i], run.positions[i]
             )
-            off = np.abs(moved[self.dofs]) / size[: int(np.sum(self.dofs))]
-            gap = np.linalg.norm(one.points[i] - other.points[i], axis=1)
-            off = np.concatenate([off, gap / size[int(np.sum(self.dofs)) :]])
-            errors[i] = np.max(off, initial=0.0)
-        return errors
+        gaps = np.linalg.norm(run.points[:n] - points[:n], axis=2)
+        return np.hstack([np.abs(moved), gaps])
+
+    def apart(self, one: SampledRun, other: SampledRun, size: Array) -> Array:
+        """Return the largest error (n,) at each time that both reached, relative to `sizes`."""
+        away = self.distances(one, other.positions, other.points)[:, self.observed]
+        return np.asarray(np.max(away / np.where(size > 0, size, 1.0), axis=1, initial=0.0))
 
     def sizes(self, run: SampledRun) -> Array:
         """Return how far the observables move in a run (n_dofs + n_sites,).
@@ -401,23 +414,18 @@ class Bench:
         A joint counts as moving as far as any of its kind, which turns or which slides: one that
         stands still has no size of its own.
         """
-        model, moved = self.loaded.model, np.empty(self.loaded.model.nv)
-        largest = np.zeros(model.nv)
-        if not len(run.positions):
-            return np.ones(int(np.sum(self.dofs)) + len(self.sites))
-        for position in run.positions:
-            self.loaded.mujoco.mj_differentiatePos(model, moved, 1.0, run.positions[0], position)
-            largest = np.maximum(largest, np.abs(moved))
+        model, n = self.loaded.model, len(run.positions)
+        if not n:
+            return np.ones(int(np.sum(self.observed)))
+        first = np.repeat(run.positions[:1], n, axis=0), np.repeat(run.points[:1], n, axis=0)
+        reach = np.max(self.distances(run, *first), axis=0, initial=0.0)
         slide, free = (
             self.loaded.of_kind("jnt_type", kind)[model.dof_jntid] for kind in ("slide", "free")
         )
-        first = np.arange(model.nv) - model.jnt_dofadr[model.dof_jntid] < 3
-        turns = ~(slide | (free & first))
-        for kind in (turns, ~turns):
-            largest[kind] = np.max(largest[kind], initial=0.0)
-        shifts = run.points - run.points[:1]
-        reach = np.max(np.linalg.norm(shifts, axis=2), axis=0, initial=0.0)
-        return np.concatenate([largest[self.dofs], reach])
+        slides = slide | (free & (np.arange(model.nv) - model.jnt_dofadr[model.dof_jntid] < 3))
+        for kind in (slides, ~slides):
+            reach[: model.nv][kind] = np.max(reach[: model.nv][kind], initial=0.0)
+        return np.asarray(reach[self.observed])
 
 
 def observables(loaded: Loaded, names: tuple[str, ...]) -> tuple[Any, Any]:
@@ -428,20 +436,14 @@ def observables(loaded: Loaded, names: tuple[str, ...]) -> tuple[Any, Any]:
     UsageError
         If there is no joint and no site of a name.
     """
-    model, lib = loaded.model, loaded.mujoco
     if not names:
-        return np.array([], dtype=int), np.ones(model.nv, dtype=bool)
-    sites, dofs = [], np.zeros(model.nv, dtype=bool)
+        return np.array([], dtype=int), np.ones(loaded.model.nv, dtype=bool)
+    sites = {loaded.name("site", number): number for number in range(loaded.model.nsite)}
     for name in names:
-        site = lib.mj_name2id(model, lib.mjtObj.mjOBJ_SITE, name)
-        joint = lib.mj_name2id(model, lib.mjtObj.mjOBJ_JOINT, name)
-        if site < 0 and joint < 0:
+        if name not in (*sites, *loaded.joint_names):
             raise UsageError(f"--observe {name[:60]}: {loaded.path.name} has no such joint or site")
-        if site >= 0:
-            sites.append(site)
-        if joint >= 0:
-            dofs |= model.dof_jntid == joint
-    return np.array(sites, dtype=int), dofs
+    numbers = [sites[name] for name in names if name in sites]
+    return np.array(numbers, dtype=int), np.isin(loaded.joint_names, names)
 
 
 def time_constants(model: Any) -> Array:

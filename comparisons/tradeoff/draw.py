@@ -20,7 +20,7 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "h", "p", "d")
 LINES: tuple[Any, ...] = ("solid", (0, (5, 1.5)), (0, (1.5, 1)), (0, (6, 1, 1, 1)))
 """Lines of an engine's models, in order."""
 
-LEGEND = {"loc": "outside lower center", "ncols": 4, "fontsize": 7, "frameon": False}
+LEGEND = {"loc": "outside lower center", "ncols": 3, "fontsize": 7, "frameon": False}
 
 USELESS, TOP = 2.0, 8.0
 """Relative errors above the first are as good as a failure, and stand at the second."""

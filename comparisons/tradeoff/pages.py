@@ -63,8 +63,8 @@ def sections(result: Tradeoff | ModelTradeoff) -> list[Section]:
             ("What a step costs in stability", *stability_table(result.stability)),
         ]
         lines, last = [f"note: {note}" for note in result.failures], []
-    shown = [Section(*table, digits=DIGITS) for table in tables if table[2]]
-    parts = [Section(lines=lines), *shown, Section(lines=last)]
+    full_tables = [Section(*table, digits=DIGITS) for table in tables if table[2]]
+    parts = [Section(lines=lines), *full_tables, Section(lines=last)]
     return [part for part in parts if part.rows or part.lines]
 
 

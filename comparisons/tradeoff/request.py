@@ -64,8 +64,8 @@ class TradeoffRequest:
             if not 0 < target < 1:
                 raise UsageError(f"a target is a relative error between 0 and 1, not {target!r}")
         if not self.is_model:
-            given = [item.name for item in fields(self) if getattr(self, item.name) != item.default]
-            if set(given) & set(OF_MODELS):
+            defaults = {item.name: item.default for item in fields(self)}
+            if any(getattr(self, name) != defaults[name] for name in OF_MODELS):
                 options = "--horizon, --budget, --observe, --seed and --exact-closures"
                 raise UsageError(f"{options} are of a model: MODEL.xml")
             return

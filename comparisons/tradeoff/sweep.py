@@ -356,8 +356,8 @@ def smallest(series: Sequence[StepSeries], target: float) -> Iterator[Choice]:
             meets = [cheapest_run([one], target) is not None for _, one in row]
             first = len(row) - len([*takewhile(bool, reversed(meets))])
             value, one = row[first] if first < len(row) else (None, row[-1][1])
-            smaller = None
-            if 0 < first < len(row):
-                smaller = min(trial.error for trial in trials_of([row[first - 1][1]]))
+            coarser = [one for _, one in row[:first][-1:]] if first < len(row) else []
+            errors = [trial.error for trial in trials_of(coarser) if trial.error > target]
+            smaller = min(errors, default=None)
             axis = {"axis": option.name, "unit": option.unit}
             yield choose([one], target, **axis, value=value, smaller=smaller)

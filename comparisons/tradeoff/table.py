@@ -253,7 +253,7 @@ class Choice:
     value : float or None
         Smallest model from which on all meet the target, on its axis; None if there is none.
     smaller : float or None
-        Least error of the next smaller model, which misses the target.
+        Least error above the target of the next smaller model.
     met : bool
         Whether the target is met.
     """

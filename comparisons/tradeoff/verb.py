@@ -58,8 +58,8 @@ def tradeoff(
     if nothing meets the target.
     """
     request = TradeoffRequest(**asked)
-    kept = Destination("--resume", request.resume) if request.resume else None
-    refuse_conflicts(json_file, markdown_file, plot, kept)
+    store = Destination("--resume", request.resume) if request.resume else None
+    refuse_conflicts(json_file, markdown_file, plot, store)
     refuse_picture(plot)
     result: ModelTradeoff | Tradeoff
     if request.is_model:
@@ -100,9 +100,9 @@ def write(
     finally:
         if markdown_file:
             folder = markdown_file.path.parent
-            shown = [
+            links = [
                 (title, os.path.relpath(path, folder).replace(os.sep, "/")) for title, path in drawn
             ]
-            markdown_file.write(pages.markdown(result, shown))
+            markdown_file.write(pages.markdown(result, links))
     if not to_stdout(json_file, markdown_file):
         pages.show(console(), result)

@@ -6,7 +6,6 @@ import json
 import operator
 import re
 import subprocess
-from io import StringIO
 from itertools import islice
 from pathlib import Path
 from time import sleep
@@ -14,11 +13,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rich.console import Console
 
 from mbcheck.comparisons.boundary.request import BoundaryRequest
 from mbcheck.comparisons.boundary.run import Boundary, executor
-from mbcheck.comparisons.boundary.verb import print_boundary
 from mbcheck.comparisons.queries.axis import ParameterRange
 from mbcheck.reference.continuation.bifurcations import DOUBLING, BifurcationCurve, CurvePoint
 from mbcheck.reference.continuation.network import CurveStart
@@ -329,22 +326,6 @@ def stretch(kind: str, x: Pair, y: Pair, near: tuple[Pair, ...], steps: int) -> 
     (curve,) = (item for item in curves if item["kind"] == kind)
     pairs = sorted((point["x"], point["shift_y"]) for point in curve["points"])
     return np.array(pairs).T[0], np.array(pairs).T[1]
-
-
-def test_the_steps_of_an_engine_are_told(small: dict[str, Any]) -> None:
-    for steps, words in (
-        (None, "by mujoco: 1 curve"),
-        (40, "by mujoco RK4, 40 steps of at most 5e-"),
-    ):
-        printed = StringIO()
-        text = small | {
-            "engine": "mujoco",
-            "method": "RK4",
-            "steps_per_period": steps,
-            "step": 5e-9,
-        }
-        print_boundary(Console(file=printed, width=200), text, quiet=False)
-        assert f"hula_hoop {words}" in printed.getvalue()
 
 
 # A kill

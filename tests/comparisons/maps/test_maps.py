@@ -48,21 +48,8 @@ def misused(line: str) -> str:
 # Executors
 
 
-SLOWLY = [f"sleep 0.2; exit {i}" for i in range(12)]
-"""For `os.system`, which every worker process can import, returns 256 times the status."""
-
-
 def children() -> list[int]:
     return [child.pid for child in active_children() if child.pid]
-
-
-def test_killed_process_is_replaced() -> None:
-    found: dict[int, int] = {}
-    for index, status in execute.in_processes(2, os.system, SLOWLY):
-        if not found:  # both processes have begun the next
-            os.kill(children()[0], signal.SIGKILL)
-        found[index] = status
-    assert found == {i: 256 * i for i in range(12)}
 
 
 def test_work_that_kills_every_process_is_given_up() -> None:

@@ -20,7 +20,7 @@ from mbcheck.comparisons.scenes.speed_regulator.limit_cycles import (
     theory_regimes,
 )
 from mbcheck.comparisons.scenes.speed_regulator.maps import QUANTITIES
-from mbcheck.comparisons.scenes.speed_regulator.runs import settled, simulated_speed
+from mbcheck.comparisons.scenes.speed_regulator.runs import simulated_speed
 from mbcheck.reference import get_scene
 from mbcheck.reference.bounds.orbits import orbit_bounds
 from mbcheck.reference.errors import NoOrbitError, ParameterError
@@ -150,18 +150,6 @@ def test_a_map_does_not_depend_on_its_blocks() -> None:
 
 
 # --- Runs ------------------------------------------------------------------------------------
-
-
-def test_settled_tells_what_is_still_to_come() -> None:
-    turns = np.arange(6)
-    periods = {
-        "done": 1 + 0 * turns,
-        "nearly": 1 + 0.01 * 0.5**turns,
-        "far": 1 + 0.3 * 0.95**turns,
-        "running away": 1 + 0.2 * turns,
-    }
-    times = np.array([np.concatenate([[0], np.cumsum(item)]) for item in periods.values()])
-    assert settled(times).tolist() == [True, True, False, False]
 
 
 def test_runs_of_the_reference_end_as_the_theory_says() -> None:

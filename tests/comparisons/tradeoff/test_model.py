@@ -14,7 +14,6 @@ import pytest
 from mbcheck.comparisons.inspect.inspection import inspect
 from mbcheck.comparisons.inspect.mujoco.model import load
 from mbcheck.comparisons.tradeoff.bench import Bench
-from mbcheck.comparisons.tradeoff.draw import figure_of_model
 from mbcheck.comparisons.tradeoff.model import MARGIN, ModelTradeoff, setting_of
 from mbcheck.comparisons.tradeoff.request import TradeoffRequest
 from mbcheck.comparisons.tradeoff.table import Cost, Trial
@@ -212,6 +211,7 @@ def test_its_documents(tmp_path: Path) -> None:
         ("--engine mujoco", "of a model: no --engine (mujoco): MuJoCo runs it"),
         ("hula_hoop", "of a model: one file, and nothing beside it ("),
         ("--observe nothing", "has no such joint or site"),
+        ("--exact-closures", "has no equality"),
     ],
 )
 def test_what_makes_no_sense_is_refused(tmp_path: Path, options: str, said: str) -> None:
@@ -322,17 +322,3 @@ def test_runs_go_on_where_they_ended(tmp_path: Path) -> None:
         Path("runs.json").write_text(text)
         assert "holds no runs" in refusal(options)
     assert "cannot both go" in refusal(f"{options} --json runs.json")
-
-
-def test_its_picture_says_what_it_shows(tmp_path: Path) -> None:
-    drawn = figure_of_model(advised(written(tmp_path, kp="20000"), horizon=0.05))
-    axes = drawn.axes[0]
-    labels = axes.get_legend_handles_labels()[1]
-    assert any(line.get_marker() == "x" and len(line.get_xdata()) for line in axes.lines)
-    assert any(text.startswith("as in the file: Euler at 2 ms") for text in labels)
-    assert axes.get_title(loc="left").startswith("arm.xml: ")
-    assert "target 1 %" in {text.get_text() for text in axes.texts}
-
-
-def test_exact_closures_need_one(tmp_path: Path) -> None:
-    assert "has no equality" in refusal(f"tradeoff {written(tmp_path)} --exact-closures")
