@@ -61,7 +61,7 @@ def misread(change: Callable[[Any], Any]) -> Fault:
 
 
 def scaled(name: str, factor: float = 1.001) -> Fault:
-    """Return the fault of one parameter that is off, by 0.1 % unless told."""
+    """Return the fault of one parameter that is wrong, by 0.1 % by default."""
     return misread(lambda p: p.replace(**{name: factor * getattr(p, name)}))
 
 

@@ -108,7 +108,7 @@ class Exchanged(Wrapped):
 
 
 class Starting(Wrapped):
-    """An engine that starts elsewhere than it is told: what is left of a start's values."""
+    """An engine that keeps only some values of the initial state."""
 
     def __init__(self, engine: Adapter, keeps: Callable[[str], bool]) -> None:
         super().__init__(engine)
