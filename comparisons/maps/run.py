@@ -87,8 +87,9 @@ def compute(
         with lent as execute:
             for places in refined(grid) if asked.refine else [everywhere(asked)]:
                 grid.fill(places, execute)
-    finally:
+    except BaseException:  # Ctrl-C too: what is computed is kept
         grid.save()
+        raise
     return grid.map()
 
 
@@ -172,7 +173,10 @@ class Grid:
             raise UsageError(
                 f"{self.unfinished} is an unfinished map: go on with --resume, or delete it"
             )
-        before = read(self.unfinished)
+        try:
+            before = read(self.unfinished)
+        except UsageError as error:
+            raise UsageError(f"--resume: {error}: delete it to begin anew") from None
         others = [
             name for name, value in self.settings.items() if before.settings.get(name) != value
         ]
@@ -233,10 +237,10 @@ class Grid:
         column, row = block.T
         for name, values in self.variables.items():
             values[row, column] = result.values[name]
-        self.computed[row, column] = True
         for i, words in result.problems.items():
             x, y = self.asked.x.values[column[i]], self.asked.y.values[row[i]]
             self.problems.append((float(x), float(y), words))
+        self.computed[row, column] = True
         self.done += len(block)
         self.progress(self.done, self.total)
 

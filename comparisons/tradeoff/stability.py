@@ -51,6 +51,8 @@ class StabilityShift:
     shifts : mapping of str to float or None
         By the number of steps in a period: shift of the parameter; null where the engine has no
         such orbit.
+    problems : mapping of str to str
+        By the number of steps in a period: how the engine failed.
     slope : float or None
         Order of the last halving whose shifts are above the floor; null if fewer than two are.
     floor : float or None
@@ -66,6 +68,7 @@ class StabilityShift:
     parameter: str
     unit: str
     shifts: Mapping[str, float | None]
+    problems: Mapping[str, str]
     slope: float | None
     floor: float | None
 
@@ -101,12 +104,14 @@ def shift(
     sought = boundary.true_boundary(scene, case.parameters, case.boundary)
     integrator = next(one for one in engine.methods if one.name == method)
     setup, true = Setup(engine, case, model, integrator), sought.solution[1]
-    shifts, clear, floor = dict[str, float | None](), list[float](), None
+    shifts, problems = dict[str, float | None](), dict[str, str]()
+    clear, floor = list[float](), None
     for count in steps:
         shifts[str(count)] = None
         try:
             point = boundary.engine_point(setup, sought, count, true.z)
-        except EngineError:
+        except EngineError as failure:
+            problems[str(count)] = failure.message
             continue
         if point.is_solved:
             moved = sought.unit * float(point.z[-1] - true.z[-1])
@@ -114,6 +119,6 @@ def shift(
             clear += [abs(moved)] if abs(moved) > CLEAR * floor else []
     return StabilityShift(
         scene, case.name, name, model, method, integrator.order, sought.parameter,
-        case.parameters.unit_of(sought.parameter), shifts,
+        case.parameters.unit_of(sought.parameter), shifts, problems,
         log2(clear[-2] / clear[-1]) if len(clear) > 1 else None, floor,
     )  # fmt: skip

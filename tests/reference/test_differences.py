@@ -84,3 +84,16 @@ def test_terms_of_lagrange_are_those_of_a_pendulum_on_a_cart() -> None:
     sin, cos = np.sin(q[1]), np.cos(q[1])
     wanted = [2 * a[0] + a[1] * cos - v[1] ** 2 * sin, a[1] + a[0] * cos + 9.81 * sin]
     np.testing.assert_allclose(left, wanted, rtol=1e-14)
+
+
+def test_stencils_of_order_4_and_8_are_those_of_the_tables() -> None:
+    places, weights = stencil(4)
+    assert dict(zip(places, weights, strict=True)) == pytest.approx(
+        {1: 2 / 3, -1: -2 / 3, 2: -1 / 12, -2: 1 / 12}
+    )
+    assert stencil(8).weights[::2] == pytest.approx([4 / 5, -1 / 5, 4 / 105, -1 / 280])
+
+
+def test_rounding_and_roughness_move_the_step_as_they_should() -> None:
+    assert balanced_step(4, 1e-14, 1e4) == pytest.approx(1e-18**0.2)
+    assert balanced_step(1, 1e-14) == pytest.approx(1e-7)

@@ -23,7 +23,6 @@ from ...engines.equations import invariants_of, scene_equations
 from ...engines.run import EPS, VIOLATIONS, Trajectory
 from ...engines.setup import Setup, shortest_period
 from ..rules.cautions import cautions, noticing_rules
-from ..rules.model import shortest_length
 from ..tolerances import RICHARDSON_SAFETY, VIOLATION, rounding
 from ..verdict import REFERENCE, Finding, Inconclusive
 from .energy import drifts as invariant_drifts
@@ -212,6 +211,13 @@ def sizes(case: Case) -> Array:
     scene = get_scene(case.scene)
     angles = [scene.units[name] == "rad" for name in scene.coordinates]
     return np.where(angles, 1.0, shortest_length(case.parameters))
+
+
+def shortest_length(parameters: Any) -> float:
+    """Return the shortest length of a scene [m], 1 m if it has none."""
+    endings = ("length", "radius", "eccentricity")
+    lengths = [value for name, value in parameters.as_dict().items() if name.endswith(endings)]
+    return min((value for value in lengths if isinstance(value, float) and value > 0), default=1.0)
 
 
 def free_vibration(setup: Setup) -> LongRun:

@@ -12,17 +12,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.checks import suite
+from mbcheck.comparisons.checks import execution, suite
 from mbcheck.comparisons.checks.execution import run_checks
 from mbcheck.comparisons.checks.request import Execution
 from mbcheck.comparisons.checks.suite import KINDS, Check, plan, run_check
 from mbcheck.comparisons.checks.verdict import Finding, Result, judge
+from mbcheck.comparisons.engines import registry as engines
+from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.faults.variants import Delegating, Wrapped
 from mbcheck.reference import SCENES
-from mbcheck.reference.errors import UsageError
+from mbcheck.reference.errors import EngineUnavailableError, UsageError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
 from mbcheck.reference.scene import Array, Case
 from mbcheck.tests.support.command import process
@@ -277,3 +279,21 @@ def test_fail_fast_does_not_stop_at_what_is_skipped() -> None:
     assert len(run_checks(checks, execution=Execution(fail_fast=True))) == sum(
         len(check.ids) for check in checks
     )
+
+
+@pytest.mark.parametrize(("installed", "verdict"), [(False, "skipped"), (True, "error")])
+def test_an_engine_that_cannot_be_imported(
+    monkeypatch: pytest.MonkeyPatch, installed: bool, verdict: str
+) -> None:
+    def without_exudyn(name: str) -> Adapter:
+        if name == "exudyn":
+            raise EngineUnavailableError("exudyn cannot be imported: libGL.so.1; libgl1")
+        return get_engine(name)
+
+    for module in (engines, execution):
+        monkeypatch.setattr(module, "get_engine", without_exudyn)
+    monkeypatch.setattr(execution, "installed", lambda name: installed)
+    assert {check.engine for check in plan()} == {"mujoco"}
+    assert [item.verdict for item in execution.unavailable()] == [verdict]
+    with pytest.raises(EngineUnavailableError, match="libgl1"):
+        plan(engines=["exudyn"])

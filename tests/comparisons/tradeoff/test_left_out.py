@@ -103,6 +103,7 @@ def test_where_an_engine_has_no_such_orbit_nothing_is_shifted(
     assert list(found.shifts.values())[:2] == [None, None]
     assert found.shifts["160"] == pytest.approx(4.5e-6, rel=0.02)
     assert found.slope is None
+    assert found.problems == {"40": "on the reference's orbit: no number came back"}
     assert pages.stability_table([found])[1][0][5:7] == ("-", "-")
 
 

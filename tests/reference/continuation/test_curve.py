@@ -12,6 +12,7 @@ from mbcheck.reference.continuation.curve import (
     between,
     correct,
     step_on,
+    tangent_of,
 )
 from mbcheck.reference.scene import Array
 
@@ -89,3 +90,21 @@ def test_steps_end_where_the_equations_do() -> None:
         here, length = step
     assert step is None
     assert here.z[0] == pytest.approx(1.0, abs=0.02)
+
+
+def test_tangents_are_of_slopes_at_the_point_itself() -> None:
+    """Not at the guess, with the secants that Newton's method has gathered from there."""
+
+    def ellipse(z: Array) -> Array:
+        return np.array([z[0] ** 2 + 9 * z[1] ** 2 - 1])
+
+    def slopes(z: Array) -> Array:
+        return np.array([[2 * z[0], 18 * z[1]]])
+
+    row, point = np.array([1.0, 1.0]), np.array([0.6, 0.8 / 3])
+    equations = CurveEquations(lambda z: (ellipse(z), slopes(z)), ellipse, slopes)
+    solution = correct(equations, point + np.array([-0.1, 0.1]), row, float(row @ point))
+    assert solution is not None
+    assert solution.z == pytest.approx(point, abs=1e-8)
+    across = tangent_of(solution.jacobian, row) @ slopes(point)[0]
+    assert across == pytest.approx(0, abs=1e-7)

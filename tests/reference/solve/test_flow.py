@@ -102,3 +102,16 @@ def test_growth_that_overflows_is_infinite() -> None:
 
     unstable = replace(SCENE, accelerations=accelerations, drive=None)
     assert growths(unstable, HulaHoop(), REST, np.array([0.1]))[-1] == np.inf
+
+
+def test_transition_matrices_of_many_points() -> None:
+    frequencies = np.array([2.0, 3.0])
+    p = HulaHoop(force_frequency=frequencies)  # type: ignore[arg-type]
+    states = np.stack([SPINNING, REST], axis=1)
+    flow, jacobian = transition_matrix(p, states, 1 / frequencies)
+    assert jacobian.shape == (4, 4, 2)
+    for i, frequency in enumerate(frequencies):
+        one = HulaHoop(force_frequency=frequency)
+        alone = transition_matrix(one, states[:, i], 1 / frequency)
+        np.testing.assert_allclose(flow[:, i], alone[0], rtol=1e-10, atol=1e-11)
+        np.testing.assert_allclose(jacobian[..., i], alone[1], rtol=1e-8, atol=1e-8)

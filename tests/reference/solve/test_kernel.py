@@ -15,6 +15,10 @@ from mbcheck.reference.scene import NO_CONTINUUM
 from mbcheck.reference.solve.kernel import (
     MANY,
     MANY_CALLS,
+    sine_and_cosine,
+    source,
+    written_down,
+    written_out,
 )
 from mbcheck.reference.solve.rk8 import FixedSteps
 
@@ -123,3 +127,43 @@ def test_steps_are_those_of_the_method(name: str, complex_steps: bool, count: in
             assert np.all(np.abs(part(found) - part(plain)) <= 1e-12 * size)
         moved = np.max(np.abs(found - x))
         assert moved > 1e-6  # else nothing would be seen
+
+
+def test_source_code_takes_the_place_of_long_equations_only_where_it_can() -> None:
+    def whole(t: Any, q: Any, v: Any, xp: Any) -> Any:
+        calls.append(t)
+        return [2 * xp.sqrt(q[0]) - v[0] ** 3 / t]
+
+    def absolute(t: Any, q: Any, v: Any, xp: Any) -> Any:
+        calls.append(t)
+        return [abs(q[0])]
+
+    for rates, asked in ((whole, MANY_CALLS + 1), (absolute, 2 * MANY_CALLS + 1)):
+        calls: list[Any] = []
+        accelerations = written_out(rates)
+        values = [accelerations(0.5, [4.0], [3.0], math) for _ in range(2 * MANY_CALLS)]
+        assert values == [rates(0.5, [4.0], [3.0], math)] * len(values)
+        assert len(calls) == asked + 1
+    assert source(absolute, 1) is None
+
+
+def test_what_is_more_than_arithmetic_is_left_to_numpy() -> None:
+    for rate in (lambda q, xp: xp.where(q, 1.0, -1.0), lambda q, xp: abs(q), lambda q, xp: q % 1):
+
+        def rates(t: Any, q: Any, v: Any, xp: Any, rate: Any = rate) -> Any:
+            return [rate(q[0], xp)]
+
+        assert written_down(rates, 0.0, np.ones((2, 3))) is None
+
+
+def test_sines_and_cosines_from_the_tangent_of_half_the_angle() -> None:
+    """Against 80 bits where there are so many; the bound is that of the module's head."""
+    extended = np.longdouble
+    rng = np.random.default_rng(1)
+    x = np.concatenate([rng.uniform(-700, 700, 20000), [0.0, np.pi / 2, np.pi, -np.pi, 1e-300]])
+    sine, cosine = np.empty(x.shape, complex), np.empty(x.shape, complex)
+    sine_and_cosine(x + 0j, sine, cosine)
+    for found, function in ((sine, np.sin), (cosine, np.cos)):
+        off = np.abs(found.real - function(x.astype(extended)))
+        assert np.max(off) < 1.7 * np.finfo(float).eps
+    assert sine[-5] == 0

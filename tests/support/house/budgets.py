@@ -48,7 +48,10 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
     "comparisons/documents": (267, 557),
     "comparisons/engines": (2892, 5211),
     "comparisons/extremes": (101, 187),
-    "comparisons/faults": (584, 1062),  # wrong engines of tests came into the package: audits need them
+    "comparisons/faults": (
+        584,
+        1062,
+    ),  # wrong engines of tests came into the package: audits need them
     "comparisons/inspect": (3965, 7409),
     "comparisons/judge": (671, 1302),
     "comparisons/maps": (797, 1464),

@@ -16,8 +16,11 @@ from mbcheck.comparisons.checks.kinds import (
     elements,
     energy,
     frequency,
+    one_step,
+    order,
     stability,
 )
+from mbcheck.comparisons.checks.tolerances import NEXT_ORDERS, Richardson
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.scenes.rotor_pendulum.phase import leading_modulus
@@ -186,3 +189,52 @@ def test_the_side_of_a_chains_first_frequency(changes: dict[str, object], expect
     assert setup.frequency_side == expected
     off = elements.of_model_equations(setup)[0] / elements.exact(setup.case)[0] - 1
     assert expected in (0, np.sign(off))
+
+
+@pytest.mark.parametrize(
+    ("change", "ratio", "regular"),
+    [
+        (50.0, 1.0, True),  # as small as rounding
+        (1e3, 16.0, True),
+        (1e3, 12.0, True),
+        (1e3, 11.0, False),  # slower than the order less a half
+        (1e3, 33.0, False),  # by chance
+        (1e3, 1.0, False),
+    ],
+)
+def test_what_converges_as_declared_can_be_extrapolated(
+    change: float, ratio: float, regular: bool
+) -> None:
+    one = Richardson(0.0, np.zeros(1), np.full(1, 0.1 * change), change, ratio, 4)
+    orbits = stability.Measured([], {"q": one}, {"q": 1.0}, {"q": 1e9}, 0.1, ratio, True, True)
+    assert orbits.regular == ["q"] * regular
+    assert orbits.room("q") == pytest.approx(NEXT_ORDERS * 0.1 * change + 1)
+
+
+def test_an_order_that_is_not_met_yet_leaves_larger_errors() -> None:
+    """Of the starts of a row the ratio is that of the largest changes, as one may vanish."""
+    runs = [np.array([[0.0, 7.0]]), np.array([[0.0, 3.0]]), np.array([[0.0, 1.0]])]
+    assert one_step.slower(runs, 1) == pytest.approx(1.0)
+    ratio = 2**1.5  # the least that order 2 admits
+    assert one_step.slower(runs, 2) == pytest.approx(ratio / (ratio - 1) * 3 / 4)
+
+
+@pytest.mark.parametrize(
+    ("first", "slopes", "decided"),
+    [
+        (1e-3, (2, 2, 2, 2), True),
+        (1e-3, (2, 2, 2), False),  # too few
+        (0.1, (2, 2, 2, 2), False),  # what is below may shrink by order 1
+        (1e-3, (2, 2, 2, 1.5), False),
+        (1e-3, (2, 2, 1.5, 2), False),
+        (1e-3, (1.5, 1.5, 2, 2), True),
+        (1.0, (2, 1, 1, 1), True),  # they have settled on another order
+        (1.0, (2, 1, 1, 1.5), False),
+        (1.0, (2, 1.5, 1.5, 1.5), False),  # which may come up yet
+    ],
+)
+def test_steps_are_halved_until_the_order_is_decided(
+    first: float, slopes: tuple[float, ...], decided: bool
+) -> None:
+    errors = first * 0.5 ** np.cumsum([0.0, *slopes])
+    assert order.enough(list(errors), 2) is decided

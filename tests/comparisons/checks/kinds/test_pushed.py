@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 
 from mbcheck.comparisons.checks import truth
 from mbcheck.comparisons.checks.kinds import pushed
+from mbcheck.comparisons.checks.kinds.pushed import halving_shows
 from mbcheck.comparisons.checks.suite import Check, run_check
 from mbcheck.comparisons.checks.verdict import (
     ENGINE,
@@ -164,3 +165,11 @@ def test_a_soft_closure_that_is_told_is_right_and_one_that_is_not_is_wrong() -> 
     case = get_scene("speed_regulator").case("rotation")
     assert verdict(MujocoAdapter(), case=case).verdict == "pass"
     assert verdict(WithoutEquations(), case=case).noticed_by == (REFERENCE,)
+
+
+def test_halved_steps() -> None:
+    assert halving_shows([16e-4, 1e-4], 4, 1e-9) == ""
+    assert "order 1.0 instead of 4" in halving_shows([2e-4, 1e-4], 4, 1e-9)
+    assert halving_shows([2e-10, 1e-10], 4, 1e-9) == ""  # rounding
+    assert "changes it by 0.3" in halving_shows([0.3, 0.01], 4, 1e-9)
+    assert halving_shows([np.nan, 0.01], 4, 1e-9)
