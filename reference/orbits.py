@@ -6,7 +6,7 @@ the flow that they hand it.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -20,6 +20,9 @@ from .newton import NEWTON, Effort, Rows, newton
 from .scene import Array, EquationsOfMotion, PeriodicOrbit, coefficients_at
 from .solve.batched import converged_steps
 from .solve.rk8 import rk8_samples, rk8_steps
+
+WAITS = (60, 10, 10)
+"""Periods of motion between searches for a stable orbit: a small basin may be missed by chance."""
 
 ISOLATED = 1e-6
 """Largest scaled rounding of an orbit that counts as one."""
@@ -351,9 +354,11 @@ def find_orbit(scene: EquationsOfMotion, parameters: Any) -> Orbit:
     if orbit is None or not orbit.stable:
         orbit = _most_stable(scene, parameters, guesses, period)
     if orbit is None or not orbit.stable:
-        ends = _long_after(scene, parameters, guesses, period[0])
-        other = _most_stable(scene, parameters, *ends)
-        orbit = other if other is not None and (orbit is None or other.stable) else orbit
+        for ends in _long_after(scene, parameters, guesses, period[0]):
+            other = _most_stable(scene, parameters, *ends)
+            orbit = other if other is not None and (orbit is None or other.stable) else orbit
+            if orbit is not None and orbit.stable:
+                break
     if orbit is None:
         turns = ", ".join(f"{k} turning {n} time(s)" for k, n in scene.rotations_per_period.items())
         cure = (
@@ -369,9 +374,9 @@ def find_orbit(scene: EquationsOfMotion, parameters: Any) -> Orbit:
 
 
 def _long_after(
-    scene: EquationsOfMotion, parameters: Any, guesses: Array, period: float, periods: int = 60
-) -> tuple[Array, Array]:
-    """States after many periods from the guesses, moved to eight phases each; their periods."""
+    scene: EquationsOfMotion, parameters: Any, guesses: Array, period: float
+) -> Iterator[tuple[Array, Array]]:
+    """Yield states after `WAITS` periods from the guesses, moved to eight phases each; periods."""
     starts = []
     for i, name in enumerate(scene.coordinates):
         if name in scene.rotations_per_period and name != scene.orbit.section_coordinate:
@@ -383,17 +388,18 @@ def _long_after(
     steps = min(converged_steps(scene, parameters, guesses, period, tolerance=1e-4), 128)
     derivative = scene.right_hand_side(parameters)
     row = section_row(scene)
-    with np.errstate(all="ignore"):
-        states = rk8_steps(derivative, states, 0.0, periods * period, periods * steps)
-        spans = np.full(states.shape[1], period)
-        if row is not None:
-            turns = np.floor(states[row] / (2 * np.pi)) + 1
-            _, states = _turn(derivative, states, row, 2 * np.pi * turns - states[row], steps)
-            states[row] = 0.0
-            spans, ends = _turn(derivative, states, row, 2 * np.pi, steps)
-            states[:, ~np.isfinite(ends[row])] = np.nan
-    usable = np.all(np.isfinite(states), axis=0) & (spans > 0)
-    return states[:, usable], spans[usable]
+    for periods in WAITS:
+        with np.errstate(all="ignore"):
+            states = rk8_steps(derivative, states, 0.0, periods * period, periods * steps)
+            at, spans = states, np.full(states.shape[1], period)
+            if row is not None:
+                turns = np.floor(at[row] / (2 * np.pi)) + 1
+                _, at = _turn(derivative, at, row, 2 * np.pi * turns - at[row], steps)
+                at[row] = 0.0
+                spans, ends = _turn(derivative, at, row, 2 * np.pi, steps)
+                at[:, ~np.isfinite(ends[row])] = np.nan
+        usable = np.all(np.isfinite(at), axis=0) & (spans > 0)
+        yield at[:, usable], spans[usable]
 
 
 def _turn(

@@ -9,9 +9,8 @@ import pytest
 from mbcheck.tests.support.house import budgets
 from mbcheck.tests.support.house.module import Module, modules
 
-CORES, WALL = 2, 42.0
-"""Cores of continuous integration, and the minutes that it may take: 40 once times are recorded
-with nothing else running, which those of today were not."""
+CORES, WALL = 2, 40.0
+"""Cores of continuous integration, and the minutes that it may take."""
 
 
 @pytest.fixture(scope="module")
