@@ -87,9 +87,8 @@ def compute(
         with lent as execute:
             for places in refined(grid) if asked.refine else [everywhere(asked)]:
                 grid.fill(places, execute)
-    except BaseException:  # Ctrl-C too: what is computed is kept
+    finally:  # at its end, too: the map itself may not be written
         grid.save()
-        raise
     return grid.map()
 
 

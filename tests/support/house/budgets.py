@@ -51,7 +51,7 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
     "comparisons/faults": (584, 1062),  # wrong engines of tests came into the package: audits need them
     "comparisons/inspect": (3965, 7409),
     "comparisons/judge": (671, 1302),
-    "comparisons/maps": (800, 1468),
+    "comparisons/maps": (799, 1467),
     "comparisons/papers": (4568, 12673),
     "comparisons/queries": (587, 1256),
     "comparisons/reports": (1506, 2643),
@@ -62,7 +62,7 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
     "examples": (490, 769),
     "models": (2114, 4020),
     "reference": (8430, 16424),
-    "tests": (25257, 43049),
+    "tests": (25310, 43118),
 }
 """Folder -> statements and lines of Python."""
 
