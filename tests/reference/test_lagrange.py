@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -45,8 +46,7 @@ def test_equations_are_those_of_lagrange(name: str, word: str) -> None:
         if name != "speed_regulator":  # its damper has no constant matrix
             free = c._replace(**{one: 0.0 for one in c._fields if "damping" in one})
             slopes = [
-                by_complex_step(lambda v, c=of, q=q, u=u: scene.forces(u, q, v, c), v)[1]
-                for of in (free, c)
+                by_complex_step(partial(velocity_forces, scene, u, q, of), v)[1] for of in (free, c)
             ]
             np.testing.assert_allclose(
                 slopes[0] - slopes[1],
@@ -54,6 +54,11 @@ def test_equations_are_those_of_lagrange(name: str, word: str) -> None:
                 rtol=0,
                 atol=1e-12 * np.max(np.abs(slopes)),
             )
+
+
+def velocity_forces(scene: Any, u: float, q: Any, c: Any, v: Any) -> Any:
+    """Return the forces (n, ...) at velocities (n, ...)."""
+    return scene.forces(u, q, v, c)
 
 
 def drawn(scene: Any, random: Any, words: dict[str, str]) -> Any:

@@ -153,7 +153,7 @@ def test_what_is_more_than_arithmetic_is_left_to_numpy() -> None:
         def rates(t: Any, q: Any, v: Any, xp: Any, rate: Any = rate) -> Any:
             return [rate(q[0], xp)]
 
-        assert written_down(rates, 0.0, np.ones((2, 3))) is None
+        assert written_down(rates, 0.0, list(np.ones((2, 3)))) is None
 
 
 def test_sines_and_cosines_from_the_tangent_of_half_the_angle() -> None:

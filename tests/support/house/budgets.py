@@ -48,7 +48,7 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
     "comparisons/documents": (267, 557),
     "comparisons/engines": (2892, 5211),
     "comparisons/extremes": (101, 187),
-    "comparisons/faults": (584, 1062),  # wrong engines of tests came into the package: audits need them
+    "comparisons/faults": (584, 1062),  # those of tests came in: audits need them
     "comparisons/inspect": (3965, 7409),
     "comparisons/judge": (671, 1302),
     "comparisons/maps": (799, 1467),
@@ -62,7 +62,7 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
     "examples": (490, 769),
     "models": (2114, 4020),
     "reference": (8430, 16424),
-    "tests": (25310, 43118),
+    "tests": (25314, 43126),
 }
 """Folder -> statements and lines of Python."""
 
