@@ -153,7 +153,7 @@ CASES = (
 
 
 def keeps_energy(p: FloatingPlatform) -> bool:
-    """Return whether the motor is off and the rod undamped."""
+    """Return True if the motor is off and the rod undamped."""
     return not np.any(p.motor_slope) and not np.any(p.rod_damping)
 
 

@@ -151,7 +151,7 @@ def invariants(p: RigidBody) -> Mapping[str, Callable[..., Any]]:
 
 
 def is_symmetric(tensor: Array, arm: Array) -> bool:
-    """Return whether a tensor (3, 3) is the same about all axes across an arm (3,)."""
+    """Return True if a tensor (3, 3) is the same about all axes across an arm (3,)."""
     e = arm / np.linalg.norm(arm)
     along = e @ tensor @ e
     across = (np.trace(tensor) - along) / 2
@@ -160,7 +160,7 @@ def is_symmetric(tensor: Array, arm: Array) -> bool:
 
 
 def is_kovalevskaya(tensor: Array, arm: Array) -> bool:
-    """Return whether J = diag(2, 2, 1) J_z, with the centre of mass on the x axis."""
+    """Return True if J = diag(2, 2, 1) J_z, with the centre of mass on the x axis."""
     right = tensor[2, 2] * np.diag([2.0, 2.0, 1.0])
     return not np.any(arm[1:]) and bool(np.max(np.abs(tensor - right)) <= SAME * tensor[0, 0])
 

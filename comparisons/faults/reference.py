@@ -21,6 +21,17 @@ from ..engines.setup import Setup
 from .variants import Wrapped
 
 
+def integrated(
+    equations: ModelEquations, scheme: str, start: Array, case: Case, step: float, times: Array
+) -> Trajectory:
+    """Return the run of equations of motion by a scheme, from a state (2 n,)."""
+    scene, p = equations.scene, equations.parameters
+    numbers = grid_indices(times, case.start_time, step)
+    scalar = schemes.ScalarEquations(scene, p)
+    states = schemes.integrate(scalar, scheme, start, step, numbers, case.start_time)
+    return Trajectory(times, scene.observe(states, p), times, int(numbers[-1]))
+
+
 class Undeclared(Wrapped):
     """The reference, whose simplified theories pass for exact."""
 
@@ -61,13 +72,9 @@ class Impostor(ReferenceEngine):
         """Integrate with the method's scheme, or without error where it has none."""
         scheme = Setup(self.engine, case, model, method).scheme
         if scheme:
-            scene, p = self.equations(case, model), case.parameters
-            numbers = grid_indices(times, case.start_time, step)
-            start = scene.state(case.state)
-            states = schemes.integrate(
-                schemes.ScalarEquations(scene, p), scheme, start, step, numbers, case.start_time
-            )
-            trajectory = Trajectory(times, scene.observe(states, p), times, int(numbers[-1]))
+            scene = self.equations(case, model)
+            own = ModelEquations(scene, case.parameters)
+            trajectory = integrated(own, scheme, scene.state(case.state), case, step, times)
         else:
             trajectory = super().simulate(case, model, method, step, times)
         closed = dict.fromkeys(VIOLATIONS, np.zeros(len(times)))
@@ -89,13 +96,9 @@ class Mistaken(Wrapped):
     ) -> Trajectory:
         """Integrate the mistaken equations by the method's scheme."""
         right, scene = self.mistaken(case, model)
-        scheme = Setup(self.engine, case, model, method).scheme
-        numbers = grid_indices(times, case.start_time, step)
-        scalar = schemes.ScalarEquations(scene, right.parameters)
-        start = right.start(case)
-        states = schemes.integrate(scalar, str(scheme), start, step, numbers, case.start_time)
-        values = scene.observe(states, right.parameters)
-        return Trajectory(times, values, times, int(numbers[-1]))
+        scheme = str(Setup(self.engine, case, model, method).scheme)
+        own = ModelEquations(scene, right.parameters)
+        return integrated(own, scheme, right.start(case), case, step, times)
 
     def compute(self, method: Callable[..., Any], case: Case, model: str, *rest: Any) -> Any:
         """Return accelerations of the mistaken equations."""

@@ -159,7 +159,7 @@ class Grid:
         self.before = self.read_unfinished(resume)
 
     def read_unfinished(self, resume: bool) -> Map | None:
-        """Return what the file of the unfinished map has, if there is one.
+        """Return the map in the file of the unfinished map, if there is one.
 
         Raises
         ------

@@ -94,7 +94,7 @@ class FigureEntry:
 
     @property
     def failed(self) -> bool:
-        """Return whether it could not be drawn."""
+        """Return True if it could not be drawn."""
         return bool(self.error)
 
 
@@ -144,7 +144,7 @@ class RowEntry(Assessment):
 
     @property
     def failed(self) -> bool:
-        """Return whether it could not be judged."""
+        """Return True if it could not be judged."""
         return self.verdict == ERROR
 
     @classmethod
@@ -231,11 +231,11 @@ class Findings:
         ] + [f"{item.scene} {item.name}: {item.reason}" for item in self.rows if item.failed]
 
     def verdicts(self, scene: str) -> Counter[str]:
-        """Return how many rows of a scene have which verdict; readings have none."""
+        """Return the number of rows of a scene with each verdict; readings have none."""
         return Counter(item.verdict for item in self.rows_of(scene) if item.verdict)
 
     def causes_by_verdict(self, scene: str) -> Counter[str]:
-        """Return how many causes there are of each verdict; a row alone is its own."""
+        """Return the number of causes of each verdict; a row alone is its own."""
         rows = [item for item in self.rows_of(scene) if item.verdict]
         different = {(item.verdict, item.cause or item.name) for item in rows}
         return Counter(verdict for verdict, _ in different)

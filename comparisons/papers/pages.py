@@ -138,7 +138,7 @@ def summary(result: Findings) -> str:
 
 
 def counts(result: Findings) -> str:
-    """Return how many rows of each paper have which verdict, and how many causes."""
+    """Return the numbers of rows and causes of each paper with each verdict."""
     by_scene = [(result.verdicts(one), result.causes_by_verdict(one)) for one in result.scenes]
     named = [*VERDICTS, *([ERROR] if result.failures else [])]
     rows = [
@@ -250,13 +250,13 @@ def of_conclusions(scene: str, rows: Sequence[RowEntry]) -> str:
 
 
 def is_conclusion(scene: str, section: str) -> bool:
-    """Return whether something stands in the abstract or the conclusions."""
+    """Return True if a claim is in the abstract or the conclusions."""
     words = re.sub(r"(figure|equation|table)s? .*", "", section).split(", ")
     return bool({"abstract", conclusions(scene)} & set(words) or "conclusion" in section)
 
 
 def summary_link(item: RowEntry) -> str:
-    """Return what a row says, as a link to it."""
+    """Return the claim of a row, as a link to it."""
     text = item.claim.rstrip(".")
     lower = text[:1].lower() + text[1:] if text[1:2].islower() else text
     return f"[{plain(lower)}](#{item.name})"
@@ -268,7 +268,7 @@ def row_links(names: Iterable[str]) -> str:
 
 
 def of_causes(scene: str, rows: Sequence[RowEntry]) -> str:
-    """Return why rows are not reproduced: causes that several share, and the others."""
+    """Return the causes of rows that are not reproduced: shared ones, and the others."""
     failed = [item.name for item in rows if item.verdict == NOT_REPRODUCED]
     shared = [
         (cause, own)

@@ -382,7 +382,7 @@ class Bench:
         )
 
     def distances(self, run: SampledRun, positions: Array, points: Array) -> Array:
-        """Return how far what is observed in a run is from positions and points of sites.
+        """Return the distances of the observables of a run from positions and points of sites.
 
         Parameters
         ----------

@@ -126,7 +126,7 @@ def figure_work_precision(
 
 
 def styles_of(series: Sequence[StepSeries]) -> list[dict[str, Any]]:
-    """Return how each series looks.
+    """Return the style of each series.
 
     The colour tells the engine, or of one engine the method; the marker the method, the line the
     model.

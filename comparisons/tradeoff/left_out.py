@@ -8,18 +8,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...reference import get_scene
+from ..checks.kinds.order import relative_error
 from ..checks.truth import roundoff_reference
 from ..engines.equations import scene_equations
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup, power_of_two, run
+from ..queries.query import choose_method
 from ..scenes.data import scene_data
 from ..scenes.left_out import Pair, PairedModel
+from .sweep import SAMPLES, sample_times
 
 REPEATS = 7
 """Pairs of runs whose times are compared."""
-
-SAMPLES = 64
-"""Samples at which the runs of a pair are compared."""
 
 EQUAL = 0.03
 """Times that differ by a smaller share are equal."""
@@ -95,8 +95,7 @@ def compare(pair: Pair) -> LeftOut:
     case, names = pair.case, get_scene(pair.case.scene).observables
     span = case.horizon if pair.span is None else pair.span
     spacing = max(pair.step, power_of_two(span / SAMPLES))
-    counts = np.arange(1, int(span / spacing * (1 + 1e-12)) + 1)
-    times = np.asarray(case.start_time + spacing * counts, dtype=np.float64)
+    times = sample_times(case.start_time, spacing, span)
     setups = [setup_of(pair, one) for one in (pair.whole, pair.without)]
     engine = setups[0].engine.name
     is_theory = engine == REFERENCE
@@ -104,14 +103,14 @@ def compare(pair: Pair) -> LeftOut:
     right = roundoff_reference(equations, case, times, names)
     repeats = 1 if is_theory else REPEATS
     runs = [[run(setup, times) for setup in setups] for _ in range(repeats)]
-    off = [np.abs(one.matrix(names) - right.values) / right.size[:, None] for one in runs[0]]
+    error, error_without = (relative_error(one.matrix(names), right) for one in runs[0])
     costs = [
         [one.rhs_evaluations or 1 if is_theory else one.seconds for one in two] for two in runs
     ]
     low, ratio, high = np.quantile([a / b for a, b in costs], (0.25, 0.5, 0.75)).tolist()
     return LeftOut(
         case.scene, case.name, engine, pair.left_out, pair.whole.words, pair.without.words,
-        float(np.max(off[0])), float(np.max(off[1])), (low, ratio, high),
+        error, error_without, (low, ratio, high),
         "right-hand sides" if is_theory else "wall time",
     )  # fmt: skip
 
@@ -119,6 +118,6 @@ def compare(pair: Pair) -> LeftOut:
 def setup_of(pair: Pair, one: PairedModel) -> Setup:
     """Return the setup of one model of a pair."""
     engine = one.engine.make()
-    method = next(item for item in engine.methods if item.name == one.method)
     case = replace(pair.case, parameters=pair.case.parameters.replace(**one.changes))
+    method = choose_method(engine, case, one.model, one.method)
     return Setup(engine, case, one.model, method, pair.step)

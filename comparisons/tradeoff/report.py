@@ -96,7 +96,7 @@ class Tradeoff:
             store.write()
 
     def pieces(self) -> dict[str, tuple[type, Callable[[], Result]]]:
-        """Return what is measured, by name: the type of the result, and the call."""
+        """Return the type of each result and the call that measures it, by name."""
         pieces: dict[str, tuple[type, Callable[[], Result]]] = {
             one.name: (StepSeries, partial(swept, one)) for one in sweeps(self.scenes, self.engines)
         }

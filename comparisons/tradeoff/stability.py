@@ -18,6 +18,7 @@ from ..checks.kinds import boundary
 from ..engines.registry import get_engine
 from ..engines.run import EPS
 from ..engines.setup import Setup
+from ..queries.query import choose_method
 
 STEPS = (40, 80, 160, 320, 640)
 """Numbers of steps in a period."""
@@ -102,7 +103,7 @@ def shift(
     case, engine = get_scene(scene).case(case_name), get_engine(name)
     assert case.boundary is not None
     sought = boundary.true_boundary(scene, case.parameters, case.boundary)
-    integrator = next(one for one in engine.methods if one.name == method)
+    integrator = choose_method(engine, case, model, method)
     setup, true = Setup(engine, case, model, integrator), sought.solution[1]
     shifts, problems = dict[str, float | None](), dict[str, str]()
     clear, floor = list[float](), None

@@ -27,6 +27,7 @@ from ..engines.protocol import Option
 from ..engines.registry import get_engine
 from ..engines.run import Trajectory
 from ..engines.setup import Setup, power_of_two, run, shortest_period
+from ..queries.query import choose_method
 from .table import (
     MODEL,
     ROUND_OFF,
@@ -93,7 +94,7 @@ def of_scene(scene: str, name: str) -> Iterator[StepSeries]:
 
 
 def second_axes(setup: Setup) -> tuple[Option, ...]:
-    """Return what limits the accuracy of a method beside its step, the parts of a continuum too."""
+    """Return the options that limit the accuracy of a method, the parts of a continuum too."""
     options = setup.engine.options(setup.case, setup.model, setup.integrator)
     if not setup.element_order:
         return options
@@ -111,7 +112,7 @@ def case_of(scene: str) -> Case:
 def setup_of(series: StepSeries) -> Setup:
     """Return engine, case, model and method of a series with its settings applied."""
     engine, case = get_engine(series.engine), case_of(series.scene)
-    method = next(item for item in engine.methods if item.name == series.method)
+    method = choose_method(engine, case, series.model, series.method)
     for name, value in series.settings.items():
         if name == SEGMENT_AXIS:
             case = replace(case, parameters=case.parameters.replace(segments=value))
@@ -146,9 +147,13 @@ class Horizon:
 
     def times(self, step: float) -> Array:
         """Return the times of the samples of a run with a step [s]."""
-        spacing = max(step, self.spacing)
-        count = int(self.length / spacing * (1 + 1e-12))
-        return np.asarray(self.start + spacing * np.arange(1, count + 1), dtype=float)
+        return sample_times(self.start, max(step, self.spacing), self.length)
+
+
+def sample_times(start: float, spacing: float, length: float) -> Array:
+    """Return times [s] (n_t,) at a spacing [s] over a length [s], without the start."""
+    count = int(length / spacing * (1 + 1e-12))
+    return np.asarray(start + spacing * np.arange(1, count + 1), dtype=float)
 
 
 def horizon_of(case: Case) -> Horizon:

@@ -210,11 +210,11 @@ class ConnectionAlong(BoundaryAlong):
         return its.state + self.offset * its.away
 
     def left(self, p: Any, its: Saddle, ends: Ends) -> Array:
-        """Return what a motion is off its saddle (2 n,), a turn on."""
+        """Return the distance of a motion from its saddle (2 n,), one turn later."""
         return ends(p, self.begin(its)) - its.state - period_advance(self.scene)[:, 0]
 
     def gap(self, place: float, ends: Ends) -> float:
-        """Return what that is along the unstable direction; NaN where there is no motion."""
+        """Return the gap along the unstable direction; NaN where there is no motion."""
         p = self.parameters_at(place)
         try:
             its = self.saddle(p)

@@ -358,7 +358,7 @@ class BifurcationCurve:
     shifts: list[Array] = field(default_factory=list)
 
     def distance(self, place: Array) -> float:
-        """Return how far a place (2,) of the window is from the curve."""
+        """Return the distance of a place (2,) of the window from the curve."""
         path = smooth_path(self.points)
         start, way = path[:-1], np.diff(path, axis=0)
         share = np.sum((place - start) * way, axis=1) / np.maximum(np.sum(way**2, axis=1), 1e-300)

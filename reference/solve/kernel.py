@@ -252,7 +252,7 @@ def with_rates_of(x: Any, accelerations: Sequence[Any]) -> Any:
 
 
 def written_down(rates: Rates, t: Any, x: Sequence[Any]) -> tuple[Trace, list[int]] | None:
-    """Return what equations of motion do at arrays like these, and places of the accelerations.
+    """Return the operations of equations of motion on such arrays, and places of accelerations.
 
     None where the equations need more than can be written down.
 

@@ -215,7 +215,7 @@ def unfollowed_vibrations(
 
 
 def conclusion(finding: Finding, change: float, unfollowed: str) -> Finding | Inconclusive:
-    """Return what was found, or nothing where it may be of vibrations that steps do not follow.
+    """Return a finding, or nothing where it may come from vibrations that steps do not resolve.
 
     ``change`` is by how much the quantity moves when the step is halved.
     """

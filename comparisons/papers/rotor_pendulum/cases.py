@@ -195,7 +195,7 @@ PRINTED_POINTS = (("153.8", "3.08"), ("153.5", "3.23"))
 
 
 def one_motor(session: Session) -> Numbers:
-    """Return whether a line, or a motor's curve, goes through the points of cases 1 and 2.
+    """Return True if a line, or a motor's curve, goes through the points of cases 1 and 2.
 
     Ranges of the slope from the speed without load [N m s/rad] that rounding allows, by how much
     they overlap, and from which speed without load on they do [rad/s]; the range of the largest

@@ -272,7 +272,7 @@ def by_weak_damping(p: SpeedRegulator) -> float:
 
 
 def comes_round(who: str, p: SpeedRegulator) -> bool:
-    """Return whether a crank that leaves the lower saddle comes round to it, by an engine."""
+    """Return True if a crank that leaves the lower saddle comes round to it, by an engine."""
     c = coefficients(p)
     saddle = found_equilibria(p)["bottom"]
     at = position(saddle, c, math)

@@ -48,7 +48,7 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
     "comparisons/documents": (267, 557),
     "comparisons/engines": (2892, 5211),
     "comparisons/extremes": (101, 187),
-    "comparisons/faults": (584, 1062),  # those of tests came in: audits need them
+    "comparisons/faults": (585, 1065),  # those of tests came in: audits need them
     "comparisons/inspect": (3965, 7409),
     "comparisons/judge": (671, 1302),
     "comparisons/maps": (799, 1467),
@@ -57,20 +57,20 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
     "comparisons/reports": (1506, 2643),
     "comparisons/scenes": (2078, 4304),
     "comparisons/terminal": (321, 538),
-    "comparisons/tradeoff": (1698, 3116),
+    "comparisons/tradeoff": (1702, 3121),
     "docs": (450, 995),
     "examples": (490, 769),
     "models": (2114, 4020),
     "reference": (8430, 16424),
-    "tests": (25314, 43126),
+    "tests": (25314, 43123),
 }
 """Folder -> statements and lines of Python."""
 
 WORDS: Mapping[str, int] = {
-    "Return what": 343,
+    "Return what": 320,
     "Of the": 416,
-    "that is": 253,
-    "what is": 201,
+    "that is": 252,
+    "what is": 199,
     "asked": 100,
     "told": 57,
     "held": 42,
