@@ -22,13 +22,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cache, partial
 from importlib import import_module
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
 from ...reference.errors import MbcheckError
-from .equations import Identities, join_lines
+from .equations import Identities, join_lines, sides
 from .ledger import (
     CORRECTED,
     DEPENDS,
@@ -66,8 +67,6 @@ class PaperData:
 
     Attributes
     ----------
-    conclusions : str
-        Section of the conclusions.
     figures : tuple of PaperFigure
     rows : tuple of LedgerRow
     causes : tuple of Cause
@@ -76,7 +75,6 @@ class PaperData:
         numbers are taken from rows: ``{case_1_speed.value:.4g}``.
     """
 
-    conclusions: str
     figures: tuple[PaperFigure, ...]
     rows: tuple[LedgerRow, ...]
     causes: tuple[Cause, ...] = ()
@@ -121,8 +119,7 @@ def read_row(
         row = {"kind": "claim", "name": name, **data}
         if row["kind"] == "number":
             row = OF_A_NUMBER | ({} if set(CONDITIONS) & set(row) else ROUNDING) | row
-        if row["kind"] == "reading":
-            row = {"verdict": READ, **row}
+        row = {"verdict": {"reading": READ, "misprint": CORRECTED}.get(row["kind"]), **row}
         row["summary"] = row.pop("claim")
         row["judgement"] = {
             verdict: [vars(read_condition(text)) for text in row.pop(key)]
@@ -132,7 +129,12 @@ def read_row(
         if "equations" in row:
             row["equations"] = read_equations(scene, row["equations"], shared)
             if "erratum" in row:
-                row["erratum"] = {"test": PROOF, **row["erratum"]}
+                pairs = pairwise(sides(row["equations"]["text"]))
+                wrong = [(own, other) for (_, own), (left, other) in pairs if left == "printed"]
+                texts = ["; ".join(own) for own in zip(*wrong, strict=True)]
+                forms = dict(zip(("corrected", "printed"), texts, strict=False))
+                row = {"printed": forms.pop("printed", ""), **row}
+                row["erratum"] = {"test": PROOF, **forms, **row["erratum"]}
         return converted(scene, row, LedgerRow)
     except (LookupError, ValueError, TypeError, AttributeError, ImportError) as error:
         raise ValueError(f"row {name}: {error}") from error
@@ -197,15 +199,19 @@ def check_keys(data: Mapping[str, Any], kind: Any) -> None:
 def measure(scene: str, named: str | Mapping[str, Any]) -> Any:
     """Return what a name means in the modules of a scene's folder, its arguments filled in.
 
-    ``derivation.second_order``, or ``{call = "regions.share_of_class", name = "blue_o"}``.
+    ``derivation.second_order``, or ``{call = "regions.share_of_class", name = "blue_o"}``; an
+    argument may be a function, ``{call = "results.peak"}``.
     """
     if isinstance(named, str):
         module, _, name = named.rpartition(".")
         return getattr(import_module(f"{__package__}.{scene}.{module}"), name)
-    arguments = {name: hashable(value) for name, value in named.items() if name != "call"}
-    return partial(measure(scene, named["call"]), **arguments)
+    function = measure(scene, named["call"])
+    arguments = {name: argument(scene, value) for name, value in named.items() if name != "call"}
+    return partial(function, **arguments) if arguments else function
 
 
-def hashable(value: Any) -> Any:
-    """Return a value with tuples for its lists."""
-    return tuple(map(hashable, value)) if isinstance(value, list) else value
+def argument(scene: str, value: Any) -> Any:
+    """Return an argument of a measure, with tuples for lists and functions for their names."""
+    if isinstance(value, list):
+        return tuple(argument(scene, one) for one in value)
+    return measure(scene, value) if isinstance(value, dict) else value
