@@ -91,6 +91,7 @@ def starts(session: Session, case: int) -> Numbers:
         "swings": [np.abs(states[3]).max() for states in early],
         "lead": np.mean(early[1][5] - early[1][6]),
         "curve": overshoots(runs[1]),
+        "most": overshoots(runs[1]).max(),
     }
 
 
@@ -217,28 +218,30 @@ def orbit_of_case_1(session: Session) -> Numbers:
     }
 
 
-INERTIA = 0.49
-"""Moment of inertia J_3 of the rod [kg m^2] with which three numbers of case 2 come out."""
+DAMPERS = (15.0, 3.0, 0.3, 0.0)
+"""Dampers of the rod [N m s/rad] by which case 2 is computed; the first is printed."""
+INERTIAS = (0.0, 0.45, 0.49)
+"""Moments of inertia J_3 of the rod [kg m^2]: none as in (11), m_3 l^2/2, and one with which three
+numbers of case 2 come out."""
 
 
 def other_rods(session: Session) -> Numbers:
-    """Return case 2 with a weaker damper of the rod, and with an inertia J_3 of it.
+    """Return case 2 with other `DAMPERS` of the rod, and with other `INERTIAS`.
 
-    Orbits in words for f_phi = 0 and 3 N m s/rad. For J_3 [kg m^2] phase [rad], speed [rad/s],
-    torque [N m] and amplitudes of platform and rod [m, rad] in the last second of a start.
+    Orbits by the damper in words. By the inertia [kg m^2] phase [rad], speed [rad/s], torque [N m]
+    and amplitudes of platform and rod [m, rad] in the last second of a start, of the last inertia
+    by name, too; and how far the phase of case 3 moves in the last second of its own start [rad].
     """
-    free, light = (orbit_in_words(session, CASE_2.replace(rod_damping=f)) for f in (0.0, 3.0))
-    run = other_start(session, 2, 4.0, inertia=INERTIA)
-    phase, speed, torque = run.ends
+    runs = [other_start(session, 2, 4.0, inertia=own) for own in INERTIAS]
+    upright = [other_start(session, 3, 8.0, inertia=own) for own in INERTIAS]
+    ends = [(*run.ends, *run.half_ranges[[0, 3]]) for run in runs]
     return {
-        "free": free,
-        "light": light,
-        "inertia": INERTIA,
-        "phase": phase,
-        "speed": speed,
-        "torque": torque,
-        "platform": run.half_ranges[0],
-        "rod": run.half_ranges[3],
+        "orbits": [orbit_in_words(session, CASE_2.replace(rod_damping=f)) for f in DAMPERS],
+        "line": float(CASE_2.motor_slope * (CASE_2.synchronous_speed - 153.5)),
+        "inertias": INERTIAS,
+        "ends": ends,
+        "moves": [abs(run.turn_means(run.phase)[-25] - run.ends[0]) for run in upright],
+        **dict(zip(("phase", "speed", "torque", "platform", "rod"), ends[-1], strict=True)),
     }
 
 

@@ -112,29 +112,6 @@ def equations_of_motion(session: Session) -> Numbers:
     }
 
 
-def rod_damper(session: Session) -> Numbers:
-    """Return orbits of case 2 by the damper of its rod, and the torque that 153.5 rad/s make."""
-    several = [CASE_2.replace(rod_damping=f) for f in (15.0, 3.0, 0.3, 0.0)]
-    torque = float(CASE_2.motor_slope * (CASE_2.synchronous_speed - 153.5))
-    return {"orbits": [orbit_in_words(session, p) for p in several], "torque": torque}
-
-
-def rod_inertia(session: Session) -> Numbers:
-    """Return case 2 by the rod's moment of inertia J_3, and whether case 3 synchronises.
-
-    Phases [rad], speeds [rad/s], torques [N m] and amplitudes of platform and rod [m, rad] in the
-    last second of a start; and how far the phase of case 3 moves in the last second of its own.
-    """
-    ends, amplitudes, moves = [], [], []
-    for inertia in (0.0, 0.45, 0.49):
-        run = other_start(session, 2, 4.0, inertia=inertia)
-        upright = other_start(session, 3, 8.0, inertia=inertia)
-        ends.append(run.ends)
-        amplitudes.append(run.half_ranges[[0, 3]])
-        moves.append(abs(np.diff(upright.turn_means(upright.phase)[[-25, -1]])[0]))
-    return {"ends": ends, "amplitudes": amplitudes, "moves": moves}
-
-
 def motor_curve(session: Session) -> Numbers:
     """Return starts of all cases by (14), and by motors with largest torques of 8, 12 and 20 N m.
 

@@ -13,7 +13,7 @@ import numpy as np
 from ....reference import get_scene
 from ....reference.continuation.along import BoundaryAlong
 from ....reference.rotor_pendulum import CASE_1, CASE_2, theory
-from ....reference.rotor_pendulum.equations import coefficients, operating_speed
+from ....reference.rotor_pendulum.equations import operating_speed
 from ....reference.rotor_pendulum.phase import wrapped
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
@@ -232,23 +232,7 @@ def small_parameter(session: Session) -> Numbers:
     }
 
 
-def speed_and_phase(session: Session) -> Numbers:
-    """Return what (26) and (30), (36) have: speeds and stable phases of cases 1 and 2, how many.
-
-    And the mean speeds of the orbits [rad/s].
-    """
-    c = coefficients(CASE_1)
-    rates = np.linspace(0, float(CASE_1.synchronous_speed), 4097)
-    excess = c.slope * (c.speed - rates) - c.friction * rates
-    alpha, phases = np.linspace(-np.pi, np.pi, 4098), []
-    for case in (1, 2):
-        n = theory.ratios(CASES[case])
-        crossings = np.diff(np.sign(theory.balance(n, alpha))) != 0
-        phases.append(int(np.sum(crossings & (theory.stability(n, alpha[1:]) > 0))))
+def speeds(session: Session) -> Numbers:
+    """Return the speed of motors and bearings alone, and those of cases 1 and 2 [rad/s]."""
     orbits = [orbit_value(synchronous_orbit(session, CASES[i]), "mean_speed") for i in (1, 2)]
-    return {
-        "speeds": float(operating_speed(CASE_1)),
-        "orbits": orbits,
-        "roots": int(np.sum(np.diff(np.sign(excess)) != 0)),
-        "phases": phases,
-    }
+    return {"speeds": float(operating_speed(CASE_1)), "orbits": orbits}
