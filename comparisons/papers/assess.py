@@ -18,6 +18,7 @@ from .ledger import (
     NOT_REPRODUCED,
     OPEN,
     PRINTED,
+    READ,
     ROUNDS,
     Condition,
     LedgerRow,
@@ -146,14 +147,14 @@ def assess(row: LedgerRow, session: Session) -> Assessment:
 def assessed(row: LedgerRow, numbers: Numbers, engines: Mapping[str, Numbers | str]) -> Assessment:
     """Return what the numbers of the reference and the engines make of a row."""
     return Assessment(
-        verdict_of(row, numbers, engines),
+        verdict_of(row, numbers, engines) if row.kind != "reading" else READ,
         reason_of(row, numbers),
         fill(row.reference, numbers).strip(),
         {
             name: own if isinstance(own, str) else fill(row.engines or row.reference, own).strip()
             for name, own in engines.items()
         },
-        (),
+        tuple((way, fill(result, numbers)) for way, result in row.candidates.items()),
         tuple(thresholds(row, numbers)),
         values_of(row, numbers, engines),
         {
@@ -212,7 +213,9 @@ def measure(row: LedgerRow, session: Session) -> tuple[Numbers, Mapping[str, Num
     An engine that fails or cannot tell has words in place of numbers.
     """
     unit = {"unit": row.printed.partition(" ")[2]}
-    numbers = unit | dict(row.numbers(session) if row.numbers else {})
+    numbers: dict[str, Any] = dict(unit)
+    for own in (row.equations, row.numbers):
+        numbers |= own(session) if own is not None else {}
     engines: dict[str, Numbers | str] = {}
     if row.each is not None:
         numbers |= named(row.each(session, REFERENCE))

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import operator
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from functools import partial
-from textwrap import dedent
-from typing import TYPE_CHECKING, Any
+from typing import Any, Literal
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from .session import Session
+from .equations import Identities, whole_lines
+from .session import Session
 
 REPRODUCED = "reproduced"
 UNCONVERGED = "reproduced, unconverged"
@@ -118,7 +116,7 @@ class Condition:
 
     name: str
     relation: str
-    limit: float | str
+    limit: float | str | bool
     everyone: bool = False
     ours: bool = False
 
@@ -206,13 +204,19 @@ class Erratum:
         what it does to the paper's results
     copy : str
         why our copy of the text may be at fault, if it may
+    equations : tuple of str
+        what is to be changed: equations, a table, a place in the text
+    kind : str
+        a fault of `print`, of `reasoning`, or of `wording` or a symbol
     """
 
-    test: str
+    test: str = ""
     corrected: str = ""
     why: str = ""
     effect: str = ""
     copy: str = ""
+    equations: tuple[str, ...] = ()
+    kind: Literal["print", "reasoning", "wording"] = "print"
 
 
 @dataclass(frozen=True)
@@ -291,6 +295,8 @@ class LedgerRow:
         Of a misprint.
     slow : bool
         Takes more than two seconds.
+    equations : Identities, optional
+        Equations as printed, corrected and derived; their errors are among the row's numbers.
     """
 
     kind: str
@@ -308,6 +314,7 @@ class LedgerRow:
     candidates: Mapping[str, str] = field(default_factory=dict)
     erratum: Erratum | None = None
     slow: bool = False
+    equations: Identities | None = None
 
     @property
     def test(self) -> str:
@@ -326,7 +333,7 @@ class LedgerRow:
     @property
     def is_text(self) -> bool:
         """Return whether nothing is computed."""
-        return self.numbers is None and self.each is None
+        return self.numbers is None and self.each is None and self.equations is None
 
 
 ROUNDS = Condition("value", "rounds to", PRINTED)
@@ -348,11 +355,6 @@ def misprint(
     """Return the row of a misprint; ``head`` and ``more`` are of `LedgerRow`."""
     erratum = Erratum(test, corrected, why, effect, copy)
     return replace(LedgerRow("misprint", *head, **more), erratum=erratum)
-
-
-def whole_lines(text: str) -> list[str]:
-    """Return the lines of a text, those that are indented further joined to the one before."""
-    return re.sub(r"\n+", "\n", re.sub(r"\n +", " ", dedent(text).strip())).splitlines()
 
 
 def reading(

@@ -12,6 +12,7 @@ from ...reference import SCENES
 from ...reference.errors import UnknownNameError
 from ..documents import document
 from .assess import Assessment
+from .claims import read_paper
 from .ledger import ERROR, Cause, Erratum, LedgerRow, PaperFigure, Printed
 
 T = TypeVar("T")
@@ -27,6 +28,8 @@ def tables(scene: str) -> tuple[tuple[PaperFigure, ...], tuple[LedgerRow, ...]]:
     """
     if scene not in SCENES:
         raise UnknownNameError("scene", scene, SCENES)
+    if paper := read_paper(scene):
+        return paper.figures, paper.rows
     return of_paper(scene, "FIGURES", ()), of_paper(scene, "ROWS", ())
 
 
@@ -42,11 +45,15 @@ def of_paper(scene: str, table: str, empty: T) -> T:
 
 def causes(scene: str) -> tuple[Cause, ...]:
     """Return what rows of a scene's paper have in common; a scene may have no paper."""
+    if paper := read_paper(scene):
+        return paper.causes
     return of_paper(scene, "CAUSES", ())
 
 
 def conclusions(scene: str) -> str:
     """Return the section of a paper's conclusions."""
+    if paper := read_paper(scene):
+        return paper.conclusions
     return of_paper(scene, "CLOSING_SECTION", "")
 
 

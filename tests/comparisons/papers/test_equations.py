@@ -18,7 +18,8 @@ TRUNCATED = {"expansion_30": 1e-3}
 
 
 def identities_of(scene: str) -> Mapping[str, Identities]:
-    return of_paper(scene, "IDENTITIES", {})
+    own = {row.name: row.equations for row in tables(scene)[1] if row.equations}
+    return of_paper(scene, "IDENTITIES", own)
 
 
 TABLE: dict[tuple[str, str], Identities] = {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import partial
 from typing import Any
 
@@ -14,8 +15,8 @@ from mbcheck.comparisons.maps.store import Map
 from mbcheck.comparisons.papers.assess import assess
 from mbcheck.comparisons.papers.hula_hoop import derivation, identities, regions, results
 from mbcheck.comparisons.papers.hula_hoop.figures import motion_figure
-from mbcheck.comparisons.papers.hula_hoop.rows import REGION_ROWS, ROWS
 from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED, REPRODUCED, VERDICTS
+from mbcheck.comparisons.papers.outcomes import tables
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.comparisons.queries.query import choose_engine
 from mbcheck.comparisons.scenes.hula_hoop.motion import MOTION_VARIABLES, MOTIONS
@@ -23,7 +24,10 @@ from mbcheck.reference.hula_hoop.equations import SEMICIRCLE
 
 ENGINES = ("mujoco", "exudyn")
 
-BY_NAME = {row.name: row for row in ROWS}
+BY_NAME = {row.name: row for row in tables(results.SCENE)[1]}
+REGION_ROWS = [
+    row for row in BY_NAME.values() if row.slow and re.match(r"5\.2|6|figure", row.section)
+]
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.papers.hula_hoop.readings import READINGS
 from mbcheck.comparisons.papers.hula_hoop.results import (
     EXAMPLE,
     HERTZ,
@@ -30,7 +29,7 @@ from mbcheck.comparisons.papers.hula_hoop.results import (
     stability_map,
     stable,
 )
-from mbcheck.comparisons.papers.hula_hoop.rows import ROWS as LEDGER
+from mbcheck.comparisons.papers.outcomes import tables
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference import get_scene
 from mbcheck.reference.hula_hoop.equations import HulaHoop
@@ -42,7 +41,8 @@ from mbcheck.tests.support.words import agree
 
 pytestmark = pytest.mark.slow
 
-ROWS = {row.name: row for row in READINGS}
+LEDGER = tables(SCENE)[1]
+ROWS = {row.name: row for row in LEDGER if row.kind == "reading"}
 
 
 def from_rest(p: HulaHoop, angles: Any = 0.0) -> list[LockIn]:
