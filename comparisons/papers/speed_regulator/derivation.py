@@ -10,10 +10,18 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from ....reference import get_scene
-from ....reference.speed_regulator.equations import SpeedRegulator, coefficients, outputs
+from ....reference.scene import Array
+from ....reference.speed_regulator.equations import (
+    SpeedRegulator,
+    coefficients,
+    inertia,
+    outputs,
+    position,
+)
 from ....reference.speed_regulator.motions import mean_speed
 from ....reference.speed_regulator.theory import PRINTED_REMAINDER, printed_mean_speed
 from ...engines.registry import REFERENCE
@@ -24,7 +32,7 @@ from ...queries.simulate import simulate
 from ..equations import Values
 from ..ledger import Numbers, half_unit
 from ..session import Session
-from .results import EXAMPLE, SCENE, damped, recorded_motion, turn_speeds
+from .results import EXAMPLE, SCENE, TURN, damped, recorded_motion, turn_speeds
 
 SPEED = 5.07
 """Crank speed at which accelerations and reactions are compared [rad/s]."""
@@ -146,6 +154,37 @@ def nonlinearity(session: Session) -> Numbers:
     }
 
 
+PROBE = 1e-30
+"""Complex step, far below round-off."""
+
+
+def halved_slope(session: Session) -> Numbers:
+    """Return what J' as (18) prints it does to a free crank's energy, and to the limit cycle.
+
+    The range of the energy in a turn, relative to its start; mean speeds [rad/s], as printed and
+    corrected.
+    """
+    c, scene, speeds = coefficients(EXAMPLE), get_scene(SCENE), []
+
+    def turn(speed: float, share: float) -> Array:
+        """Return speed and time after a turn, with a share of J' phi'^2/J added to phi''."""
+
+        def over_angle(phi: float, values: Array) -> list[float]:
+            moment = inertia(position(phi + 1j * PROBE, c), c)
+            rate = scene.accelerations(0.0, [phi], values[:1], c)[0]
+            rate += share * moment.imag / PROBE / moment.real * values[0] ** 2
+            return [rate / values[0], 1 / values[0]]
+
+        run = solve_ivp(over_angle, (0, TURN), [speed, 0.0], rtol=1e-9, atol=1e-11)
+        return np.asarray(run.y[:, -1])
+
+    for share in (1 / 4, 0.0):
+        start = brentq(lambda v, share=share: turn(v, share)[0] - v, 4.9, 5.3, xtol=1e-6)
+        speeds.append(TURN / turn(start, share)[1])
+    energy = np.sqrt(inertia(position(np.linspace(0, TURN, 513), c), c))
+    return {"swing": np.ptp(energy) / energy[0], "speeds": speeds}
+
+
 # Averages of section 3
 
 SAMPLES = 4096
@@ -155,9 +194,8 @@ SAMPLES = 4096
 def averages(session: Session, ratio: float = 0.2, value: str = "damper") -> Numbers:
     """Return means of section 3 over a turn of the crank, for lambda = r/l; one is the value.
 
-    ``cos_squared``; ``remainder`` of t^2 sin^2 beta; ``damper`` of (r cos phi -
-    l t sin beta)^2/l^2,
-    ``by_20`` as (20) has it, and the relative error of that; ``exact``, the remainder in closed form.
+    ``cos_squared``; ``remainder`` of t^2 sin^2 beta, and in closed form, ``exact``; ``damper`` of
+    (r cos phi - l t sin beta)^2/l^2, as (20) has it, ``by_20``, and the relative error of that.
     """
     phi = 2 * np.pi * np.arange(SAMPLES) / SAMPLES
     sine = ratio * np.cos(phi)
