@@ -121,8 +121,7 @@ def read_row(
         row = {"kind": "claim", "name": name, **data}
         if row["kind"] == "number":
             row = OF_A_NUMBER | ({} if set(CONDITIONS) & set(row) else ROUNDING) | row
-        if row["kind"] == "reading":
-            row = {"verdict": READ, **row}
+        row = {"verdict": {"reading": READ, "misprint": CORRECTED}.get(row["kind"]), **row}
         row["summary"] = row.pop("claim")
         row["judgement"] = {
             verdict: [vars(read_condition(text)) for text in row.pop(key)]
@@ -197,15 +196,19 @@ def check_keys(data: Mapping[str, Any], kind: Any) -> None:
 def measure(scene: str, named: str | Mapping[str, Any]) -> Any:
     """Return what a name means in the modules of a scene's folder, its arguments filled in.
 
-    ``derivation.second_order``, or ``{call = "regions.share_of_class", name = "blue_o"}``.
+    ``derivation.second_order``, or ``{call = "regions.share_of_class", name = "blue_o"}``; an
+    argument may be a function, ``{call = "results.peak"}``.
     """
     if isinstance(named, str):
         module, _, name = named.rpartition(".")
         return getattr(import_module(f"{__package__}.{scene}.{module}"), name)
-    arguments = {name: hashable(value) for name, value in named.items() if name != "call"}
-    return partial(measure(scene, named["call"]), **arguments)
+    function = measure(scene, named["call"])
+    arguments = {name: argument(scene, value) for name, value in named.items() if name != "call"}
+    return partial(function, **arguments) if arguments else function
 
 
-def hashable(value: Any) -> Any:
-    """Return a value with tuples for its lists."""
-    return tuple(map(hashable, value)) if isinstance(value, list) else value
+def argument(scene: str, value: Any) -> Any:
+    """Return an argument of a measure, with tuples for lists and functions for their names."""
+    if isinstance(value, list):
+        return tuple(argument(scene, one) for one in value)
+    return measure(scene, value) if isinstance(value, dict) else value
