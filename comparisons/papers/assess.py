@@ -86,7 +86,7 @@ class Assessment:
     values : mapping of str to float
         of a printed number: ours in its unit, by `reference` and by engine
     numbers : mapping of str to mapping of str to float or list
-        the numbers in `reference` and `engines`, by who has them and by name
+        the numbers in `reason`, `reference` and `engines`, by who has them and by name
     """
 
     verdict: str
@@ -160,7 +160,7 @@ def assessed(row: LedgerRow, numbers: Numbers, engines: Mapping[str, Numbers | s
         {
             who: values
             for who, template, own in (
-                (REFERENCE, row.reference, numbers),
+                (REFERENCE, row.reason + row.reference, numbers),
                 *((name, row.engines or row.reference, own) for name, own in engines.items()),
             )
             if not isinstance(own, str) and (values := numbers_in(template, own))

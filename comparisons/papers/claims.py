@@ -22,13 +22,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cache, partial
 from importlib import import_module
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
 from ...reference.errors import MbcheckError
-from .equations import Identities, join_lines
+from .equations import Identities, join_lines, sides
 from .ledger import (
     CORRECTED,
     DEPENDS,
@@ -66,8 +67,6 @@ class PaperData:
 
     Attributes
     ----------
-    conclusions : str
-        Section of the conclusions.
     figures : tuple of PaperFigure
     rows : tuple of LedgerRow
     causes : tuple of Cause
@@ -76,7 +75,6 @@ class PaperData:
         numbers are taken from rows: ``{case_1_speed.value:.4g}``.
     """
 
-    conclusions: str
     figures: tuple[PaperFigure, ...]
     rows: tuple[LedgerRow, ...]
     causes: tuple[Cause, ...] = ()
@@ -131,7 +129,12 @@ def read_row(
         if "equations" in row:
             row["equations"] = read_equations(scene, row["equations"], shared)
             if "erratum" in row:
-                row["erratum"] = {"test": PROOF, **row["erratum"]}
+                pairs = pairwise(sides(row["equations"]["text"]))
+                wrong = [(own, other) for (_, own), (left, other) in pairs if left == "printed"]
+                texts = ["; ".join(own) for own in zip(*wrong, strict=True)]
+                forms = dict(zip(("corrected", "printed"), texts, strict=False))
+                row = {"printed": forms.pop("printed", ""), **row}
+                row["erratum"] = {"test": PROOF, **forms, **row["erratum"]}
         return converted(scene, row, LedgerRow)
     except (LookupError, ValueError, TypeError, AttributeError, ImportError) as error:
         raise ValueError(f"row {name}: {error}") from error

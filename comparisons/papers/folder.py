@@ -74,7 +74,7 @@ class Folder:
 
     def _take(self, document: Mapping[str, Any]) -> None:
         """Take what a document has of the figures and rows that the papers have now."""
-        made = [Made(one["versions"], one["full"]) for one in document.get("runs", ())]
+        made = [Made(**one) for one in document.get("runs", ())]
         self.runs += [one for one in made if one not in self.runs]
         for item in (*document.get("figures", ()), *document.get("rows", ())):
             scene = item["scene"]
@@ -139,7 +139,7 @@ class Folder:
 
     def has(self, entry: FigureEntry | RowEntry | None) -> bool:
         """Return whether something is finished that would be made in the same way again."""
-        return bool(entry and not entry.failed and entry.run == 0)
+        return bool(entry and not entry.failed and self.runs[entry.run].way == self.runs[0].way)
 
     def draw(self, scene: str, session: Session, figure: PaperFigure, resume: bool) -> None:
         """Draw a figure, unless an interrupted run has."""

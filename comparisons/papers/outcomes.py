@@ -50,11 +50,10 @@ def causes(scene: str) -> tuple[Cause, ...]:
     return of_paper(scene, "CAUSES", ())
 
 
-def conclusions(scene: str) -> str:
-    """Return the section of a paper's conclusions."""
-    if paper := read_paper(scene):
-        return paper.conclusions
-    return of_paper(scene, "CLOSING_SECTION", "")
+def prose(scene: str) -> str:
+    """Return the verdict on a scene's paper as written by hand, its numbers not filled in."""
+    paper = read_paper(scene)
+    return paper.verdict if paper else ""
 
 
 @dataclass(frozen=True)
@@ -65,10 +64,21 @@ class Made:
     ----------
     full : bool
         whether `--full` was given
+    date : str
+        the day, as 2026-11-27; empty if unknown
+    commit : str
+        of the clone that mbcheck ran from; empty if it is installed otherwise
     """
 
     versions: Mapping[str, str]
     full: bool = False
+    date: str = ""
+    commit: str = ""
+
+    @property
+    def way(self) -> tuple[Mapping[str, str], bool]:
+        """Return what must be the same for an interrupted run to go on."""
+        return self.versions, self.full
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from datetime import date
 from pathlib import Path
 from typing import Annotated
 
 from ...reference.errors import UnknownNameError, UsageError
 from ..documents.fields import JOBS, OptionMark, takes_fields_of
 from ..engines.registry import available, get_engine
-from ..queries.environment import versions
+from ..queries.environment import own_commit, versions
 from ..reports.drawing import import_pyplot
 from .folder import Folder
 from .ledger import LedgerRow, PaperFigure
@@ -71,7 +72,7 @@ def reproduce(asked: ReproduceRequest) -> Findings:
     figure, rows, resume, workers = asked.figure, asked.rows, asked.resume, asked.workers
     import_pyplot()
     papers = selected(asked.scenes or scenes_with_ledger(), figure, rows)
-    made = Made(versions(available()), asked.full)
+    made = Made(versions(available()), asked.full, date.today().isoformat(), own_commit())
     folder = Folder(Path(asked.out), tables, made)
     count = Count(sum(len(items) for paper in papers.values() for items in paper), asked.progress)
     session = Session(available(), asked.full, workers, folder.work, count.within)
