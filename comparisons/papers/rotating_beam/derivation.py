@@ -31,6 +31,15 @@ from .results import BEAM, UNIT, segments
 FIRST_AXIAL = np.pi / 2 / BEAM.length * np.sqrt(BEAM.youngs_modulus / BEAM.density)
 """First axial frequency at rest [rad/s], as printed."""
 
+STRAIGHT = {
+    "E": BEAM.youngs_modulus, "A": BEAM.area, "I": BEAM.second_moment, "rho": BEAM.density,
+    "L": BEAM.length, "a": BEAM.hub_radius, "x": BEAM.length, "d_0": BEAM.length,
+    "J_h": BEAM.hub_inertia, "m": 0.4, "g": 9.80665, "theta_t": 1.0,
+    "beta_2": float(rest_roots(1)[0]) / BEAM.length,
+    **dict.fromkeys(("u", "u_f", "v", "u_x", "u_xx", "v_xx", "u_t", "u_f_t", "v_t"), 0.0),
+}  # fmt: skip
+"""Values of a straight beam's tip, 0.4 kg there, at 1 rad/s, for equations; beta_2 at rest."""
+
 MODES = 16
 """Assumed modes that come to within 1e-3 of what they converge to."""
 
