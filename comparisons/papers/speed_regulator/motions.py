@@ -308,3 +308,92 @@ def braking_by(session: Session, who: str) -> Numbers | str:
             low, high = (low, middle) if round_ else (middle, high)
         off.append((low + high) / 2 / torque - 1)
     return {"off": off}
+
+
+# Readings
+
+SMALL = EXAMPLE.replace(crank_radius=0.1, rod_length=0.5, spring_rest=-0.5, torque=0.0512)
+
+VARIANTS = {
+    "missing_parameters": (
+        EXAMPLE,
+        EXAMPLE.replace(flywheel_inertia=8.0),
+        EXAMPLE.replace(flywheel_inertia=0.5),
+        EXAMPLE.replace(rod_mass=2.0, slider_mass=4.0),
+        EXAMPLE.replace(stiffness=8.0),
+        EXAMPLE.replace(stiffness=128.0),
+        SMALL,
+        SMALL.replace(stiffness=200.0),
+    ),
+    "spring_reference": tuple(
+        EXAMPLE.replace(spring_rest=place) for place in (-1.25, -1.5, -math.sqrt(1.5), 0.0)
+    ),
+    "braking_of_figure_6": (
+        damped(4.0, torque=0.04),
+        damped(2.0, torque=0.0),
+        damped(14.0),
+        damped(8.0),
+        damped(4.0),
+    ),
+}
+"""Parameters that a reading tries, in the order of its candidates."""
+
+
+def variants(session: Session, of: str) -> Numbers:
+    """Return what parameters of a reading give, each in words; ``average``, M_m/(c l^2) [1/s].
+
+    The mean speed and the least torque of a rotation, and the equilibria [rad]. And between which
+    limits 5.07 rad/s has M_m/(c l^2) by (21).
+    """
+    words, rests = [], []
+    for p in VARIANTS[of]:
+        least = least_torque(p).torque
+        turns = f"{rotation(p).mean_speed:.4f} rad/s" if p.torque > least else "no rotation"
+        words.append(f"{turns}; least torque of a rotation {least:.4f} N m")
+        rests.append(", ".join(f"{name} {at:.2f}" for name, at in found_equilibria(p).items()))
+    average = EXAMPLE.torque / (EXAMPLE.damping * EXAMPLE.rod_length**2)
+    limits = average / float(printed_mean_speed(EXAMPLE)) * np.array([5.065, 5.075])
+    return {"words": words, "rests": rests, "average": average, "limits": limits}
+
+
+def dampers_of_figure_4(session: Session) -> Numbers:
+    """Return the limit cycle [rad/s] with its torque for each damper, and its multiplier.
+
+    And the turns in which half of a deviation is gone.
+    """
+    torques = [EXAMPLE.torque * c / EXAMPLE.damping for c in DAMPINGS]
+    cycles = [rotation(damped(c, torque=t)) for c, t in zip(DAMPINGS, torques, strict=True)]
+    multipliers = np.array([cycle.multiplier for cycle in cycles])
+    return {
+        "torques": torques,
+        "speeds": [cycle.mean_speed for cycle in cycles],
+        "multipliers": multipliers,
+        "turns": -np.log(2) / np.log(multipliers),
+    }
+
+
+def axes_of_figure_3(session: Session, dampings: Sequence[float], torque: float) -> Numbers:
+    """Return the least torque [N m] by damper, and errors of (21) at twice that and at a torque."""
+    least = [least_torque(damped(c)).torque for c in dampings]
+    sets = [
+        [damped(c, torque=own) for own in (2 * limit, torque)]
+        for c, limit in zip(dampings, least, strict=True)
+    ]
+    errors = [
+        [float(printed_mean_speed(p)) / rotation(p).mean_speed - 1 for p in pair] for pair in sets
+    ]
+    return {"least": least, "errors": errors}
+
+
+def starts(session: Session, speeds: Sequence[float]) -> Numbers:
+    """Return what a crank comes to that starts at phi = 0, and at pi, by speed [rad/s].
+
+    That is rotation if it comes round three times within 40 s, and rest otherwise.
+    """
+    ends, times = [], np.linspace(0.0, SECONDS, 161)
+    for speed in speeds:
+        for phi in (0.0, math.pi):
+            run = simulate(SCENE, state={"phi": phi, "phi_dot": speed}, times=times)
+            round_ = np.max(run.observables["phi"]) > phi + 6 * math.pi
+            ends.append("rotation" if round_ else "rest")
+    return {"ends": ends}
