@@ -57,6 +57,8 @@ CONDITIONS = {
 OF_A_NUMBER = {"reference": "{value:.5g} {unit}"}
 ROUNDING = {"reproduced_if": ["value rounds to printed"]}
 """What rows of printed numbers have if they say nothing else."""
+MISSED = {"corrected_if": ["corrected < 1e-12", "as_printed > 1e-3"]}
+"""The same of misprints in equations."""
 
 CONDITION = re.compile(r"(\S+) (<=|>=|<|>|==|rounds to) (.+?)(, everyone)?(, ours)?")
 
@@ -119,6 +121,8 @@ def read_row(
         row = {"kind": "claim", "name": name, **data}
         if row["kind"] == "number":
             row = OF_A_NUMBER | ({} if set(CONDITIONS) & set(row) else ROUNDING) | row
+        if row["kind"] == "misprint" and "equations" in row and not set(CONDITIONS) & set(row):
+            row = MISSED | row
         row = {"verdict": {"reading": READ, "misprint": CORRECTED}.get(row["kind"]), **row}
         row["summary"] = row.pop("claim")
         row["judgement"] = {

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline, CubicSpline
+from scipy.interpolate import CubicHermiteSpline
 
 from ....reference.scene import Array
 from ....reference.speed_regulator.motions import mean_speed
@@ -15,23 +15,23 @@ from ...engines.registry import REFERENCE, get_engine
 from ...queries.simulate import Simulation
 from ...reports.drawing import INK, NOTE, PALETTE, broad, engine_line, label, new_figure
 from ..drawing import dotted, draw_gap, handles_of, outside_legend
-from ..ledger import PaperFigure
 from ..session import Session
 from .results import (
+    ANGLES,
     DAMPINGS,
     EXAMPLE,
     RUNS,
     SCENE,
-    SLOW_START,
     STARTS,
     TORQUE,
+    TURN,
     damped,
+    last_turn,
     mean_over_turns,
     recorded_motion,
     speed_map,
 )
 
-TURN = 2 * np.pi
 FORMULA_LINE = {
     "color": INK,
     "linewidth": 0.9,
@@ -206,18 +206,6 @@ def figure_7(session: Session) -> Any:
     return figure
 
 
-ANGLES = np.linspace(0, TURN, 121)
-
-
-def last_turn(motion: Simulation, names: tuple[str, ...] = ("y", "y_dot")) -> Array:
-    """Return observables (n, 121) over the crank angle of the last whole turn."""
-    phi = motion.observables["phi"]
-    begin = TURN * (np.floor(phi[-1] / TURN) - 1)
-    at = slice(int(np.searchsorted(phi, begin)) - 2, None)
-    curves = [CubicSpline(phi[at], motion.observables[name][at]) for name in names]
-    return np.array([curve(begin + ANGLES) for curve in curves])
-
-
 SMOOTH = 6
 """Points drawn for each sample of a motion."""
 
@@ -227,48 +215,3 @@ def smooth(motion: Simulation, begin: float = 0.0) -> tuple[Array, Array]:
     curve = CubicHermiteSpline(motion.times, motion.observables["y"], motion.observables["y_dot"])
     times = np.linspace(begin, motion.times[-1], SMOOTH * len(motion.times))
     return curve(times), curve(times, 1)
-
-
-OPEN = (
-    "The paper gives 0.000204, hence lambda = 0.2, c = 2, 3, 4 N s/m and 5.07 rad/s alone; "
-    "masses, lengths, spring and torque are our choice (docs/scenes.md), made to have that speed "
-    "at c = 2."
-)
-
-FIGURES = (
-    PaperFigure(
-        3,
-        "The stabilised speed grows with the torque, nearly in proportion",
-        f"For c = 2, 3, 4 N s/m. Range of torques and dampers: our choice, the text has none. "
-        f"Of each engine its first model and, with empty markers, its second. {OPEN}",
-        figure_3,
-    ),
-    PaperFigure(
-        4,
-        "From different starts the crank comes to one speed, or to rest",
-        f"Starts at phi = 0 with {', '.join(f'{v:g}' for v in STARTS)} and {SLOW_START:g} rad/s: "
-        f"our choice. All but the last settle at 5.07 rad/s; the slowest does not come over the "
-        f"spring and stays at rest. Engines with their default models. {OPEN}",
-        figure_4,
-    ),
-    PaperFigure(
-        5,
-        "A stronger damper makes the crank stabilise at a lower speed",
-        f"c = 2, 3, 4 N s/m as in the paper, all from 6 rad/s at phi = 0 (our choice). {OPEN}",
-        figure_5,
-    ),
-    PaperFigure(
-        6,
-        "Braked, the crank slows down, swings and comes to rest",
-        "Our choice of a motor that gives less than the damper takes: 0.04 N m with c = 4 N s/m, "
-        f"below the least torque of a rotation. From 5.07 rad/s. {OPEN}",
-        figure_6,
-    ),
-    PaperFigure(
-        7,
-        "In its phase plane the slider comes to a closed curve, or, braked, to rest",
-        "With c = 4 N s/m, from above and from below to the limit cycle, and the braked motion of "
-        f"figure 6. Which motions the paper shows is not in its text. {OPEN}",
-        figure_7,
-    ),
-)
