@@ -18,7 +18,6 @@ from .ledger import (
     NOT_REPRODUCED,
     OPEN,
     PRINTED,
-    ROUNDS,
     Condition,
     LedgerRow,
     Numbers,
@@ -272,7 +271,7 @@ def reason_of(row: LedgerRow, numbers: Numbers) -> str:
     """Return why a row has its verdict; of a printed number how far ours is off."""
     reason = fill(row.reason, numbers)
     conditions = sum(row.judgement.values(), ())
-    if not any(item.limit == PRINTED and item.name == ROUNDS.name for item in conditions):
+    if not any(item.limit == PRINTED and item.name == "value" for item in conditions):
         return reason
     printed = row.printed.split()[0]
     off = f"off by {abs(numbers['value'] - float(printed)):.2g}"

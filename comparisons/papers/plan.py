@@ -19,8 +19,8 @@ from ..checks.suite import Task, matches
 from ..checks.verdict import Result, Subject, Verdict
 from ..engines.registry import REFERENCE, resolve_selection
 from .assess import Assessment, assessed, attempt, measure
+from .claims import read_paper
 from .ledger import KINDS, Condition, LedgerRow, Numbers
-from .outcomes import tables
 from .reproduce import for_scene
 from .session import Session
 
@@ -58,7 +58,7 @@ def plan(
     checks = [
         RowCheck(scene, row.kind, (row.name,), for_scene(Session(engines), scene).engines)
         for scene in scenes
-        for row in tables(scene)[1]
+        for row in read_paper(scene).rows
         if not kinds or row.kind in kinds
     ]
     checks = narrowed(checks, f"--id {' '.join(ids)}", lambda one: not ids or matches(one, ids))
@@ -93,7 +93,7 @@ class RowCheck(Task):
     @property
     def row(self) -> LedgerRow:
         """The row itself; a check knows its name, so that it can be sent to another process."""
-        return next(row for row in tables(self.scene)[1] if row.name == self.quantities[0])
+        return next(row for row in read_paper(self.scene).rows if row.name == self.quantities[0])
 
     @property
     def subject(self) -> Subject:

@@ -12,14 +12,15 @@ import pytest
 
 from mbcheck.comparisons.papers import ledger, pages
 from mbcheck.comparisons.papers.assess import Assessment, assess
+from mbcheck.comparisons.papers.claims import read_paper, scenes_with_ledger
 from mbcheck.comparisons.papers.folder import FINDINGS
 from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED, LedgerRow, half_unit
-from mbcheck.comparisons.papers.outcomes import Findings, RowEntry, scenes_with_ledger, tables
+from mbcheck.comparisons.papers.outcomes import Findings, RowEntry
 from mbcheck.comparisons.papers.reproduce import contents
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.tests.support.words import POINTS, agree, agree_by_chance
 
-ROWS = [(scene, row) for scene in scenes_with_ledger() for row in tables(scene)[1]]
+ROWS = [(scene, row) for scene in scenes_with_ledger() for row in read_paper(scene).rows]
 MOST_BYTES = 3e6
 WIDE = 1600
 """Points across a picture."""
@@ -46,7 +47,7 @@ def test_all_rows_and_figures_are_there(found: Findings, folder: Path) -> None:
     assert found.failures == []
     for scene in scenes_with_ledger():
         numbers = [item.number for item in found.figures_of(scene)]
-        assert numbers == [figure.number for figure in tables(scene)[0]]
+        assert numbers == [figure.number for figure in read_paper(scene).figures]
         assert all((folder / "figures" / f"{scene}_{n}.png").exists() for n in numbers)
 
 

@@ -13,6 +13,7 @@ from mbcheck.comparisons.engines.registry import REFERENCE
 from mbcheck.comparisons.maps.request import Axis
 from mbcheck.comparisons.maps.store import Map
 from mbcheck.comparisons.papers.assess import assess
+from mbcheck.comparisons.papers.claims import read_paper
 from mbcheck.comparisons.papers.hula_hoop import (
     derivation,
     identities,
@@ -22,7 +23,6 @@ from mbcheck.comparisons.papers.hula_hoop import (
 )
 from mbcheck.comparisons.papers.hula_hoop.figures import motion_figure
 from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED, REPRODUCED, VERDICTS
-from mbcheck.comparisons.papers.outcomes import tables
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.comparisons.queries.query import choose_engine
 from mbcheck.comparisons.scenes.hula_hoop.motion import MOTION_VARIABLES, MOTIONS
@@ -30,7 +30,7 @@ from mbcheck.reference.hula_hoop.equations import SEMICIRCLE
 
 ENGINES = ("mujoco", "exudyn")
 
-BY_NAME = {row.name: row for row in tables(results.SCENE)[1]}
+BY_NAME = {row.name: row for row in read_paper(results.SCENE).rows}
 REGION_ROWS = [
     row for row in BY_NAME.values() if row.slow and re.match(r"5\.2|6|figure", row.section)
 ]

@@ -12,16 +12,17 @@ from scipy.optimize import brentq
 
 from mbcheck.comparisons.engines.registry import REFERENCE
 from mbcheck.comparisons.papers.assess import assess
-from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED, REPRODUCED, statement
-from mbcheck.comparisons.papers.outcomes import tables
+from mbcheck.comparisons.papers.claims import read_paper
+from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED
 from mbcheck.comparisons.papers.rotating_beam import derivation, frequencies, responses, results
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.rotating_beam import FIGURE_5, beam_scene
 from mbcheck.reference.rotating_beam.frequencies.numbers import numbers, tension
+from mbcheck.tests.support.papers.shared import row_of
 from mbcheck.tests.support.words import agree
 
-BY_NAME = {row.name: row for row in tables("rotating_beam")[1]}
+BY_NAME = {row.name: row for row in read_paper("rotating_beam").rows}
 
 
 @pytest.mark.slow
@@ -52,10 +53,7 @@ def test_an_engine_that_fails_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     still = results.Response(np.zeros(1), {"theta": np.zeros(1)})
     for who, motion in (("exudyn", failure), (REFERENCE, still)):
         session.cache["rotating_beam", "runs", 5, who] = {0.4: motion}
-    row = statement(
-        "a", "1", "a", REPRODUCED,
-        each=lambda session, who: len(results.response(session, 5, who, 0.4).times),
-    )  # fmt: skip
+    row = row_of("a", each=lambda session, who: len(results.response(session, 5, who, 0.4).times))
     assert "went back" in assess(row, session).engines["exudyn"]
 
 

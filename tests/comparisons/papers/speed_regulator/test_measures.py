@@ -10,8 +10,8 @@ from scipy.integrate import solve_ivp
 
 from mbcheck.comparisons.engines.registry import REFERENCE
 from mbcheck.comparisons.papers.assess import assess
+from mbcheck.comparisons.papers.claims import read_paper
 from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED, rounds_to
-from mbcheck.comparisons.papers.outcomes import tables
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.comparisons.papers.speed_regulator import derivation, motions, results
 from mbcheck.comparisons.papers.speed_regulator.figures import turns_apart
@@ -21,7 +21,7 @@ from mbcheck.reference import get_scene
 from mbcheck.reference.errors import NoOrbitError
 from mbcheck.reference.speed_regulator.theory import least_torque, rotation
 
-BY_NAME = {row.name: row for row in tables("speed_regulator")[1]}
+BY_NAME = {row.name: row for row in read_paper("speed_regulator").rows}
 
 
 def test_another_speed_is_not_reproduced() -> None:
