@@ -160,7 +160,7 @@ def one_motor(session: Session) -> Numbers:
         square = (bend - 1) / (slip_2**2 - bend * slip_1**2)  # of 1/s_k
         if square > 0:
             largest.append(torque_1 / slip_1 * (1 + square * slip_1**2) / (2 * np.sqrt(square)))
-    (steep, low), (flat, high) = boxes[0][2 * 3], boxes[1][2]
+    (steep, low), (flat, high) = boxes[0][0], boxes[1][-1]
     return {
         "first": [min(slopes[0]), max(slopes[0])],
         "second": [min(slopes[1]), max(slopes[1])],
@@ -220,27 +220,28 @@ def orbit_of_case_1(session: Session) -> Numbers:
 
 DAMPERS = (15.0, 3.0, 0.3, 0.0)
 """Dampers of the rod [N m s/rad] by which case 2 is computed; the first is printed."""
-INERTIAS = (0.0, 0.45, 0.49)
-"""Moments of inertia J_3 of the rod [kg m^2]: none as in (11), m_3 l^2/2, and one with which three
-numbers of case 2 come out."""
+INERTIAS = (0.45, 0.49)
+"""Moments of inertia J_3 of the rod [kg m^2], which (11) leaves out: m_3 l^2/2, and one with which
+three numbers of case 2 come out."""
 
 
 def other_rods(session: Session) -> Numbers:
-    """Return case 2 with other `DAMPERS` of the rod, and with other `INERTIAS`.
+    """Return case 2 with other `DAMPERS` of the rod, and with `INERTIAS`.
 
     Orbits by the damper in words. By the inertia [kg m^2] phase [rad], speed [rad/s], torque [N m]
     and amplitudes of platform and rod [m, rad] in the last second of a start, of the last inertia
-    by name, too; and how far the phase of case 3 moves in the last second of its own start [rad].
+    by name, too; and how far the phase of case 3 moves with it in the last second of its start, and
+    without it [rad].
     """
     runs = [other_start(session, 2, 4.0, inertia=own) for own in INERTIAS]
-    upright = [other_start(session, 3, 8.0, inertia=own) for own in INERTIAS]
+    upright = other_start(session, 3, 8.0, inertia=INERTIAS[-1]), from_rest(session, 3)
     ends = [(*run.ends, *run.half_ranges[[0, 3]]) for run in runs]
     return {
         "orbits": [orbit_in_words(session, CASE_2.replace(rod_damping=f)) for f in DAMPERS],
         "line": float(CASE_2.motor_slope * (CASE_2.synchronous_speed - 153.5)),
         "inertias": INERTIAS,
         "ends": ends,
-        "moves": [abs(run.turn_means(run.phase)[-25] - run.ends[0]) for run in upright],
+        "moves": [np.ptp(run.turn_means(run.phase)[[-25, -1]]) for run in upright],
         **dict(zip(("phase", "speed", "torque", "platform", "rod"), ends[-1], strict=True)),
     }
 

@@ -59,7 +59,10 @@ def lattice(beta: float = np.pi / 6) -> theory.Ratios:
 
 
 def scene_at(values: Values) -> Values:
-    """Return the scene's energy and accelerations at a state, in the symbols of (7) to (11)."""
+    """Return the scene's energy and accelerations at a state, in the symbols of (7) to (11).
+
+    Without motors and bearings where the equations have none.
+    """
     q, v = (
         np.array([values[f"{letter}_{i}"] for i in range(4)], dtype=float) for letter in ("q", "v")
     )
@@ -74,9 +77,9 @@ def scene_at(values: Values) -> Values:
         rod_stiffness=values["k_phi"],
         rod_damping=values["f_phi"],
         installation_angle=values["beta"],
-        motor_slope=values["k_e"],
-        synchronous_speed=values["w_s"],
-        friction=values["f"],
+        motor_slope=values.get("k_e", 0.0),
+        synchronous_speed=values.get("w_s", 1.0),
+        friction=values.get("f", 0.0),
     )
     scene, c = get_scene(SCENE), coefficients(p)
     a = scene.accelerations(0.0, q, v, c)

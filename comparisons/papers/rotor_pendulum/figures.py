@@ -31,8 +31,8 @@ FIG_2 = theory.Ratios(0.0, 0.0, sigma=0.17, r_m=0.02, beta=np.pi / 6)
 FINE = 281
 LARGEST_COUPLING, SMALLEST_COUPLING = 1e2, 1e-3
 CUTS = (
-    (0.5, False, {"color": "#0072B2", "linestyle": "solid"}),
-    (2.0, False, {"color": "#009E73", "linestyle": (0, (4, 1.5))}),
+    (0.5, False, {"color": "#222222", "linestyle": "solid"}),
+    (2.0, False, {"color": "#0072B2", "linestyle": (0, (4, 1.5))}),
     (0.5, True, {"color": "#D55E00", "linestyle": (0, (1, 1.2))}),
     (2.0, True, {"color": "#CC79A7", "linestyle": (0, (4, 1.5, 1, 1.5))}),
 )
@@ -99,8 +99,8 @@ RESONANCE: Mapping[str, Any] = {
     "label": "phase jumps by π: resonance, N = 0",
 }  # fmt: skip
 FOLD: Mapping[str, Any] = {
-    "color": "#009E73", "linestyle": "none", "marker": "D", "markersize": 4,
-    "label": "orbits begin: a fold",
+    "color": "#222222", "linestyle": "none", "marker": "D", "markersize": 4.5,
+    "markeredgecolor": "white", "label": "orbits begin: a fold",
 }  # fmt: skip
 """Of the theory's curves, and of the orbits'."""
 
@@ -202,6 +202,9 @@ def difference(own: Map, true: Map) -> Array:
 START_UP = 0.6
 """What the left column shows [s]: the slowest start by the motors' curve takes 0.51 s."""
 
+HIGHEST = 20.0
+"""Largest torque that the left column shows [N m]; by (14) it is 148 N m at rest."""
+
 WINDOW = 128
 """Samples, about three turns, whose range and mean the right column shows."""
 
@@ -255,6 +258,8 @@ def simulation_figure(session: Session, case: int) -> Any:
             engine_line(left, name, run.times[early], own[early])
             engine_line(right, name, _means(run.times), _means(own))
         label(left, "", quantity, title)
+        if "torque" in quantity:
+            left.set_ylim(top=HIGHEST)
         if i in NARROW:
             low, high = line[late].min(), line[late].max()
             right.set_ylim(low - MARGIN * (high - low), high + MARGIN * (high - low))

@@ -220,7 +220,7 @@ def other_start(
     def run() -> StartUp:
         times = np.arange(round(seconds * PER_SECOND) + 1) / PER_SECOND
         solution = solve_ivp(
-            derivative, times[[0, -1]], np.zeros(8), "DOP853", times, rtol=1e-8, atol=1e-9
+            derivative, times[[0, -1]], np.zeros(8), "DOP853", times, rtol=1e-7, atol=1e-9
         )
         return StartUp(p, times, solution.y, largest)
 
