@@ -18,7 +18,6 @@ from .ledger import (
     NOT_REPRODUCED,
     OPEN,
     PRINTED,
-    READ,
     ROUNDS,
     Condition,
     LedgerRow,
@@ -132,7 +131,7 @@ def fill(template: str, numbers: Numbers) -> str:
 
 
 def assess(row: LedgerRow, session: Session) -> Assessment:
-    """Return what becomes of a row, its verdict the expected one if it computes nothing.
+    """Return what becomes of a row, its verdict the expected one if it has no conditions.
 
     Raises
     ------
@@ -147,7 +146,7 @@ def assess(row: LedgerRow, session: Session) -> Assessment:
 def assessed(row: LedgerRow, numbers: Numbers, engines: Mapping[str, Numbers | str]) -> Assessment:
     """Return what the numbers of the reference and the engines make of a row."""
     return Assessment(
-        verdict_of(row, numbers, engines) if row.kind != "reading" else READ,
+        verdict_of(row, numbers, engines) if row.judgement else row.verdict,
         reason_of(row, numbers),
         fill(row.reference, numbers).strip(),
         {

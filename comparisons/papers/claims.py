@@ -170,7 +170,7 @@ def read_condition(text: str) -> Condition:
         raise ValueError(f"{text!r} is no condition such as 'error < 1e-3, everyone, ours'")
     name, relation, word, everyone, ours = match.groups()
     limit: Any = {"true": True, "false": False}.get(word, word)
-    if not isinstance(limit, bool) and re.fullmatch(r"[-+\d.e]*\d[-+\d.e]*", word):
+    if relation != "rounds to" and re.fullmatch(r"[-+\d.e]*\d[-+\d.e]*", word):
         limit = float(word)
     return Condition(name, relation, limit, bool(everyone), bool(ours))
 

@@ -261,9 +261,8 @@ class Printed:
 class LedgerRow:
     """One printed number, qualitative claim, misprint, or open reading.
 
-    A row that has neither ``numbers`` nor ``each`` is text: it computes nothing, and its verdict is
-    the expected one. Templates (``reason``, ``reference``, ``engines`` and the ``candidates``) are
-    filled in with the measured numbers by `assess.fill`.
+    Without conditions its verdict is the expected one. Templates (``reason``, ``reference``,
+    ``engines`` and the ``candidates``) are filled in with the measured numbers by `assess.fill`.
 
     Attributes
     ----------

@@ -24,9 +24,8 @@ from .outcomes import tables
 from .reproduce import for_scene
 from .session import Session
 
-TEXT = "a text, which computes nothing"
-READING = "a reading of what the text leaves open, which nothing judges"
-"""Why a row is skipped that is not computed, or has no verdict."""
+UNJUDGED = "no conditions judge it: a text, or what the paper leaves open"
+"""Why a row is skipped."""
 
 
 def plan(
@@ -119,8 +118,8 @@ class RowCheck(Task):
 
     def run(self, profile: str) -> list[Result]:
         """Return the row's result; rows have no tolerances that a profile could scale."""
-        if self.row.is_text or self.row.kind == "reading":
-            return self.skipped(TEXT if self.row.is_text else READING)
+        if not self.row.judgement:
+            return self.skipped(UNJUDGED)
         begin = perf_counter()
         outcome, failure = attempt(lambda: self.assess(shared_session(self.engines)))
         if outcome is None:

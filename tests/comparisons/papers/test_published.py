@@ -83,7 +83,9 @@ def entry_of(found: Findings, scene: str, name: str) -> RowEntry:
 
 def texts(assessment: Assessment) -> dict[str, str]:
     """Return what a page says of a row."""
-    return {"reason": assessment.reason, "reference": assessment.reference}
+    candidates = "; ".join(f"{way}: {gives}" for way, gives in assessment.candidates)
+    own = {"reason": assessment.reason, "reference": assessment.reference}
+    return own | {"candidates": candidates}
 
 
 def expected(row: LedgerRow, session: Session) -> Assessment:
@@ -117,7 +119,10 @@ def row_named(scene: str, name: str) -> Any:
 
 FROM_REST = {
     "adequate",
+    "class_definitions",
     "class_table",
+    "definition",
+    "drawn_solution",
     "easier_with_inertia",
     "fewer_cyan",
     "fewer_red",
@@ -135,6 +140,7 @@ FROM_REST = {
     "region_3_shrinks",
     "rotation_from_shaking",
     "stable_appears",
+    "start",
     "transient_hoop",
     "transition",
     "unstable_not_seen",
