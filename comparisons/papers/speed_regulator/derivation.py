@@ -116,7 +116,8 @@ def reactions(session: Session, who: str) -> Numbers | str:
     if not set(names) <= set(engine.reaction_names(case, model)):
         return "does not tell"
     states = np.array([[phi, SPEED] for phi in (0.3, 1.9, 4.4)])
-    exact = outputs(*states.T[:, None], coefficients(EXAMPLE))
+    phi, speed = states.T[:, None]
+    exact = outputs(phi, speed, coefficients(EXAMPLE))
     own = call_engine(lambda: engine.reactions(case, model, np.zeros(len(states)), states))
     tables = (np.array([values[name] for name in names]) for values in (own, exact))
     return {"error": largest_difference(*tables)}
