@@ -148,10 +148,10 @@ def nonlinearity(session: Session) -> Numbers:
     """Return by how much equal steps of the speed, and twice the angle, change phi'' unequally."""
     phi, speed = np.array([0.7, 0.7, 0.7, 1.4]), np.array([0.0, 3.0, 6.0, 0.0])
     rates = get_scene(SCENE).accelerations(0.0, [phi], [speed], coefficients(EXAMPLE))[0]
-    still, slow, fast, turned = rates
+    still, slow, fast, doubled = rates
     return {
         "bend": abs(fast - 2 * slow + still) / abs(slow - still),
-        "uneven": abs(turned - 2 * still),
+        "uneven": abs(doubled - 2 * still),
     }
 
 
