@@ -142,14 +142,14 @@ def extension(session: Session) -> Numbers:
 
     By the extension parameter, and what stretch and Coriolis force change of the first frequency.
     """
-    n, found = BeamNumbers(0.0, 5.0), []
+    n, rows = BeamNumbers(0.0, 5.0), []
     for slenderness in (100.0, BEAM.area * BEAM.length**2 / BEAM.second_moment):
         flapwise = stretching(n, slenderness, "flapwise", 1).omega[0]
         chordwise = stretching(n, slenderness, count=1).omega[0]
         stretch = flapwise / ritz(n, "flapwise", 1).omega[0] - 1
         coriolis = chordwise / np.sqrt(flapwise**2 - n.gamma**2) - 1
-        found.append((n.gamma / np.sqrt(slenderness), stretch, coriolis))
-    (large, much, with_coriolis), (small, little, _) = found
+        rows.append((n.gamma / np.sqrt(slenderness), stretch, coriolis))
+    (large, much, with_coriolis), (small, little, _) = rows
     return {
         "large": large,
         "much": much,

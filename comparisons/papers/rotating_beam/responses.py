@@ -229,12 +229,12 @@ def hub_radii(session: Session, radii: Sequence[float]) -> Numbers:
 
     In words, of two modes and converged, with the best places; without a crossing there are none.
     """
-    found: dict[str, list[str]] = {"two": [], "two_best": [], "converged": [], "best": []}
+    words: dict[str, list[str]] = {"two": [], "two_best": [], "converged": [], "best": []}
     for radius in radii:
         n = [numbers(BEAM.replace(hub_radius=radius, mass=mass)) for mass in LOADS]
         for name, own, modes in (("two", "two_best", 2), ("converged", "best", None)):
             place = crossover(n[0], modes=modes)
-            found[name].append(crossed(place))
+            words[name].append(crossed(place))
             best = [best_mass_position(one, modes) for one in n] if np.isfinite(place) else []
-            found[own].append(", ".join(f"{one:.3g}" for one in best) or "none")
-    return {**found, **pulses(session, hub_radii=radii)}
+            words[own].append(", ".join(f"{one:.3g}" for one in best) or "none")
+    return {**words, **pulses(session, hub_radii=radii)}

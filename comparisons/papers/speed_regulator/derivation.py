@@ -116,7 +116,8 @@ def reactions(session: Session, who: str) -> Numbers | str:
     if not set(names) <= set(engine.reaction_names(case, model)):
         return "does not tell"
     states = np.array([[phi, SPEED] for phi in (0.3, 1.9, 4.4)])
-    exact = outputs(*states.T[:, None], coefficients(EXAMPLE))
+    phi, speed = states.T[:, None]
+    exact = outputs(phi, speed, coefficients(EXAMPLE))
     own = call_engine(lambda: engine.reactions(case, model, np.zeros(len(states)), states))
     tables = (np.array([values[name] for name in names]) for values in (own, exact))
     return {"error": largest_difference(*tables)}
@@ -147,10 +148,10 @@ def nonlinearity(session: Session) -> Numbers:
     """Return by how much equal steps of the speed, and twice the angle, change phi'' unequally."""
     phi, speed = np.array([0.7, 0.7, 0.7, 1.4]), np.array([0.0, 3.0, 6.0, 0.0])
     rates = get_scene(SCENE).accelerations(0.0, [phi], [speed], coefficients(EXAMPLE))[0]
-    still, slow, fast, turned = rates
+    still, slow, fast, doubled = rates
     return {
         "bend": abs(fast - 2 * slow + still) / abs(slow - still),
-        "uneven": abs(turned - 2 * still),
+        "uneven": abs(doubled - 2 * still),
     }
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -23,7 +23,6 @@ from .results import (
     RUNS,
     SCENE,
     STARTS,
-    TORQUE,
     TURN,
     damped,
     last_turn,
@@ -42,46 +41,45 @@ FORMULA_LINE = {
 
 def figure_3(session: Session) -> Any:
     """Draw the mean speed against the torque for three dampers."""
-    fine, coarse = speed_map(session, fine=True), speed_map(session)
+    fine, coarse = speed_map(session, fine=True), speed_map(session).variables["mean_speed"]
     figure, axes = new_figure(2, 1, height=2.7, sharex=True)
     upper, lower = axes[:, 0]
-    torque = fine.x.values
-    for c, speed in zip(DAMPINGS, fine.variables["mean_speed"], strict=True):
+    torque, truth = fine.x.values, fine.variables["mean_speed"]
+    formula = np.array([printed_mean_speed(damped(c).replace(torque=torque)) for c in DAMPINGS])
+    for c, speed, line in zip(DAMPINGS, truth, formula, strict=True):
         broad(upper, torque, speed, label=REFERENCE)
-        end = float(printed_mean_speed(damped(c, torque=TORQUE[1])))
-        upper.plot([0, TORQUE[1]], [0, end], **FORMULA_LINE)
+        upper.plot(torque, line, **FORMULA_LINE)
         upper.annotate(f"c = {c:g} N s/m", (torque[-1] * 1.01, speed[-1]), va="center", **NOTE)
-        gap = abs(printed_mean_speed(damped(c).replace(torque=torque)) - speed)
-        lower.plot(torque, gap, **FORMULA_LINE)
-    for name, model, how in own_models(session):
-        own = speed_map(session, name, model=model)
-        for row, speed in enumerate(own.variables["mean_speed"]):
-            engine_line(
-                upper, name, own.x.values, speed, markevery=1, **how | {"linestyle": "none"}
-            )
-            gap = abs(speed - coarse.variables["mean_speed"][row])
-            draw_gap(lower, name, own.x.values, gap, linewidth=0.7 + 0.4 * row, **how)
+    lower.plot(torque, largest(formula - truth), **FORMULA_LINE)
+    for name in session.engines:
+        for model, how in zip(get_engine(name).models(SCENE)[:2], MODEL_STYLES, strict=False):
+            own = speed_map(session, name, model=model)
+            speeds, how = own.variables["mean_speed"], how | {"label": f"{name}, {model}"}
+            for speed in speeds:
+                engine_line(upper, name, own.x.values, speed, **how | {"linestyle": "none"})
+            draw_gap(lower, name, own.x.values, largest(speeds - coarse), **how)
     target = float(np.round(mean_speed(EXAMPLE), 2))
     upper.plot(EXAMPLE.torque, target, "*", color=INK, markersize=9, label="5.07 rad/s, as printed")
-    upper.set_xlim(0, TORQUE[1] * 1.14)
+    upper.set_xlim(0, torque[-1] * 1.14)
     lower.set_yscale("log")
     label(upper, "", "mean speed [rad/s]", "(a) The speed grows with the torque")
-    label(
-        lower,
-        "torque M_m [N m]",
-        "|difference| [rad/s]",
-        "(b) How far formula and engines are from the limit cycle (wider: larger c)",
-    )
+    what = "(b) How far formula and engines are from the limit cycle, largest of all c"
+    label(lower, "torque M_m [N m]", "|difference| [rad/s]", what)
     outside_legend(figure, handles_of(upper), columns=3)
     return figure
 
 
-def own_models(session: Session) -> Iterator[tuple[str, str, dict[str, Any]]]:
-    """Yield the first two models of each engine, the second with empty markers."""
-    for name in session.engines:
-        for empty, model in enumerate(get_engine(name).models(SCENE)[:2]):
-            face = {"markerfacecolor": "white"} if empty else {}
-            yield name, model, {"label": f"{name}, {model}", **face}
+MODEL_STYLES: tuple[dict[str, Any], ...] = (
+    {},
+    {"markerfacecolor": "white", "linestyle": (0, (3, 1, 1, 1, 1, 1))},
+)
+"""Of an engine's first model, and of its second."""
+
+
+def largest(gaps: Array) -> Array:
+    """Return the largest modulus over the dampers (3, n), NaN where there is none."""
+    most = np.max(np.nan_to_num(np.abs(gaps)), axis=0)
+    return np.where(most > 0, most, np.nan)
 
 
 def figure_4(session: Session) -> Any:
