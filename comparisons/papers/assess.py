@@ -18,8 +18,6 @@ from .ledger import (
     NOT_REPRODUCED,
     OPEN,
     PRINTED,
-    READ,
-    ROUNDS,
     Condition,
     LedgerRow,
     Numbers,
@@ -132,7 +130,7 @@ def fill(template: str, numbers: Numbers) -> str:
 
 
 def assess(row: LedgerRow, session: Session) -> Assessment:
-    """Return what becomes of a row, its verdict the expected one if it computes nothing.
+    """Return what becomes of a row, its verdict the expected one if it has no conditions.
 
     Raises
     ------
@@ -147,7 +145,7 @@ def assess(row: LedgerRow, session: Session) -> Assessment:
 def assessed(row: LedgerRow, numbers: Numbers, engines: Mapping[str, Numbers | str]) -> Assessment:
     """Return what the numbers of the reference and the engines make of a row."""
     return Assessment(
-        verdict_of(row, numbers, engines) if row.kind != "reading" else READ,
+        verdict_of(row, numbers, engines) if row.judgement else row.verdict,
         reason_of(row, numbers),
         fill(row.reference, numbers).strip(),
         {
@@ -273,7 +271,7 @@ def reason_of(row: LedgerRow, numbers: Numbers) -> str:
     """Return why a row has its verdict; of a printed number how far ours is off."""
     reason = fill(row.reason, numbers)
     conditions = sum(row.judgement.values(), ())
-    if not any(item.limit == PRINTED and item.name == ROUNDS.name for item in conditions):
+    if not any(item.limit == PRINTED and item.name == "value" for item in conditions):
         return reason
     printed = row.printed.split()[0]
     off = f"off by {abs(numbers['value'] - float(printed)):.2g}"

@@ -28,12 +28,13 @@ from typing import Any
 
 import msgspec
 
-from ...reference.errors import MbcheckError
+from ...reference import SCENES
+from ...reference.errors import MbcheckError, UnknownNameError
 from .equations import Identities, join_lines, sides
 from .ledger import (
     CORRECTED,
     DEPENDS,
-    PROOF,
+    NOT_TESTABLE,
     READ,
     REPRODUCED,
     UNCONVERGED,
@@ -54,9 +55,18 @@ CONDITIONS = {
 }
 """Key of a row -> the verdict that it has if all these conditions hold, in order of preference."""
 
-OF_A_NUMBER = {"reference": "{value:.5g} {unit}"}
-ROUNDING = {"reproduced_if": ["value rounds to printed"]}
-"""What rows of printed numbers have if they say nothing else."""
+DEFAULTS: Mapping[str, Mapping[str, Any]] = {
+    "number": {"reference": "{value:.5g} {unit}"},
+    "misprint": {"verdict": CORRECTED},
+    "reading": {"verdict": READ},
+}
+"""What rows of a kind have if they say nothing else."""
+
+JUDGED: Mapping[str, Mapping[str, Any]] = {
+    "number": {"reproduced_if": ["value rounds to printed"]},
+    "misprint": {"corrected_if": ["corrected < 1e-12", "as_printed > 1e-3"]},
+}
+"""Conditions of rows of a kind that have none."""
 
 CONDITION = re.compile(r"(\S+) (<=|>=|<|>|==|rounds to) (.+?)(, everyone)?(, ours)?")
 
@@ -75,24 +85,28 @@ class PaperData:
         numbers are taken from rows: ``{case_1_speed.value:.4g}``.
     """
 
-    figures: tuple[PaperFigure, ...]
-    rows: tuple[LedgerRow, ...]
+    figures: tuple[PaperFigure, ...] = ()
+    rows: tuple[LedgerRow, ...] = ()
     causes: tuple[Cause, ...] = ()
     verdict: str = ""
 
 
 @cache
-def read_paper(scene: str) -> PaperData | None:
-    """Return what is recorded of a scene's paper; None if it has no file.
+def read_paper(scene: str) -> PaperData:
+    """Return what is recorded of a scene's paper; nothing of one that has no file.
 
     Raises
     ------
+    UnknownNameError
+        If there is no such scene.
     MbcheckError
         If the file is not as it should be: it names row and field.
     """
+    if scene not in SCENES:
+        raise UnknownNameError("scene", scene, SCENES)
     file = Path(__file__).parent / scene / FILE
     if not file.exists():
-        return None
+        return PaperData()
     text = file.read_text("utf-8")
     try:
         data = tomllib.loads(text)
@@ -104,10 +118,14 @@ def read_paper(scene: str) -> PaperData | None:
         raise MbcheckError(f"{file}: {error}") from error
 
 
+def scenes_with_ledger() -> tuple[str, ...]:
+    """Return the scenes of papers that are reproduced; others are textbook mechanics."""
+    return tuple(scene for scene in SCENES if read_paper(scene).rows)
+
+
 def equations_of(scene: str, name: str) -> Identities:
     """Return the equations of a row."""
-    paper = read_paper(scene)
-    every = [row.equations for row in paper.rows if row.name == name] if paper else []
+    every = (row.equations for row in read_paper(scene).rows if row.name == name)
     return next(one for one in every if one is not None)
 
 
@@ -116,15 +134,13 @@ def read_row(
 ) -> LedgerRow:
     """Return a row of a paper from its table in the file."""
     try:
-        row = {"kind": "claim", "name": name, **data}
-        if row["kind"] == "number":
-            row = OF_A_NUMBER | ({} if set(CONDITIONS) & set(row) else ROUNDING) | row
-        row = {"verdict": {"reading": READ, "misprint": CORRECTED}.get(row["kind"]), **row}
-        row["summary"] = row.pop("claim")
+        kind = data.get("kind", "claim")
+        judges = {} if judged(data) or data.get("verdict") == NOT_TESTABLE else JUDGED
+        defaults = {**DEFAULTS.get(kind, {}), **judges.get(kind, {})}
+        row = {"kind": kind, "name": name} | defaults | dict(data)
         row["judgement"] = {
-            verdict: [vars(read_condition(text)) for text in row.pop(key)]
-            for key, verdict in CONDITIONS.items()
-            if key in row
+            CONDITIONS[key]: [vars(read_condition(text)) for text in row.pop(key)]
+            for key in judged(row)
         }
         if "equations" in row:
             row["equations"] = read_equations(scene, row["equations"], shared)
@@ -134,10 +150,15 @@ def read_row(
                 texts = ["; ".join(own) for own in zip(*wrong, strict=True)]
                 forms = dict(zip(("corrected", "printed"), texts, strict=False))
                 row = {"printed": forms.pop("printed", ""), **row}
-                row["erratum"] = {"test": PROOF, **forms, **row["erratum"]}
+                row["erratum"] = {**forms, **row["erratum"]}
         return converted(scene, row, LedgerRow)
     except (LookupError, ValueError, TypeError, AttributeError, ImportError) as error:
         raise ValueError(f"row {name}: {error}") from error
+
+
+def judged(row: Mapping[str, Any]) -> list[str]:
+    """Return the keys of a row's conditions, in order of preference."""
+    return [key for key in CONDITIONS if key in row]
 
 
 def read_equations(

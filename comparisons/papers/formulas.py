@@ -77,9 +77,8 @@ def typeset_side(text: str) -> Formula | None:
         read = parse_expr(
             NAME.sub(stand_in, text), local_dict=known, transformations=rules, evaluate=False
         )
-        plain = Formula(
-            sympy.latex(read, order="none"), sympy.mathml(read, "presentation", order="none")
-        )
+        latex = sympy.latex(read, order="none").replace(r"\left(-1\right) ", "- ")
+        plain = Formula(latex, sympy.mathml(read, "presentation", order="none"))
     except (SyntaxError, TypeError, ValueError, AttributeError):
         return None
     if isinstance(read, tuple):  # several, between commas

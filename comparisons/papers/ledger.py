@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from decimal import Decimal
-from functools import partial
 from typing import Any, Literal
 
 import numpy as np
 
-from .equations import Identities, whole_lines
+from .equations import Identities
 from .session import Session
 
 REPRODUCED = "reproduced"
@@ -25,11 +24,6 @@ OPEN = "open"
 NOT_TESTABLE = "not testable"
 ERROR = "error"
 """Of a row that could not be judged: a fault of ours or of an engine, not of the paper."""
-PROOF = "tests/comparisons/papers/test_equations.py::test_printed_form_of_a_misprint_does_not_hold"
-"""The test of a misprint in an equation."""
-ITS_RUN = "tests/comparisons/papers/test_published.py::test_quick_row_is_what_a_run_gives"
-"""The test of a misprint whose row computes what shows it."""
-
 READ = ""
 """Of a reading, which is judged by nobody and not counted."""
 
@@ -153,49 +147,12 @@ Judgement = Mapping[str, tuple[Condition, ...]]
 `NOT_REPRODUCED` if there is none."""
 
 
-def holds(*conditions: Condition) -> Judgement:
-    """Return that a row is reproduced if these conditions hold."""
-    return {REPRODUCED: conditions}
-
-
-def corrected(*conditions: Condition) -> Judgement:
-    """Return that a row is reproduced by a corrected equation if these conditions hold."""
-    return {CORRECTED: conditions}
-
-
-def depends(*conditions: Condition) -> Judgement:
-    """Return that a row depends on what is not printed if these conditions hold."""
-    return {DEPENDS: conditions}
-
-
-def unconverged(*conditions: Condition) -> Judgement:
-    """Return that a row is reproduced by the paper's truncation if these conditions hold."""
-    return {UNCONVERGED: conditions}
-
-
-def below(name: str, limit: float, everyone: bool = False, ours: bool = False) -> Condition:
-    """Return the condition that a number is less than a limit."""
-    return Condition(name, "<", limit, everyone, ours)
-
-
-def above(name: str, limit: float, everyone: bool = False, ours: bool = False) -> Condition:
-    """Return the condition that a number is greater than a limit."""
-    return Condition(name, ">", limit, everyone, ours)
-
-
-def equal(name: str, limit: float | str, everyone: bool = False) -> Condition:
-    """Return the condition that a number or a word is a given one."""
-    return Condition(name, "==", limit, everyone)
-
-
 @dataclass(frozen=True)
 class Erratum:
     """A misprint, as its authors would want it told; where and what it is, the row says.
 
     Attributes
     ----------
-    test : str
-        the test that proves it
     corrected : str
         the formula as it should be
     why : str
@@ -210,7 +167,6 @@ class Erratum:
         a fault of `print`, of `reasoning`, or of `wording` or a symbol
     """
 
-    test: str = ""
     corrected: str = ""
     why: str = ""
     effect: str = ""
@@ -261,9 +217,8 @@ class Printed:
 class LedgerRow:
     """One printed number, qualitative claim, misprint, or open reading.
 
-    A row that has neither ``numbers`` nor ``each`` is text: it computes nothing, and its verdict is
-    the expected one. Templates (``reason``, ``reference``, ``engines`` and the ``candidates``) are
-    filled in with the measured numbers by `assess.fill`.
+    Without conditions its verdict is the expected one. Templates (``reason``, ``reference``,
+    ``engines`` and the ``candidates``) are filled in with the measured numbers by `assess.fill`.
 
     Attributes
     ----------
@@ -273,7 +228,7 @@ class LedgerRow:
         Unique in its scene: ``case_1_speed``.
     section : str
         Where it stands: ``5.2, case 1``, ``equation (21)``, ``figure 3``.
-    summary : str
+    claim : str
         What the paper says, in our own words.
     verdict : str
         The one that is expected, of `VERDICTS`; `READ` of a reading.
@@ -299,10 +254,10 @@ class LedgerRow:
         Equations as printed, corrected and derived; their errors are among the row's numbers.
     """
 
-    kind: str
+    kind: Literal["number", "claim", "misprint", "reading"]
     name: str
     section: str
-    summary: str
+    claim: str
     verdict: str
     reason: str = ""
     numbers: Callable[[Session], Numbers] | None = None
@@ -317,11 +272,6 @@ class LedgerRow:
     equations: Identities | None = None
 
     @property
-    def test(self) -> str:
-        """Return the test that proves a misprint."""
-        return self.erratum.test if self.erratum else ""
-
-    @property
     def quantity(self) -> Printed | None:
         """Return the printed number, if the row is judged by one."""
         conditions = (item for verdict in self.judgement.values() for item in verdict)
@@ -334,37 +284,3 @@ class LedgerRow:
     def is_text(self) -> bool:
         """Return whether nothing is computed."""
         return self.numbers is None and self.each is None and self.equations is None
-
-
-ROUNDS = Condition("value", "rounds to", PRINTED)
-"""The number called ``value`` rounds to the printed one."""
-
-statement = partial(LedgerRow, "claim")
-number = partial(LedgerRow, "number", judgement=holds(ROUNDS), reference="{value:.5g} {unit}")
-
-
-def misprint(
-    *head: Any,
-    test: str = PROOF,
-    corrected: str,
-    why: str,
-    effect: str,
-    copy: str = "",
-    **more: Any,
-) -> LedgerRow:
-    """Return the row of a misprint; ``head`` and ``more`` are of `LedgerRow`."""
-    erratum = Erratum(test, corrected, why, effect, copy)
-    return replace(LedgerRow("misprint", *head, **more), erratum=erratum)
-
-
-def reading(
-    name: str, section: str, summary: str, reason: str, candidates: str, **more: Any
-) -> LedgerRow:
-    """Return the row of what the text leaves open.
-
-    Each way of reading it is a line of ``candidates``, and after a bar what it gives; lines that
-    are indented further go on.
-    """
-    pairs = (line.partition(" | ") for line in whole_lines(candidates))
-    gives = {way: result for way, _, result in pairs}
-    return LedgerRow("reading", name, section, summary, READ, reason, candidates=gives, **more)

@@ -25,9 +25,10 @@ from ..reports.html import render, render_markdown
 from ..reports.text import markdown_table
 from ..reports.words import Markdown, code, number, plain, with_unit
 from .assess import RowThreshold, fill
+from .claims import read_paper
 from .formulas import Formula, typeset
 from .ledger import ERROR, VERDICTS
-from .outcomes import Findings, Made, RowEntry, causes, prose, tables
+from .outcomes import Findings, Made, RowEntry
 
 STATEMENTS = ("number", "claim")
 """Kinds of rows that the verdict on a paper counts; misprints and readings have chapters."""
@@ -55,6 +56,9 @@ NOTE = (
 
 FORMULA = re.compile(r"`= (.+?)`"), re.compile(r"<code>= (.+?)</code>")
 """A formula on a page before it is typeset: in Markdown, and as HTML has it."""
+
+LINK = re.compile(r"\[\[(\w+)\]\]")
+"""A link to a row, in a verdict."""
 
 SOURCE = "mbcheck developers, *mbcheck: a validation suite for multibody engines*"
 """What a page is cited as part of."""
@@ -205,7 +209,7 @@ def citation(result: Findings, scene: str) -> str:
 def scene_page(result: Findings, scene: str) -> str:
     """Return the page of one paper, its formulas not typeset yet."""
     paper = get_scene(scene).paper
-    items, whole = result.rows_of(scene), len(tables(scene)[1])
+    items, whole = result.rows_of(scene), len(read_paper(scene).rows)
     numbers = [item.number for item in result.figures_of(scene) if not item.failed]
     short = f"*{len(items)} of {whole} rows are judged here; `mbcheck reproduce {scene}`.*"
     ledger = [item for item in items if item.kind in STATEMENTS]
@@ -253,16 +257,18 @@ def verdict(scene: str, items: Sequence[RowEntry]) -> str:
 
     Empty where one of these rows was not judged.
     """
-    text = prose(scene)
+    text = read_paper(scene).verdict
     known = {
-        item.name: SimpleNamespace(**item.numbers.get(REFERENCE, {}))
+        item.name: SimpleNamespace(printed=item.printed, **item.numbers.get(REFERENCE, {}))
         for item in items
         if not item.failed
     }
-    links, used = (set(re.findall(mark, text)) for mark in (r"\[\[(\w+)\]\]", r"\{(\w+)"))
-    if not links | used <= known.keys():
+    if not set(LINK.findall(text)) <= known.keys():
         return ""
-    parts = re.split(r"\[\[(\w+)\]\]", fill(text, known))
+    try:
+        parts = LINK.split(fill(text, known))
+    except (AttributeError, LookupError):
+        return ""
     return "".join(row_links([part]) if i % 2 else plain(part) for i, part in enumerate(parts))
 
 
@@ -362,7 +368,7 @@ def cause_table(scene: str, items: Sequence[RowEntry]) -> str:
     there = {row.name for row in items}
     shared = [
         [cause.summary, Markdown(row_links(own))]
-        for cause in causes(scene)
+        for cause in read_paper(scene).causes
         if (own := [name for name in cause.rows if name in there])
     ]
     return markdown_table(["Cause", "Rows"], shared) if shared else ""
@@ -381,11 +387,9 @@ def row_lines(row: RowEntry) -> Iterator[str]:
     if printed or values:
         yield "; ".join([*printed, *values])
     yield from map(threshold, row.thresholds)
-    if cause := next((one for one in causes(row.scene) if one.name == row.cause), None):
+    if cause := next((one for one in read_paper(row.scene).causes if one.name == row.cause), None):
         others = [name for name in cause.rows if name != row.name]
         yield f"cause: {plain(sentence(cause.summary))} Shared with {row_links(others)}"
-    if row.test:
-        yield f"shown by the test {code(row.test)}"
     if row.thresholds or row.failed:
         seconds = f" ({number(row.seconds, 2)} s)" if row.seconds >= 1 else ""
         yield f"{code(f'mbcheck reproduce {row.scene} --row {row.name}')}{seconds}"

@@ -66,8 +66,8 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
 }
 """Folder -> statements and lines of Python."""
 
-CLAIMS: Mapping[str, int] = {"hula_hoop": 1500, "rotor_pendulum": 1710}
-"""Lines of ``claims.toml`` of each paper."""
+CLAIMS: Mapping[str, int] = {"hula_hoop": 1420, "rotor_pendulum": 1580}
+"""Lines of ``claims.toml`` of each paper that are not empty."""
 
 MOST_CLAIMS = 4500
 """Lines that all of them may have."""
@@ -168,7 +168,9 @@ def count_sizes(house: Iterable[Module]) -> dict[str, tuple[int, int]]:
 def count_claims(clone: Path) -> dict[str, int]:
     """Return the number of lines of each paper's data."""
     files = sorted((clone / "comparisons" / "papers").glob("*/claims.toml"))
-    return {file.parent.name: len(file.read_text("utf-8").splitlines()) for file in files}
+    return {
+        file.parent.name: sum(map(bool, file.read_text("utf-8").splitlines())) for file in files
+    }
 
 
 def count_phrases(house: Iterable[Module]) -> dict[str, int]:

@@ -11,8 +11,8 @@ from mbcheck.comparisons.checks.kinds.boundary import engine_point
 from mbcheck.comparisons.engines.registry import REFERENCE
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.papers.assess import assess
+from mbcheck.comparisons.papers.claims import read_paper
 from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED
-from mbcheck.comparisons.papers.outcomes import tables
 from mbcheck.comparisons.papers.rotor_pendulum import cases, regions, results
 from mbcheck.comparisons.papers.rotor_pendulum.derivation import stiffness
 from mbcheck.comparisons.papers.session import Session
@@ -22,7 +22,7 @@ from mbcheck.reference.rotor_pendulum import CASE_1, CASE_2
 from mbcheck.reference.rotor_pendulum.phase import coupling_torque
 from mbcheck.reference.scene import Case
 
-BY_NAME = {row.name: row for row in tables("rotor_pendulum")[1]}
+BY_NAME = {row.name: row for row in read_paper("rotor_pendulum").rows}
 
 
 def test_shares_of_a_region() -> None:
