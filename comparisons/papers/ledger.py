@@ -169,7 +169,7 @@ class Erratum:
 
     corrected: str = ""
     why: str = ""
-    effect: str = ""
+    effect: str = "none"
     copy: str = ""
     equations: tuple[str, ...] = ()
     kind: Literal["print", "reasoning", "wording"] = "print"
