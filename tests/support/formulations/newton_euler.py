@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal
+from functools import cache
 from typing import Any
 
 import mpmath
@@ -22,6 +23,8 @@ import numpy as np
 
 DIGITS = 50
 """Digits of all decimals."""
+
+PI = Decimal("3.14159265358979323846264338327950288419716939937510582097494459")
 
 EPS = float(np.finfo(float).eps)
 
@@ -34,6 +37,7 @@ def decimals(values: Any) -> Any:
     return np.vectorize(Decimal, otypes=[object])(np.asarray(values, dtype=object))
 
 
+@cache
 def cos_sin(angle: Decimal) -> tuple[Decimal, Decimal]:
     """Return cosine and sine."""
     with mpmath.workdps(DIGITS):
@@ -83,6 +87,8 @@ class Body:
         Columns are the body's own axes.
     reach : Decimal
         Sum of the lengths of all arms up to the centre of mass [m].
+    bent, twisted : Decimal
+        Sizes of what the spins alone make of the accelerations of the centre of mass and of spin.
     wrench, size : array (6,)
         Force and torque about the centre of mass, and the sum of their contributions' sizes.
     """
@@ -94,6 +100,8 @@ class Body:
     spin: Any = field(default_factory=ZERO.copy)
     axes: Any = field(default_factory=UNIT.copy)
     reach: Any = Decimal(0)
+    bent: Any = Decimal(0)
+    twisted: Any = Decimal(0)
     wrench: Any = field(default_factory=lambda: decimals(np.zeros(6, dtype=int)))
     size: Any = field(default_factory=lambda: decimals(np.zeros(6, dtype=int)))
 
@@ -107,9 +115,9 @@ class Mechanism:
         Constraints ``rows . accelerations + constant = 0``.
     read : dict of name to (Rows, constant, size)
         Accelerations of coordinates.
-    powers : dict
-        Of named loads [W].
-    potentials : list
+    powers, power_sizes : dict
+        Of named loads [W], and the sum of the contributions' sizes.
+    potentials : list of (E, size)
         Contributions [J].
     """
 
@@ -118,7 +126,8 @@ class Mechanism:
         self.held: list[tuple[Rows, Any, Any]] = []
         self.read: dict[str, tuple[Rows, Any, Any]] = {}
         self.powers: dict[str, Any] = {}
-        self.potentials: list[Any] = []
+        self.power_sizes: dict[str, Any] = {}
+        self.potentials: list[tuple[Any, Any]] = []
 
     def attach(
         self,
@@ -157,6 +166,8 @@ class Mechanism:
                 rate,
                 axes,
                 base.reach + norm(lever) + norm(out),
+                base.bent + base.spin @ base.spin * norm(lever) + rate @ rate * norm(out),
+                base.twisted + norm(base.spin) * norm(rate),
             )
         )
         child = len(self.bodies) - 1
@@ -183,15 +194,22 @@ class Mechanism:
             rows.append((ends, -d @ skew(old) @ new, norm(old) * norm(new)))
         return rows
 
-    def load(self, body: int, force: Any = ZERO, torque: Any = ZERO, name: str = "") -> None:
-        """Let a force at the centre of mass and a torque act; a name keeps account of power."""
+    def load(
+        self, body: int, force: Any = ZERO, torque: Any = ZERO, name: str = "", size: Any = 1
+    ) -> None:
+        """Let a force at the centre of mass and a torque act; a name keeps account of power.
+
+        The load is rounded as ``size`` times itself would be.
+        """
         on = self.bodies[body]
         wrench = np.array([*force, *torque])
         on.wrench = on.wrench + wrench
-        on.size = on.size + abs(wrench)
+        on.size = on.size + size * abs(wrench)
         if name:
             power = force @ on.velocity + torque @ on.spin
+            size *= norm(force) * norm(on.velocity) + norm(torque) * norm(on.spin)
             self.powers[name] = self.powers.get(name, 0) + power
+            self.power_sizes[name] = self.power_sizes.get(name, 0) + size
 
     def twist(self, parent: int, child: int, torque: Any, name: str = "") -> None:
         """Let a torque act on a body, about its third axis, and back on its parent."""
@@ -202,8 +220,9 @@ class Mechanism:
     def weigh(self, gravity: Any) -> None:
         """Let gravity act on all bodies."""
         for number, body in enumerate(self.bodies):
-            self.load(number, body.mass * gravity)
-            self.potentials.append(-body.mass * gravity @ body.place)
+            weight = body.mass * gravity
+            self.load(number, weight)
+            self.potentials.append((-weight @ body.place, norm(weight) * body.reach))
 
     def inertia(self) -> Any:
         """Return masses and tensors of all bodies but the ground, as one matrix (6 n, 6 n)."""
@@ -225,10 +244,20 @@ class Mechanism:
             full[body] += values
         return full[1:].ravel()
 
-    def kinetic(self) -> Any:
-        """Return the kinetic energy [J]."""
-        v = self.velocities()
-        return v @ self.inertia() @ v / 2
+    def sizes(self) -> tuple[Any, Any, Any]:
+        """Return sizes of inertia (6 n, 6 n), velocities and velocity-dependent accelerations (6 n,).
+
+        Those of vectors and tensors, of which components are rounded as their sizes are.
+        """
+        inertia = abs(self.inertia()).astype(float)
+        moving, bent = np.zeros((2, len(inertia)))
+        for i, body in enumerate(self.bodies[1:]):
+            place, turn = slice(6 * i, 6 * i + 3), slice(6 * i + 3, 6 * i + 6)
+            inertia[turn, turn] = float(body.tensor.trace())
+            spin = norm(body.spin)
+            moving[place], moving[turn] = norm(body.velocity) + spin * body.reach, spin
+            bent[place], bent[turn] = body.bent, body.twisted
+        return inertia, moving, bent
 
 
 @dataclass
@@ -238,9 +267,7 @@ class Motion:
     Attributes
     ----------
     accelerations, errors : dict
-        By coordinate, and what round-off of one ulp in each entry of the equations makes of them
-        (Skeel's condition; N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd
-        edition (2002), theorem 7.4).
+        By coordinate, and what round-off of one ulp in each entry of the equations makes of them.
     bodies : array (6 n,)
         Accelerations of all bodies.
     load, load_size : array (6 n,)
@@ -273,6 +300,21 @@ def solve(matrix: Any, right: Any) -> Any:
     return x
 
 
+def constrained(
+    inertia: Any, load: Any, load_sizes: Any, jacobian: Any, constants: Any, sizes: Any
+) -> tuple[Any, Any]:
+    """Return accelerations and constraint forces under ``jacobian @ accelerations + constants = 0``.
+
+    Beside them, what round-off of one ulp in each entry makes of them (Skeel's condition; N. J.
+    Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd edition (2002), theorem 7.4).
+    """
+    matrix = np.block([[inertia, -jacobian.T], [jacobian, 0 * jacobian @ jacobian.T]])
+    x = solve(matrix, np.concatenate([load, [-value for value in constants]]))
+    residual = abs(matrix) @ abs(x) + np.concatenate([load_sizes, sizes])
+    inverse = abs(np.linalg.inv(matrix.astype(float)))
+    return x, EPS * inverse @ residual.astype(float)
+
+
 def move(m: Mechanism) -> Motion:
     """Solve for the accelerations of all bodies and the constraint forces."""
     inertia = m.inertia()
@@ -283,13 +325,8 @@ def move(m: Mechanism) -> Motion:
         turn = slice(6 * i + 3, 6 * i + 6)
         load[turn] -= skew(body.spin) @ body.tensor @ body.spin
         size[turn] += abs(skew(body.spin)) @ abs(body.tensor) @ abs(body.spin)
-    matrix = np.block([[inertia, -jacobian.T], [jacobian, 0 * jacobian @ jacobian.T]])
-    right = np.concatenate([load, [-constant for _, constant, _ in m.held]])
-    sizes = np.concatenate([size, [size for _, _, size in m.held]])
-    x = solve(matrix, right)
-    errors = EPS * abs(np.linalg.inv(matrix.astype(float))) @ (
-        abs(matrix) @ abs(x) + sizes
-    ).astype(float)
+    constants, sizes = ([entry[i] for entry in m.held] for i in (1, 2))
+    x, errors = constrained(inertia, load, size, jacobian, constants, sizes)
     bodies, n = x[: len(inertia)], len(inertia)
     accelerations, uncertain = {}, {}
     for name, (rows, constant, row_size) in m.read.items():
@@ -310,7 +347,12 @@ def rates_of(q: Any, v: Any) -> Any:
     return 2 * (q[0] * v[1:] - v[0] * q[1:] - skew(q[1:]) @ v[1:]) / (q @ q)
 
 
-def quaternion_accelerations(q: Any, v: Any, turning: Sequence[Any]) -> Any:
-    """Return q'' of q' = q (rho, omega / 2), with omega' (3,) and rho' = 0."""
+def quaternion_accelerations(
+    q: Any, v: Any, turning: Sequence[Any], errors: Sequence[float]
+) -> tuple[Any, Any]:
+    """Return q'' of q' = q (rho, omega / 2), with omega' (3,) and rho' = 0, and its errors."""
     rates = np.array([q @ v / (q @ q), *rates_of(q, v) / 2])
-    return hamilton(v, rates) + hamilton(q, np.array([Decimal(0), *np.array(turning) / 2]))
+    values = hamilton(v, rates) + hamilton(q, np.array([Decimal(0), *np.array(turning) / 2]))
+    length = float(norm(q))
+    size = EPS * float(v @ v) / length + length * float(np.linalg.norm(errors)) / 2
+    return values, [size + EPS * abs(float(x)) for x in values]

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from mbcheck.tests.support.formulations.newton_euler import (
+    PI,
     UNIT,
     ZERO,
     Mechanism,
@@ -27,7 +28,6 @@ from mbcheck.tests.support.formulations.newton_euler import (
 
 GROUND = 0
 X, Y, Z = UNIT
-PI = Decimal("3.14159265358979323846264338327950288419716939937510582097494459")
 OMEGA = {3: "omega_x", 4: "omega_y", 5: "omega_z"}
 
 Values = Mapping[str, Any]
@@ -38,10 +38,18 @@ def planar_gravity(p: Any) -> Any:
     return p.gravity_x * X + p.gravity_y * Y
 
 
-def spring(m: Mechanism, stiffness: Any, stretch: Any) -> Any:
-    """Return the force or torque of a spring, whose energy is counted."""
-    m.potentials.append(stiffness * stretch * stretch / 2)
+def spring(m: Mechanism, stiffness: Any, *parts: Any) -> Any:
+    """Return the force or torque of a spring stretched by the sum of parts; count its energy."""
+    stretch, size = sum(parts), sum(abs(part) for part in parts)
+    m.potentials.append((stiffness * stretch**2 / 2, stiffness * abs(stretch) * size))
     return -stiffness * stretch
+
+
+def shake(m: Mechanism, main: int, p: Any, t: Any) -> None:
+    """Let the harmonic force act along y."""
+    phase = 2 * PI * p.force_frequency * t
+    cos = cos_sin(phase)[0]
+    m.load(main, p.force_amplitude * cos * Y, name="force", size=1 + abs(phase / cos))
 
 
 def hula_hoop(m: Mechanism, p: Any, q: Values, v: Values, t: Any) -> None:
@@ -61,8 +69,7 @@ def hula_hoop(m: Mechanism, p: Any, q: Values, v: Values, t: Any) -> None:
     damping = 2 * p.damping_ratio * (p.main_mass + p.free_mass) * omega_n
     m.load(main, spring(m, p.stiffness, q["y"]) * Y)
     m.load(main, -damping * v["y"] * Y, name="damper")
-    drive = p.force_amplitude * cos_sin(2 * PI * p.force_frequency * t)[0]
-    m.load(main, drive * Y, name="force")
+    shake(m, main, p, t)
     m.twist(main, rod, -p.hinge_damping_ratio * square * omega_n * v["theta"], "hinge")
     m.weigh(planar_gravity(p))
 
@@ -107,8 +114,8 @@ def rotor_pendulum(m: Mechanism, p: Any, q: Values, v: Values, t: Any) -> None:
         (1, first, platform, v["phi_1"]),
         (2, second, rod if relative else GROUND, v["phi_2"] - relative * v["phi_3"]),
     ):
-        slip = p.synchronous_speed - rate
-        m.twist(bearer, rotor, p.motor_slope * slip, f"motor_{number}")
+        m.twist(bearer, rotor, p.motor_slope * p.synchronous_speed, f"motor_{number}")
+        m.twist(bearer, rotor, -p.motor_slope * rate, f"motor_{number}")
         m.twist(bearer, rotor, -p.friction * rate, f"friction_{number}")
     m.weigh(planar_gravity(p))
 
@@ -145,7 +152,7 @@ def speed_regulator(m: Mechanism, p: Any, q: Values, v: Values, t: Any) -> None:
     slider = m.attach(GROUND, p.slider_mass, {1: "y"}, shift=y * Y, speed=y_dot * Y)
     m.held += m.joint(slider, rod, ZERO, rod_axes @ (half * X), UNIT, UNIT)[:2]
     m.twist(GROUND, crank, p.torque, "motor")
-    m.load(slider, spring(m, p.stiffness, y - p.spring_rest) * Y)
+    m.load(slider, spring(m, p.stiffness, r * sin, -p.rod_length * cos_b, -p.spring_rest) * Y)
     m.load(slider, -p.damping * y_dot * Y, name="damper")
     m.weigh(planar_gravity(p))
 
@@ -187,8 +194,7 @@ def ball_hoop(m: Mechanism, p: Any, q: Values, v: Values, t: Any) -> None:
     turning = body(m, main, p, q, v)
     m.load(main, spring(m, p.stiffness, q["y"]) * Y)
     m.load(main, -p.damping * v["y"] * Y, name="damper")
-    drive = p.force_amplitude * cos_sin(2 * PI * p.force_frequency * t)[0]
-    m.load(main, drive * Y, name="force")
+    shake(m, main, p, t)
     m.load(turning, torque=-p.joint_damping * m.bodies[turning].spin, name="friction")
     m.weigh(gravity(p))
 
@@ -226,7 +232,8 @@ def floating_platform(m: Mechanism, p: Any, q: Values, v: Values, t: Any) -> Non
         turn=about(2, q["theta"]),
         spin=v["theta"] * Z,
     )
-    m.twist(base, rotor, p.motor_slope * (p.synchronous_speed - v["phi"]), "motor")
+    m.twist(base, rotor, p.motor_slope * p.synchronous_speed, "motor")
+    m.twist(base, rotor, -p.motor_slope * v["phi"], "motor")
     m.twist(base, rod, spring(m, p.rod_stiffness, q["theta"]))
     m.twist(base, rod, -p.rod_damping * v["theta"], "damper")
     m.weigh(gravity(p))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from decimal import localcontext
+from decimal import Decimal, localcontext
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,10 +12,9 @@ from mbcheck.reference import get_scene
 from mbcheck.tests.support.formulations.newton_euler import (
     DIGITS,
     EPS,
-    Mechanism,
+    decimals,
     move,
     quaternion_accelerations,
-    rates_of,
 )
 from mbcheck.tests.support.formulations.scenes import build
 
@@ -71,27 +70,58 @@ def witness(name: str, sample: Sample) -> dict[str, Quantity]:
     with localcontext(prec=DIGITS):
         points = [at_point(name, sample, k) for k in range(len(sample.times))]
     return {
-        key: Quantity(*(np.array([one[key][i] for one in points]).astype(float).T for i in (0, 1)))
+        key: Quantity(*(np.stack([one[key][i] for one in points], -1) for i in (0, 1)))
         for key in points[0]
     }
 
 
-def at_point(name: str, sample: Sample, k: int) -> dict[str, tuple[Any, Any]]:
+def at_point(name: str, sample: Sample, k: int) -> dict[str, tuple[Array, Array]]:
     """Return values and errors at one point."""
-    scene, p = get_scene(name), sample.parameters.at(k)
-    names, t = scene.coordinates, float(sample.times[k])
-    q = dict(zip(names, sample.q[:, k], strict=True))
-    v = dict(zip(names, sample.v[:, k], strict=True))
-    m = build(name, p, q, v, t)
+    scene, p, t = get_scene(name), sample.parameters.at(k), float(sample.times[k])
+    names, q, v = scene.coordinates, decimals(sample.q[:, k]), decimals(sample.v[:, k])
+    m, *unit = (
+        build(name, p, dict(zip(names, q, strict=True)), dict(zip(names, rates, strict=True)), t)
+        for rates in (v, *decimals(np.eye(len(names))))
+    )
     motion = move(m)
+    inertia, moving, bent = m.sizes()
+    jacobian = np.array([one.velocities() for one in unit]).T
+    jacobian_size = np.array([one.sizes()[1] for one in unit]).T
+    mass = jacobian.T @ m.inertia() @ jacobian
     accelerations, errors = dict(motion.accelerations), dict(motion.errors)
-    unit = [build(name, p, q, dict.fromkeys(names, 0) | {x: 1}, t) for x in names]
-    jacobian = np.array([one.velocities() for one in unit])
-    inertia = m.inertia()
-    mass = jacobian @ inertia @ jacobian.T
-    mass_error = EPS * abs(jacobian) @ abs(inertia) @ abs(jacobian.T)
-    kinetic = m.kinetic()
-    for quaternion in scene.quaternions:
-        ...
+    length = Decimal(0) * mass
+    if scene.quaternions:
+        rows = [names.index(x) for x in scene.quaternions[0].coordinates]
+        along = np.zeros(len(names), dtype=object)
+        along[rows] = q[rows] / (q[rows] @ q[rows])
+        arm = 0 if scene.quaternions[0].place else p.centre @ p.centre
+        trace = Decimal(float(sum(p.moments) + 2 * p.mass * arm))
+        length = trace * np.outer(along, along)
+        turning = scene.quaternions[0].rates
+        values, rounded = quaternion_accelerations(
+            q[rows],
+            v[rows],
+            [accelerations[x] for x in turning],
+            [errors[x] for x in turning],
+        )
+        accelerations |= dict(zip(scene.quaternions[0].coordinates, values, strict=True))
+        errors |= dict(zip(scene.quaternions[0].coordinates, rounded, strict=True))
     a = np.array([accelerations[x] for x in names])
-    ...
+    length_size = abs(length).astype(float)
+    free = jacobian.T @ (motion.load - m.inertia() @ (motion.bodies - jacobian @ a))
+    free_size = jacobian_size.T @ (motion.load_size.astype(float) + inertia @ bent)
+    energy = v @ (mass + length) @ v / 2 + sum(value for value, _ in m.potentials)
+    size = moving @ inertia @ moving / 2 + float(abs(v) @ abs(length) @ abs(v)) / 2
+    return {
+        "mass_matrix": rounded_to(
+            mass + length, jacobian_size.T @ inertia @ jacobian_size + length_size
+        ),
+        "forces": rounded_to(free + length @ a, free_size + length_size @ abs(a).astype(float)),
+        "accelerations": (a.astype(float), np.array([errors[x] for x in names])),
+        "energy": rounded_to(energy, size + float(sum(size for _, size in m.potentials))),
+    } | {f"power {key}": rounded_to(power, m.power_sizes[key]) for key, power in m.powers.items()}
+
+
+def rounded_to(values: Any, sizes: Any) -> tuple[Array, Array]:
+    """Return values and one ulp of their sizes."""
+    return np.array(values).astype(float), EPS * np.array(sizes).astype(float)
