@@ -19,17 +19,17 @@ from typing import Any, NamedTuple
 import mpmath
 import numpy as np
 
-from mbcheck.reference import get_scene
 from mbcheck.reference.rotating_beam.shapes import pieces, polynomials
+from mbcheck.reference.scene import EquationsOfMotion
 from mbcheck.tests.support.formulations.newton_euler import (
     DIGITS,
-    PI,
     constrained,
     cos_sin,
     decimals,
     solve,
 )
-from mbcheck.tests.support.formulations.witness import Quantity, Sample, rounded_to
+from mbcheck.tests.support.formulations.scenes import hub_drive
+from mbcheck.tests.support.formulations.witness import motion
 
 ONE = Decimal(1)
 
@@ -136,85 +136,75 @@ def curve(n: int, k: int, place: float) -> Curve:
     return Curve(angle, curvature, stretch, np.vstack([total, mass, tip]))
 
 
-def beam_witness(sample: Sample, k: int = 0) -> dict[str, Quantity]:
-    """Return accelerations and energy of the inextensible beam, or with k stretches."""
-    with localcontext(prec=DIGITS):
-        points = [at_point(sample, k, i) for i in range(len(sample.times))]
-    return {
-        key: Quantity(*(np.stack([one[key][i] for one in points], -1) for i in (0, 1)))
-        for key in points[0]
-    }
-
-
-def at_point(sample: Sample, k: int, i: int) -> dict[str, tuple[Any, Any]]:
-    """Return values and errors at one point."""
-    p, t = sample.parameters.at(i), Decimal(float(sample.times[i]))
-    exact = {x: Decimal(float(getattr(p, x))) for x in p.numeric_names()}
-    q, v = decimals(sample.q[:, i]), decimals(sample.v[:, i])
+def by_particles(
+    scene: EquationsOfMotion, p: Any, q: Any, v: Any, t: Decimal
+) -> dict[str, tuple[Any, Any]]:
+    """Return values and sizes of the beam, inextensible or, with coordinates e_1, ..., not."""
+    k = sum(name.startswith("e_") for name in scene.coordinates)
     n = len(q) - 1 - k
-    place = float(p.mass_position) if p.mass else 1.0
-    shape = curve(n, k, place)
-    length, radius = exact["length"], exact["hub_radius"]
-    line = exact["density"] * exact["area"] * length
-    weights = shape.integral[-1]
-    masses = np.array([*(line * weights), exact["mass"]])
-    integral = length * shape.integral[:-1]
-    # angles, from x of the world, of the hub and of the tangent at the Gauss points
-    hub = decimals([1, *[0] * (n + k)])
+    shape = curve(n, k, float(p.mass_position))
+    weights, radius, pull = shape.integral[-1], p.hub_radius, (p.gravity_x, p.gravity_y)
+    masses = np.array([*(p.density * p.area * p.length * weights), p.mass])
+    integral = p.length * shape.integral[:-1]
+    hub = decimals([1] + [0] * (n + k))
     turning = np.column_stack([0 * weights + 1, shape.angle, 0 * shape.stretch])
     stretching = np.column_stack([0 * weights, 0 * shape.angle, shape.stretch])
-    angles, rates = turning @ q, turning @ v
-    stretch, stretch_rate = 1 + stretching @ q, stretching @ v
-    tangent = np.array([cos_sin(angle) for angle in angles])
-    normal = np.column_stack([-tangent[:, 1], tangent[:, 0]])
-    cos, sin = cos_sin(q[0])
-    jacobian, bias, bias_size, places, speeds = [], [], [], [], []
-    for axis, e, e_n in ((0, cos, -sin), (1, sin, cos)):
-        along, across = tangent[:, axis], normal[:, axis]
+    rates, stretch, stretch_rate = turning @ v, 1 + stretching @ q, stretching @ v
+    tangent, clamp = np.array([cos_sin(angle) for angle in turning @ q]).T, cos_sin(q[0])
+    jacobian, bias, place = [], [], []
+    for along, across, e, e_n in zip(
+        tangent, (-tangent[1], tangent[0]), clamp, (-clamp[1], clamp[0]), strict=True
+    ):
         by = (stretch * across)[:, None] * turning + along[:, None] * stretching
         jacobian.append(radius * e_n * hub + integral @ by)
         bend = 2 * stretch_rate * rates * across - stretch * rates**2 * along
-        size = 2 * abs(stretch_rate * rates) + abs(stretch) * rates**2
         bias.append(-radius * v[0] ** 2 * e + integral @ bend)
-        bias_size.append(radius * v[0] ** 2 + abs(integral) @ size)
-        places.append(radius * e + integral @ (stretch * along))
-        speeds.append(jacobian[-1] @ v)
-    strain = decimals(np.zeros((n + k + 1, n + k + 1), dtype=int))
-    strain[1 : n + 1, 1 : n + 1] = (
-        exact["youngs_modulus"] * exact["second_moment"] / length
-        * (shape.curvature.T * weights @ shape.curvature)
+        place.append(radius * e + integral @ (stretch * along))
+    strain = placed(
+        [
+            decimals([[0]]),
+            p.youngs_modulus * p.second_moment / p.length * bending(shape.curvature, weights),
+            p.youngs_modulus * p.area * p.length * bending(shape.stretch, weights),
+        ]
     )
-    strain[n + 1 :, n + 1 :] = (
-        exact["youngs_modulus"] * exact["area"] * length * (shape.stretch.T * weights @ shape.stretch)
-    )
-    pull = (exact["gravity_x"], exact["gravity_y"])
-    size = len(masses)
-    coordinates = np.diag(exact["hub_inertia"] * hub)
-    zero = decimals(np.zeros((len(q), 2 * size), dtype=int))
-    inertia = np.block([[coordinates, zero], [zero.T, np.diag([*masses, *masses])]])
-    drive = drive_of(p, exact, t)
-    load = np.concatenate([-strain @ q + drive * hub * (p.drive == "torque"), masses * pull[0], masses * pull[1]])
-    load_size = np.concatenate([abs(strain) @ abs(q) + abs(drive) * hub, abs(masses * pull[0]), abs(masses * pull[1])])
-    rows = np.hstack([np.vstack(jacobian), decimals(-np.eye(2 * size, dtype=int))])
-    constants, sizes = np.concatenate(bias), np.concatenate(bias_size)
+    drive, drive_size = hub_drive(p, t)
+    torque = drive * hub * (p.drive == "torque") - strain @ q
+    weight = [masses * g for g in pull]
+    m = placed([p.hub_inertia * np.outer(hub, hub), np.diag(masses), np.diag(masses)])
+    rows = np.hstack([np.vstack(jacobian), decimals(-np.eye(2 * len(masses), dtype=int))])
+    constants = np.concatenate(bias)
     if p.drive == "prescribed":
-        rows = np.vstack([rows, [*hub, *zero[0]]])
-        constants, sizes = np.append(constants, -drive), np.append(sizes, abs(drive))
-    x, errors = constrained(inertia, load, load_size, rows, constants, sizes)
-    kinetic = sum(masses @ speed**2 for speed in speeds) / 2 + exact["hub_inertia"] * v[0] ** 2 / 2
-    weight = [-masses @ place * g for place, g in zip(places, pull, strict=True)]
-    potential = q @ strain @ q / 2 + sum(weight)
-    energy_size = kinetic + abs(q) @ abs(strain) @ abs(q) / 2 + (radius + length) * sum(masses) * sum(abs(g) for g in pull)
-    return {
-        "accelerations": (x[: len(q)].astype(float), errors[: len(q)]),
-        "energy": rounded_to(kinetic + potential, energy_size),
+        rows = np.vstack([rows, [*hub, *(0 * constants)]])
+        constants = np.append(constants, -drive)
+    x, reactions = constrained(m, np.concatenate([torque, *weight]), rows, constants)
+    a = x[: len(q)]
+    levers = [abs(radius * hub) + abs(integral) @ (abs(turning) + abs(stretching))] * 2
+    sizes = [radius * v[0] ** 2 + abs(integral) @ (2 * abs(stretch_rate * rates) + rates**2)] * 2
+    mass, mass_size = (
+        p.hub_inertia * np.outer(hub, hub) + sum(j.T * masses @ j for j in js)
+        for js in (jacobian, levers)
+    )
+    forces = torque + sum(
+        j.T @ (pulled - masses * bent) for j, pulled, bent in zip(jacobian, weight, bias, strict=True)
+    )
+    force_size = abs(strain) @ abs(q) + drive_size * hub * (p.drive == "torque") + sum(
+        j.T @ (abs(pulled) + masses * bent)
+        for j, pulled, bent in zip(levers, weight, sizes, strict=True)
+    )
+    potential = q @ strain @ q / 2 - sum(w @ r for w, r in zip(weight, place, strict=True))
+    potential_size = abs(q) @ abs(strain) @ abs(q) / 2 + sum(
+        abs(w) @ levers[0][:, 0] for w in weight
+    )
+    torque_on_hub = reactions[-1] if p.drive == "prescribed" else drive
+    hub_size = (mass_size @ abs(a) + force_size)[0] if p.drive == "prescribed" else drive_size
+    given = {0: drive_size} if p.drive == "prescribed" else {}
+    sized = (mass, mass_size.astype(float)), (forces, force_size.astype(float))
+    return motion(*sized, a, given) | {
+        "energy": (v @ mass @ v / 2 + potential, abs(v) @ mass_size @ abs(v) / 2 + potential_size),
+        "power hub": (torque_on_hub * v[0], hub_size * abs(v[0])),
     }
 
 
-def drive_of(p: Any, exact: Any, t: Any) -> Any:
-    """Return the hub's acceleration (22), or the torque (23) on it."""
-    if p.drive == "torque":
-        period = exact["torque_period"]
-        return exact["torque_amplitude"] * cos_sin(2 * PI * t / period)[1] * (t < period)
-    ramp = exact["ramp_time"]
-    return exact["angular_speed"] / ramp * (1 - cos_sin(2 * PI * t / ramp)[0]) * (t < ramp)
+def bending(table: Any, weights: Any) -> Any:
+    """Return the integrals of the products of functions."""
+    return table.T * weights @ table

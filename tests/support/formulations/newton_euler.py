@@ -3,16 +3,17 @@
 Maximal coordinates: each body has the accelerations of its centre of mass and of its spin, in axes
 of the world. A joint adds six rows, its relative accelerations along and about three axes. Rows
 that the joint holds are constraints, each with a constraint force; the others are the accelerations
-of the scene's coordinates, and are read off the solution. There is no Lagrangian, no generalised
-force and no reduced mass matrix to solve with. See P. E. Nikravesh, *Computer-Aided Analysis of
-Mechanical Systems* (1988), chapters 8 and 11.
+of the scene's coordinates, and are read off the solution. There is no Lagrangian and no reduced
+mass matrix to solve with. See P. E. Nikravesh, *Computer-Aided Analysis of Mechanical Systems*
+(1988), chapters 8 and 11.
 
-Numbers are decimals, in arrays of objects.
+Numbers are decimals, in arrays of objects. Sizes, from which follow tolerances, are floats: what
+relative errors of one ulp are relative to.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
 from functools import cache
@@ -26,15 +27,15 @@ DIGITS = 50
 
 PI = Decimal("3.14159265358979323846264338327950288419716939937510582097494459")
 
-EPS = float(np.finfo(float).eps)
-
 Rows = list[tuple[int, Any]]
 """Numbers of bodies, with the six coefficients of each one's accelerations."""
 
+Values = Mapping[str, Any]
+
 
 def decimals(values: Any) -> Any:
-    """Return numbers as an array of the decimals that they are."""
-    return np.vectorize(Decimal, otypes=[object])(np.asarray(values, dtype=object))
+    """Return numbers as an array of decimals."""
+    return np.vectorize(lambda x: +Decimal(x), otypes=[object])(np.asarray(values, dtype=object))
 
 
 @cache
@@ -47,15 +48,13 @@ def cos_sin(angle: Decimal) -> tuple[Decimal, Decimal]:
 
 def skew(a: Any) -> Any:
     """Return the matrix of a cross product, ``skew(a) @ b``."""
-    zero = 0 * a[0]
-    return np.array([[zero, -a[2], a[1]], [a[2], zero, -a[0]], [-a[1], a[0], zero]])
+    return np.array([[0 * a[0], -a[2], a[1]], [a[2], 0 * a[1], -a[0]], [-a[1], a[0], 0 * a[2]]])
 
 
-def about(axis: int, angle: Any) -> Any:
-    """Return the matrix of a rotation about a coordinate axis."""
+def about(axis: Any, angle: Any) -> Any:
+    """Return the matrix of a rotation about a unit vector, by Rodrigues."""
     cos, sin = cos_sin(angle)
-    cross = skew(UNIT[axis])
-    return UNIT + sin * cross + (1 - cos) * (cross @ cross)
+    return UNIT + sin * skew(axis) + (1 - cos) * (skew(axis) @ skew(axis))
 
 
 def of_quaternion(q: Any) -> Any:
@@ -64,13 +63,24 @@ def of_quaternion(q: Any) -> Any:
     return UNIT + 2 * (q[0] * cross + cross @ cross) / (q @ q)
 
 
+def rates_of(q: Any, v: Any) -> Any:
+    """Return the angular velocity (3,) in the body of a quaternion and its rates."""
+    return 2 * (q[0] * v[1:] - v[0] * q[1:] - skew(q[1:]) @ v[1:]) / (q @ q)
+
+
+def hamilton(a: Any, b: Any) -> Any:
+    """Return the product of two quaternions."""
+    vector = a[0] * b[1:] + b[0] * a[1:] + skew(a[1:]) @ b[1:]
+    return np.array([a[0] * b[0] - a[1:] @ b[1:], *vector])
+
+
 def norm(a: Any) -> Any:
     """Return the length of a vector."""
     return (a @ a).sqrt()
 
 
 UNIT = decimals(np.eye(3, dtype=int))
-ZERO = decimals(np.zeros(3, dtype=int))
+ZERO = decimals([0, 0, 0])
 
 
 @dataclass
@@ -85,12 +95,10 @@ class Body:
     place, velocity, spin : array (3,)
     axes : array (3, 3)
         Columns are the body's own axes.
-    reach : Decimal
-        Sum of the lengths of all arms up to the centre of mass [m].
-    bent, twisted : Decimal
-        Sizes of what the spins alone make of the accelerations of the centre of mass and of spin.
-    wrench, size : array (6,)
-        Force and torque about the centre of mass, and the sum of their contributions' sizes.
+    reach, bent, twisted : Decimal
+        Sizes of the place, and of what spins alone make of both accelerations.
+    wrench, wrench_size : array (6,)
+        Force and torque about the centre of mass.
     """
 
     mass: Any = Decimal(0)
@@ -102,8 +110,8 @@ class Body:
     reach: Any = Decimal(0)
     bent: Any = Decimal(0)
     twisted: Any = Decimal(0)
-    wrench: Any = field(default_factory=lambda: decimals(np.zeros(6, dtype=int)))
-    size: Any = field(default_factory=lambda: decimals(np.zeros(6, dtype=int)))
+    wrench: Any = field(default_factory=lambda: decimals([0] * 6))
+    wrench_size: Any = field(default_factory=lambda: decimals([0] * 6))
 
 
 class Mechanism:
@@ -111,23 +119,40 @@ class Mechanism:
 
     Attributes
     ----------
-    held : list of (Rows, constant, size)
+    q, v : mapping of name to Decimal
+        Coordinates and their rates.
+    held : list of (Rows, constant)
         Constraints ``rows . accelerations + constant = 0``.
-    read : dict of name to (Rows, constant, size)
+    read : dict of name to (Rows, constant)
         Accelerations of coordinates.
-    powers, power_sizes : dict
-        Of named loads [W], and the sum of the contributions' sizes.
+    powers : dict of name to (P, size)
+        Of named loads [W].
     potentials : list of (E, size)
         Contributions [J].
+    given : dict of name to (number of the constraint, size)
+        Coordinates whose acceleration is prescribed.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, q: Values, v: Values) -> None:
+        self.q, self.v = q, v
         self.bodies = [Body()]
-        self.held: list[tuple[Rows, Any, Any]] = []
-        self.read: dict[str, tuple[Rows, Any, Any]] = {}
-        self.powers: dict[str, Any] = {}
-        self.power_sizes: dict[str, Any] = {}
+        self.held: list[tuple[Rows, Any]] = []
+        self.read: dict[str, tuple[Rows, Any]] = {}
+        self.powers: dict[str, tuple[Any, Any]] = {}
         self.potentials: list[tuple[Any, Any]] = []
+        self.given: dict[str, tuple[int, Any]] = {}
+
+    def slide(self, name: str, axis: int, mass: Any) -> int:
+        """Add a body that slides along an axis of the world; return its number."""
+        along = UNIT[axis]
+        return self.attach(
+            0, mass, {axis: name}, shift=self.q[name] * along, speed=self.v[name] * along
+        )
+
+    def hinge(self, name: str, parent: int, mass: Any, **joint: Any) -> int:
+        """Add a body that a hinge turns about the z axis of its joint's frame."""
+        turn, spin = about(UNIT[2], self.q[name]), self.v[name] * UNIT[2]
+        return self.attach(parent, mass, {5: name}, turn=turn, spin=spin, **joint)
 
     def attach(
         self,
@@ -146,9 +171,9 @@ class Mechanism:
     ) -> int:
         """Add a body on a joint, and return its number.
 
-        The joint's frame sits ``at`` the parent's axes, from its centre of mass, and is turned
-        against them. In it the body's point is shifted and its axes are turned, at a speed and a
-        spin; its centre of mass is an arm further. ``free`` names the coordinates, by their rows:
+        The joint's frame sits ``at`` a point of the parent, from its centre of mass, and is turned
+        against it. In it the body's point is shifted and its axes are turned, at a speed and a
+        spin; its centre of mass is an arm further. ``free`` names the coordinates by their rows:
         along 0, 1, 2 of the frame, about 3, 4, 5 of the body. Only the ground bears what shifts.
         """
         base = self.bodies[parent]
@@ -180,42 +205,47 @@ class Mechanism:
 
     def joint(
         self, parent: int, child: int, lever: Any, arm: Any, along: Any, around: Any
-    ) -> list[tuple[Rows, Any, Any]]:
+    ) -> list[tuple[Rows, Any]]:
         """Return the six rows of a joint at these levers from both centres of mass."""
         old, new = self.bodies[parent].spin, self.bodies[child].spin
         bias = skew(new) @ skew(new) @ arm - skew(old) @ skew(old) @ lever
-        size = new @ new * norm(arm) + old @ old * norm(lever)
-        rows = []
-        for d in along.T:
-            ends = [(parent, [*-d, *-(skew(lever) @ d)]), (child, [*d, *(skew(arm) @ d)])]
-            rows.append((ends, d @ bias, size))
-        for d in around.T:
-            ends = [(parent, [*ZERO, *-d]), (child, [*ZERO, *d])]
-            rows.append((ends, -d @ skew(old) @ new, norm(old) * norm(new)))
-        return rows
+        moved: list[tuple[Rows, Any]] = [
+            ([(parent, [*-d, *(skew(d) @ lever)]), (child, [*d, *(skew(arm) @ d)])], d @ bias)
+            for d in along.T
+        ]
+        turned: list[tuple[Rows, Any]] = [
+            ([(parent, [*ZERO, *-d]), (child, [*ZERO, *d])], -d @ skew(old) @ new) for d in around.T
+        ]
+        return moved + turned
 
     def load(
         self, body: int, force: Any = ZERO, torque: Any = ZERO, name: str = "", size: Any = 1
     ) -> None:
-        """Let a force at the centre of mass and a torque act; a name keeps account of power.
+        """Let a force at the centre of mass and a torque act; a name keeps account of the power.
 
-        The load is rounded as ``size`` times itself would be.
+        The load's own size is so many times itself.
         """
         on = self.bodies[body]
         wrench = np.array([*force, *torque])
         on.wrench = on.wrench + wrench
-        on.size = on.size + size * abs(wrench)
+        on.wrench_size = on.wrench_size + size * abs(wrench)
         if name:
-            power = force @ on.velocity + torque @ on.spin
-            size *= norm(force) * norm(on.velocity) + norm(torque) * norm(on.spin)
-            self.powers[name] = self.powers.get(name, 0) + power
-            self.power_sizes[name] = self.power_sizes.get(name, 0) + size
+            power, before = self.powers.get(name, (0, 0))
+            sizes = norm(force) * norm(on.velocity) + norm(torque) * norm(on.spin)
+            new = power + force @ on.velocity + torque @ on.spin
+            self.powers[name] = new, before + size * sizes
 
     def twist(self, parent: int, child: int, torque: Any, name: str = "") -> None:
         """Let a torque act on a body, about its third axis, and back on its parent."""
         vector = self.bodies[child].axes[:, 2] * torque
         self.load(child, torque=vector, name=name)
         self.load(parent, torque=-vector, name=name)
+
+    def spring(self, stiffness: Any, *parts: Any) -> Any:
+        """Return the force of a spring stretched by the sum of parts, and count its energy."""
+        stretch, size = sum(parts), sum(abs(part) for part in parts)
+        self.potentials.append((stiffness * stretch**2 / 2, stiffness * abs(stretch) * size))
+        return -stiffness * stretch
 
     def weigh(self, gravity: Any) -> None:
         """Let gravity act on all bodies."""
@@ -235,7 +265,7 @@ class Mechanism:
 
     def velocities(self) -> Any:
         """Return velocities and spins (6 n,) of all bodies but the ground."""
-        return np.concatenate([[*b.velocity, *b.spin] for b in self.bodies[1:]])
+        return np.concatenate([[*body.velocity, *body.spin] for body in self.bodies[1:]])
 
     def row(self, rows: Rows) -> Any:
         """Return the coefficients (6 n,) of all accelerations."""
@@ -245,9 +275,9 @@ class Mechanism:
         return full[1:].ravel()
 
     def sizes(self) -> tuple[Any, Any, Any]:
-        """Return sizes of inertia (6 n, 6 n), velocities and velocity-dependent accelerations (6 n,).
+        """Return sizes of inertia (6 n, 6 n), velocities, velocity-dependent accelerations (6 n,).
 
-        Those of vectors and tensors, of which components are rounded as their sizes are.
+        Components of vectors and tensors are rounded as these are, whatever their own sizes.
         """
         inertia = abs(self.inertia()).astype(float)
         moving, bent = np.zeros((2, len(inertia)))
@@ -259,29 +289,23 @@ class Mechanism:
             bent[place], bent[turn] = body.bent, body.twisted
         return inertia, moving, bent
 
+    def loads(self) -> tuple[Any, Any]:
+        """Return forces, and torques less gyroscopic ones, on all bodies (6 n,), and their sizes."""
+        load = np.concatenate([body.wrench for body in self.bodies[1:]])
+        size = np.concatenate([body.wrench_size for body in self.bodies[1:]])
+        for i, body in enumerate(self.bodies[1:]):
+            turn = slice(6 * i + 3, 6 * i + 6)
+            load[turn] -= skew(body.spin) @ body.tensor @ body.spin
+            size[turn] += abs(skew(body.spin)) @ abs(body.tensor) @ abs(body.spin)
+        return load, size.astype(float)
 
-@dataclass
-class Motion:
-    """The solution of Newton's and Euler's equations.
-
-    Attributes
-    ----------
-    accelerations, errors : dict
-        By coordinate, and what round-off of one ulp in each entry of the equations makes of them.
-    bodies : array (6 n,)
-        Accelerations of all bodies.
-    load, load_size : array (6 n,)
-        Forces and torques less gyroscopic ones, and the sum of the contributions' sizes.
-    reactions : array (m,)
-        Constraint forces on the children.
-    """
-
-    accelerations: dict[str, Any]
-    errors: dict[str, float]
-    bodies: Any
-    load: Any
-    load_size: Any
-    reactions: Any
+    def move(self) -> tuple[dict[str, Any], Any, Any]:
+        """Return accelerations by coordinate, those of bodies (6 n,), and constraint forces."""
+        jacobian = np.array([self.row(rows) for rows, _ in self.held])
+        constants = [constant for _, constant in self.held]
+        bodies, forces = constrained(self.inertia(), self.loads()[0], jacobian, constants)
+        read = {name: self.row(rows) @ bodies + more for name, (rows, more) in self.read.items()}
+        return read, bodies, forces
 
 
 def solve(matrix: Any, right: Any) -> Any:
@@ -300,59 +324,8 @@ def solve(matrix: Any, right: Any) -> Any:
     return x
 
 
-def constrained(
-    inertia: Any, load: Any, load_sizes: Any, jacobian: Any, constants: Any, sizes: Any
-) -> tuple[Any, Any]:
-    """Return accelerations and constraint forces under ``jacobian @ accelerations + constants = 0``.
-
-    Beside them, what round-off of one ulp in each entry makes of them (Skeel's condition; N. J.
-    Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd edition (2002), theorem 7.4).
-    """
+def constrained(inertia: Any, load: Any, jacobian: Any, constants: Any) -> tuple[Any, Any]:
+    """Return accelerations and constraint forces, ``jacobian @ accelerations + constants = 0``."""
     matrix = np.block([[inertia, -jacobian.T], [jacobian, 0 * jacobian @ jacobian.T]])
     x = solve(matrix, np.concatenate([load, [-value for value in constants]]))
-    residual = abs(matrix) @ abs(x) + np.concatenate([load_sizes, sizes])
-    inverse = abs(np.linalg.inv(matrix.astype(float)))
-    return x, EPS * inverse @ residual.astype(float)
-
-
-def move(m: Mechanism) -> Motion:
-    """Solve for the accelerations of all bodies and the constraint forces."""
-    inertia = m.inertia()
-    jacobian = np.array([m.row(rows) for rows, _, _ in m.held])
-    load = np.concatenate([b.wrench for b in m.bodies[1:]])
-    size = np.concatenate([b.size for b in m.bodies[1:]])
-    for i, body in enumerate(m.bodies[1:]):
-        turn = slice(6 * i + 3, 6 * i + 6)
-        load[turn] -= skew(body.spin) @ body.tensor @ body.spin
-        size[turn] += abs(skew(body.spin)) @ abs(body.tensor) @ abs(body.spin)
-    constants, sizes = ([entry[i] for entry in m.held] for i in (1, 2))
-    x, errors = constrained(inertia, load, size, jacobian, constants, sizes)
-    bodies, n = x[: len(inertia)], len(inertia)
-    accelerations, uncertain = {}, {}
-    for name, (rows, constant, row_size) in m.read.items():
-        row = m.row(rows)
-        accelerations[name] = row @ bodies + constant
-        uncertain[name] = float(abs(row).astype(float) @ errors[:n] + EPS * float(row_size))
-    return Motion(accelerations, uncertain, bodies, load, size, x[n:])
-
-
-def hamilton(a: Any, b: Any) -> Any:
-    """Return the product of two quaternions."""
-    vector = a[0] * b[1:] + b[0] * a[1:] + skew(a[1:]) @ b[1:]
-    return np.array([a[0] * b[0] - a[1:] @ b[1:], *vector])
-
-
-def rates_of(q: Any, v: Any) -> Any:
-    """Return the angular velocity (3,) in the body of a quaternion and its rates."""
-    return 2 * (q[0] * v[1:] - v[0] * q[1:] - skew(q[1:]) @ v[1:]) / (q @ q)
-
-
-def quaternion_accelerations(
-    q: Any, v: Any, turning: Sequence[Any], errors: Sequence[float]
-) -> tuple[Any, Any]:
-    """Return q'' of q' = q (rho, omega / 2), with omega' (3,) and rho' = 0, and its errors."""
-    rates = np.array([q @ v / (q @ q), *rates_of(q, v) / 2])
-    values = hamilton(v, rates) + hamilton(q, np.array([Decimal(0), *np.array(turning) / 2]))
-    length = float(norm(q))
-    size = EPS * float(v @ v) / length + length * float(np.linalg.norm(errors)) / 2
-    return values, [size + EPS * abs(float(x)) for x in values]
+    return x[: len(inertia)], x[len(inertia) :]

@@ -1,34 +1,32 @@
-"""What the second formulation says of a scene at random parameters and states."""
+"""What second formulations say of a scene at random parameters and states."""
 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable, Mapping
 from decimal import Decimal, localcontext
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbcheck.reference import get_scene
+from mbcheck.reference.scene import EquationsOfMotion
 from mbcheck.tests.support.formulations.newton_euler import (
     DIGITS,
-    EPS,
+    Mechanism,
     decimals,
-    move,
-    quaternion_accelerations,
+    hamilton,
+    rates_of,
 )
-from mbcheck.tests.support.formulations.scenes import build
+from mbcheck.tests.support.formulations.scenes import Builder
 
 Array = np.ndarray[Any, Any]
 
+EPS = float(np.finfo(float).eps)
+
 
 class Sample(NamedTuple):
-    """Parameters (arrays over k points) and states.
-
-    Attributes
-    ----------
-    q, v : array (n, k)
-    times : array (k,)
-    """
+    """Parameters (arrays over k points), states q, v (n, k), and times (k,)."""
 
     parameters: Any
     q: Array
@@ -43,15 +41,19 @@ class Quantity(NamedTuple):
     error: Array
 
 
-def draw(name: str, count: int, seed: int, **words: str) -> Sample:
+Formulation = Callable[[EquationsOfMotion, Any, Array, Array, Decimal], dict[str, tuple[Any, Any]]]
+"""Values and their sizes at one point, of parameters, coordinates, rates and time as decimals."""
+
+
+def draw(scene: EquationsOfMotion, count: int, seed: int, **chosen: Any) -> Sample:
     """Draw parameters within a factor of two, gravity, and states far from rest."""
-    scene, rng = get_scene(name), np.random.default_rng(seed)
-    values: dict[str, Any] = dict(words)
+    rng = np.random.default_rng(seed)
+    values = dict(chosen)
     for item in dataclasses.fields(scene.parameters):
         if item.name.startswith("gravity"):
             values[item.name] = rng.uniform(-10, 10, count)
-        elif not isinstance(item.default, str):
-            values[item.name] = item.default * 2 ** rng.uniform(-1, 1, count)
+        elif item.name not in chosen and not isinstance(item.default, str):
+            values[item.name] = (item.default or 0.5) * 2 ** rng.uniform(-1, 1, count)
     if "moment_1" in values:
         parts = rng.uniform(1, 5, (3, count)) * 1e-3
         for axis in range(3):
@@ -65,63 +67,99 @@ def draw(name: str, count: int, seed: int, **words: str) -> Sample:
     return Sample(scene.parameters(**values), q, v, rng.uniform(0, 1, count))
 
 
-def witness(name: str, sample: Sample) -> dict[str, Quantity]:
-    """Return mass matrix, forces, accelerations, energy and powers by the second formulation."""
+def witness(
+    scene: EquationsOfMotion, sample: Sample, formulation: Formulation
+) -> dict[str, Quantity]:
+    """Return what a formulation says at all points."""
+    points = []
     with localcontext(prec=DIGITS):
-        points = [at_point(name, sample, k) for k in range(len(sample.times))]
+        for k in range(len(sample.times)):
+            p = sample.parameters.at(k).as_dict()
+            numbers = {x: y if isinstance(y, str) else +Decimal(float(y)) for x, y in p.items()}
+            state = decimals([sample.q[:, k], sample.v[:, k]])
+            time = +Decimal(float(sample.times[k]))
+            points.append(formulation(scene, SimpleNamespace(**numbers), *state, time))
     return {
-        key: Quantity(*(np.stack([one[key][i] for one in points], -1) for i in (0, 1)))
+        key: Quantity(
+            np.stack([np.array(one[key][0]).astype(float) for one in points], -1),
+            EPS * np.stack([np.array(one[key][1]).astype(float) for one in points], -1),
+        )
         for key in points[0]
     }
 
 
-def at_point(name: str, sample: Sample, k: int) -> dict[str, tuple[Array, Array]]:
-    """Return values and errors at one point."""
-    scene, p, t = get_scene(name), sample.parameters.at(k), float(sample.times[k])
-    names, q, v = scene.coordinates, decimals(sample.q[:, k]), decimals(sample.v[:, k])
-    m, *unit = (
-        build(name, p, dict(zip(names, q, strict=True)), dict(zip(names, rates, strict=True)), t)
-        for rates in (v, *decimals(np.eye(len(names))))
-    )
-    motion = move(m)
-    inertia, moving, bent = m.sizes()
-    jacobian = np.array([one.velocities() for one in unit]).T
-    jacobian_size = np.array([one.sizes()[1] for one in unit]).T
-    mass = jacobian.T @ m.inertia() @ jacobian
-    accelerations, errors = dict(motion.accelerations), dict(motion.errors)
-    length = Decimal(0) * mass
-    if scene.quaternions:
-        rows = [names.index(x) for x in scene.quaternions[0].coordinates]
-        along = np.zeros(len(names), dtype=object)
-        along[rows] = q[rows] / (q[rows] @ q[rows])
-        arm = 0 if scene.quaternions[0].place else p.centre @ p.centre
-        trace = Decimal(float(sum(p.moments) + 2 * p.mass * arm))
-        length = trace * np.outer(along, along)
-        turning = scene.quaternions[0].rates
-        values, rounded = quaternion_accelerations(
-            q[rows],
-            v[rows],
-            [accelerations[x] for x in turning],
-            [errors[x] for x in turning],
+def by_newton_and_euler(builder: Builder) -> Formulation:
+    """Return the formulation of a mechanism that is built of bodies, joints and loads."""
+
+    def formulation(
+        scene: EquationsOfMotion, p: Any, q: Array, v: Array, t: Decimal
+    ) -> dict[str, tuple[Any, Any]]:
+        names = scene.coordinates
+        m, *unit = (
+            Mechanism(dict(zip(names, q, strict=True)), dict(zip(names, rates, strict=True)))
+            for rates in (v, *decimals(np.eye(len(names), dtype=int)))
         )
-        accelerations |= dict(zip(scene.quaternions[0].coordinates, values, strict=True))
-        errors |= dict(zip(scene.quaternions[0].coordinates, rounded, strict=True))
-    a = np.array([accelerations[x] for x in names])
-    length_size = abs(length).astype(float)
-    free = jacobian.T @ (motion.load - m.inertia() @ (motion.bodies - jacobian @ a))
-    free_size = jacobian_size.T @ (motion.load_size.astype(float) + inertia @ bent)
-    energy = v @ (mass + length) @ v / 2 + sum(value for value, _ in m.potentials)
-    size = moving @ inertia @ moving / 2 + float(abs(v) @ abs(length) @ abs(v)) / 2
-    return {
-        "mass_matrix": rounded_to(
-            mass + length, jacobian_size.T @ inertia @ jacobian_size + length_size
-        ),
-        "forces": rounded_to(free + length @ a, free_size + length_size @ abs(a).astype(float)),
-        "accelerations": (a.astype(float), np.array([errors[x] for x in names])),
-        "energy": rounded_to(energy, size + float(sum(size for _, size in m.potentials))),
-    } | {f"power {key}": rounded_to(power, m.power_sizes[key]) for key, power in m.powers.items()}
+        for one in (m, *unit):
+            builder(one, p, t)
+        read, bodies, reactions = m.move()
+        of_length = decimals(np.zeros((len(q), len(q)), dtype=int))
+        if scene.quaternions:
+            rows = [names.index(x) for x in scene.quaternions[0].coordinates]
+            turning = np.array([read[x] for x in scene.quaternions[0].rates])
+            accelerations = turning_quaternion(q[rows], v[rows], turning)
+            read |= dict(zip(scene.quaternions[0].coordinates, accelerations, strict=True))
+            of_length[np.ix_(rows, rows)] = length_inertia(p, q[rows], not scene.quaternions[0].place)
+        a = np.array([read[x] for x in names])
+        jacobian = np.array([one.velocities() for one in unit]).T
+        sizes = np.array([one.sizes()[1] for one in unit]).T
+        inertia_size, moving, bent = m.sizes()
+        load, load_size = m.loads()
+        inertia = m.inertia()
+        length_size = abs(of_length).astype(float)
+        mass = jacobian.T @ inertia @ jacobian + of_length
+        mass_size = sizes.T @ inertia_size @ sizes + length_size
+        forces = jacobian.T @ (load - inertia @ (bodies - jacobian @ a)) + of_length @ a
+        force_size = sizes.T @ (load_size + inertia_size @ bent) + length_size @ abs(a).astype(float)
+        potential, potential_size = np.sum(m.potentials, axis=0)
+        speed = abs(v).astype(float)
+        kinetic_size = (moving @ inertia_size @ moving + speed @ length_size @ speed) / 2
+        energy = v @ mass @ v / 2 + potential, kinetic_size + float(potential_size)
+        given = {names.index(name): size for name, (_, size) in m.given.items()}
+        powers = {f"power {name}": power for name, power in m.powers.items()}
+        for name, (number, _) in m.given.items():
+            size = (mass_size @ abs(a).astype(float) + force_size)[names.index(name)]
+            powers["power hub"] = reactions[number] * m.v[name], size * abs(float(m.v[name]))
+        solved = motion((mass, mass_size), (forces, force_size), a, given)
+        return solved | powers | {"energy": energy}
+
+    return formulation
 
 
-def rounded_to(values: Any, sizes: Any) -> tuple[Array, Array]:
-    """Return values and one ulp of their sizes."""
-    return np.array(values).astype(float), EPS * np.array(sizes).astype(float)
+def motion(
+    mass: tuple[Any, Any], forces: tuple[Any, Any], a: Any, given: Mapping[int, Any]
+) -> dict[str, tuple[Any, Any]]:
+    """Return M, f and a of M a = f with their sizes, or a alone where some of a are given.
+
+    Skeel's condition: N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd edition
+    (2002), theorem 7.4.
+    """
+    residual = mass[1] @ abs(a).astype(float) + forces[1]
+    free = [i for i in range(len(a)) if i not in given]
+    size = np.array([float(given.get(i, 0)) for i in range(len(a))])
+    size[free] = abs(np.linalg.inv(mass[0][np.ix_(free, free)].astype(float))) @ residual[free]
+    if given:
+        return {"accelerations": (a, size)}
+    return {"mass_matrix": mass, "forces": forces, "accelerations": (a, size)}
+
+
+def turning_quaternion(q: Any, v: Any, turning: Any) -> Any:
+    """Return q'' of q' = q (rho, omega / 2), with omega' (3,) and, by convention, rho' = 0."""
+    rates = np.array([q @ v / (q @ q), *rates_of(q, v) / 2])
+    return hamilton(v, rates) + hamilton(q, np.array([Decimal(0), *turning / 2]))
+
+
+def length_inertia(p: Any, q: Any, about_point: bool) -> Any:
+    """Return the mass matrix that a quaternion's length has by convention: the tensor's trace."""
+    arm = p.centre_x**2 + p.centre_y**2 + p.centre_z**2
+    trace = p.moment_1 + p.moment_2 + p.moment_3 + 2 * p.mass * arm * about_point
+    return trace * np.outer(q, q) / (q @ q) ** 2
