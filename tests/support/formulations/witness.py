@@ -67,18 +67,21 @@ def draw(scene: EquationsOfMotion, count: int, seed: int, **chosen: Any) -> Samp
     return Sample(scene.parameters(**values), q, v, rng.uniform(0, 1, count))
 
 
+def numbers_at(sample: Sample, k: int) -> tuple[Any, Array, Array, Decimal]:
+    """Return parameters, coordinates, rates and time of one point as decimals."""
+    p = sample.parameters.at(k).as_dict()
+    numbers = {x: y if isinstance(y, str) else +Decimal(float(y)) for x, y in p.items()}
+    q, v = decimals([sample.q[:, k], sample.v[:, k]])
+    return SimpleNamespace(**numbers), q, v, +Decimal(float(sample.times[k]))
+
+
 def witness(
     scene: EquationsOfMotion, sample: Sample, formulation: Formulation
 ) -> dict[str, Quantity]:
     """Return what a formulation says at all points."""
-    points = []
     with localcontext(prec=DIGITS):
-        for k in range(len(sample.times)):
-            p = sample.parameters.at(k).as_dict()
-            numbers = {x: y if isinstance(y, str) else +Decimal(float(y)) for x, y in p.items()}
-            state = decimals([sample.q[:, k], sample.v[:, k]])
-            time = +Decimal(float(sample.times[k]))
-            points.append(formulation(scene, SimpleNamespace(**numbers), *state, time))
+        count = len(sample.times)
+        points = [formulation(scene, *numbers_at(sample, k)) for k in range(count)]
     return {
         key: Quantity(
             np.stack([np.array(one[key][0]).astype(float) for one in points], -1),
@@ -86,6 +89,15 @@ def witness(
         )
         for key in points[0]
     }
+
+
+def stated(scene: EquationsOfMotion, sample: Sample) -> tuple[Any, Any]:
+    """Return coefficients and drive of the reference at all points, as arrays."""
+    count = len(sample.times)
+    c = [scene.coefficients(sample.parameters.at(k)) for k in range(count)]
+    drive = scene.drive or (lambda t, c: 0.0)
+    u = np.array([drive(t, one) for t, one in zip(sample.times, c, strict=True)], dtype=float)
+    return type(c[0])(*np.array([[float(x) for x in one] for one in c]).T), u
 
 
 def by_newton_and_euler(builder: Builder) -> Formulation:
