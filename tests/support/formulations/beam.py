@@ -81,7 +81,15 @@ def nodes_of(table: Any) -> Any:
 
 def placed(blocks: Any) -> Any:
     """Return blocks on the diagonal of a matrix, one for each piece."""
-    rows = [np.hstack([block if i == j else np.zeros((len(block), other.shape[1]), int) for j, other in enumerate(blocks)]) for i, block in enumerate(blocks)]
+    rows = [
+        np.hstack(
+            [
+                block if i == j else np.zeros((len(block), other.shape[1]), int)
+                for j, other in enumerate(blocks)
+            ]
+        )
+        for i, block in enumerate(blocks)
+    ]
     return decimals(np.vstack(rows))
 
 
@@ -185,11 +193,16 @@ def by_particles(
         for js in (jacobian, levers)
     )
     forces = torque + sum(
-        j.T @ (pulled - masses * bent) for j, pulled, bent in zip(jacobian, weight, bias, strict=True)
+        j.T @ (pulled - masses * bent)
+        for j, pulled, bent in zip(jacobian, weight, bias, strict=True)
     )
-    force_size = abs(strain) @ abs(q) + drive_size * hub * (p.drive == "torque") + sum(
-        j.T @ (abs(pulled) + masses * bent)
-        for j, pulled, bent in zip(levers, weight, sizes, strict=True)
+    force_size = (
+        abs(strain) @ abs(q)
+        + drive_size * hub * (p.drive == "torque")
+        + sum(
+            j.T @ (abs(pulled) + masses * bent)
+            for j, pulled, bent in zip(levers, weight, sizes, strict=True)
+        )
     )
     potential = q @ strain @ q / 2 - sum(w @ r for w, r in zip(weight, place, strict=True))
     potential_size = abs(q) @ abs(strain) @ abs(q) / 2 + sum(

@@ -241,7 +241,9 @@ def chain(m: Mechanism, p: Any, t: Any) -> None:
     bearer, at = hub, (p.hub_radius + on_hub) * X
     if on_hub:
         part = p.mass * (place <= on_hub)
-        m.attach(hub, line * on_hub, {}, tensor=line * on_hub**3 / 12 * UNIT, at=at - on_hub / 2 * X)
+        m.attach(
+            hub, line * on_hub, {}, tensor=line * on_hub**3 / 12 * UNIT, at=at - on_hub / 2 * X
+        )
         m.attach(hub, part, {}, at=(p.hub_radius + place) * X)
     for number, (start, end) in enumerate(pairwise(ends), 1):
         name, point = f"joint_{number}", p.mass * (start < place <= end)

@@ -120,7 +120,9 @@ def by_newton_and_euler(builder: Builder) -> Formulation:
             turning = np.array([read[x] for x in scene.quaternions[0].rates])
             accelerations = turning_quaternion(q[rows], v[rows], turning)
             read |= dict(zip(scene.quaternions[0].coordinates, accelerations, strict=True))
-            of_length[np.ix_(rows, rows)] = length_inertia(p, q[rows], not scene.quaternions[0].place)
+            of_length[np.ix_(rows, rows)] = length_inertia(
+                p, q[rows], not scene.quaternions[0].place
+            )
         a = np.array([read[x] for x in names])
         jacobian = np.array([one.velocities() for one in unit]).T
         sizes = np.array([one.sizes()[1] for one in unit]).T
@@ -131,7 +133,9 @@ def by_newton_and_euler(builder: Builder) -> Formulation:
         mass = jacobian.T @ inertia @ jacobian + of_length
         mass_size = sizes.T @ inertia_size @ sizes + length_size
         forces = jacobian.T @ (load - inertia @ (bodies - jacobian @ a)) + of_length @ a
-        force_size = sizes.T @ (load_size + inertia_size @ bent) + length_size @ abs(a).astype(float)
+        force_size = sizes.T @ (load_size + inertia_size @ bent) + length_size @ abs(a).astype(
+            float
+        )
         potential, potential_size = np.sum(m.potentials, axis=0)
         speed = abs(v).astype(float)
         kinetic_size = (moving @ inertia_size @ moving + speed @ length_size @ speed) / 2
