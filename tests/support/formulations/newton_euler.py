@@ -131,6 +131,8 @@ class Mechanism:
         Contributions [J].
     given : dict of name to (number of the constraint, size)
         Coordinates whose acceleration is prescribed.
+    told : dict of name to (number of the constraint, sign)
+        Forces of joints, on the body further out or back on the other, that the scene tells.
     """
 
     def __init__(self, q: Values, v: Values) -> None:
@@ -141,6 +143,7 @@ class Mechanism:
         self.powers: dict[str, tuple[Any, Any]] = {}
         self.potentials: list[tuple[Any, Any]] = []
         self.given: dict[str, tuple[int, Any]] = {}
+        self.told: dict[str, tuple[int, int]] = {}
 
     def slide(self, name: str, axis: int, mass: Any) -> int:
         """Add a body that slides along an axis of the world; return its number."""
@@ -290,7 +293,7 @@ class Mechanism:
         return inertia, moving, bent
 
     def loads(self) -> tuple[Any, Any]:
-        """Return forces, and torques less gyroscopic ones, on all bodies (6 n,), and their sizes."""
+        """Return forces, and torques less gyroscopic ones, on bodies (6 n,), and their sizes."""
         load = np.concatenate([body.wrench for body in self.bodies[1:]])
         size = np.concatenate([body.wrench_size for body in self.bodies[1:]])
         for i, body in enumerate(self.bodies[1:]):

@@ -104,17 +104,20 @@ def speed_regulator(m: Mechanism, p: Any, t: Any) -> None:
     y, y_dot = r * sin - l * cos_b, r * cos * rate + l * sin_b * b_dot
     axes = np.array([-sin_b * X - cos_b * Y, cos_b * X - sin_b * Y, Z]).T
     crank = m.hinge("phi", GROUND, Decimal(0), tensor=p.flywheel_inertia * UNIT)
+    m.told |= {f"reaction_a_{axis}": (len(m.held) + i, -1) for i, axis in enumerate("xy")}
     rod = m.attach(
         crank,
         p.rod_mass,
         {5: "rod"},
         tensor=p.rod_mass * l**2 / 12 * UNIT,
         at=r * X,
+        frame=m.bodies[crank].axes.T,
         arm=l / 2 * X,
-        turn=m.bodies[crank].axes.T @ axes,
+        turn=axes,
         spin=(-b_dot - rate) * Z,
     )
     slider = m.attach(GROUND, p.slider_mass, {1: "y"}, shift=y * Y, speed=y_dot * Y)
+    m.told |= {f"reaction_b_{axis}": (len(m.held) + i, 1) for i, axis in enumerate("xy")}
     m.held += m.joint(slider, rod, ZERO, axes @ (l / 2 * X), UNIT, UNIT)[:2]
     m.twist(GROUND, crank, p.torque, "motor")
     m.load(slider, m.spring(p.stiffness, r * sin, -l * cos_b, -p.spring_rest) * Y)

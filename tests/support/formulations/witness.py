@@ -10,13 +10,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from mbcheck.reference.quaternions import Quaternion
 from mbcheck.reference.scene import EquationsOfMotion
 from mbcheck.tests.support.formulations.newton_euler import (
     DIGITS,
     Mechanism,
     decimals,
     hamilton,
+    norm,
     rates_of,
+    skew,
 )
 from mbcheck.tests.support.formulations.scenes import Builder
 
@@ -139,6 +142,9 @@ def by_newton_and_euler(builder: Builder) -> Formulation:
         potential, potential_size = np.sum(m.potentials, axis=0)
         speed = abs(v).astype(float)
         kinetic_size = (moving @ inertia_size @ moving + speed @ length_size @ speed) / 2
+        outputs = body_outputs(m, p, scene.quaternions[0]) if scene.quaternions else {}
+        size = np.sum(load_size + inertia_size @ abs(bodies).astype(float))
+        outputs |= {name: (sign * reactions[i], size) for name, (i, sign) in m.told.items()}
         energy = v @ mass @ v / 2 + potential, kinetic_size + float(potential_size)
         given = {names.index(name): size for name, (_, size) in m.given.items()}
         powers = {f"power {name}": power for name, power in m.powers.items()}
@@ -146,7 +152,7 @@ def by_newton_and_euler(builder: Builder) -> Formulation:
             size = (mass_size @ abs(a).astype(float) + force_size)[names.index(name)]
             powers["power hub"] = reactions[number] * m.v[name], size * abs(float(m.v[name]))
         solved = motion((mass, mass_size), (forces, force_size), a, given)
-        return solved | powers | {"energy": energy}
+        return solved | powers | outputs | {"energy": energy}
 
     return formulation
 
@@ -166,6 +172,34 @@ def motion(
     if given:
         return {"accelerations": (a, size)}
     return {"mass_matrix": mass, "forces": forces, "accelerations": (a, size)}
+
+
+def body_outputs(m: Mechanism, p: Any, quaternion: Quaternion) -> dict[str, tuple[Any, Any]]:
+    """Return attitude and rates of the body with the quaternion, and momenta.
+
+    Those of a tree afloat are of all bodies, about their centre of mass, else of the body alone,
+    about its point.
+    """
+    bodies = m.bodies[1:] if quaternion.place else m.bodies[-1:]
+    one = bodies[0]
+    about = one.place - one.axes @ [p.centre_x, p.centre_y, p.centre_z]
+    if quaternion.place:
+        about = sum(b.mass * b.place for b in bodies) / sum(b.mass for b in bodies)
+    spun = [b.mass * skew(b.place - about) @ b.velocity for b in bodies]
+    turned = [b.tensor @ b.spin for b in bodies]
+    vectors = {
+        "momentum": (sum(spun + turned), norm(sum(abs(part) for part in spun + turned))),
+        "omega": (one.axes.T @ one.spin, norm(one.spin)),
+        **{f"R_{row}": (axes, 1) for row, axes in zip("xyz", one.axes, strict=True)},
+    }
+    if quaternion.place:
+        size = sum(b.mass * norm(b.velocity) for b in bodies)
+        vectors["linear_momentum"] = sum(b.mass * b.velocity for b in bodies), size
+    return {
+        f"{name}{'' if name.startswith('R') else '_'}{axis}": (value, size)
+        for name, (vector, size) in vectors.items()
+        for axis, value in zip("xyz", vector, strict=True)
+    }
 
 
 def turning_quaternion(q: Any, v: Any, turning: Any) -> Any:
