@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from mbcheck.reference import floating_beam, floating_platform, get_scene
 from mbcheck.reference.body.floating_scene import LINEAR
 from mbcheck.reference.body.rotation import MOMENTUM
 from mbcheck.reference.errors import NoOrbitError
+from mbcheck.reference.floating_platform import FloatingPlatform
 from mbcheck.reference.orbits import find_orbit
 from mbcheck.reference.solve.single import solve
 
@@ -61,7 +61,7 @@ def test_it_rests_anywhere_unless_it_falls_and_has_no_orbit(scene: Any) -> None:
 
 
 def test_heavy_arms_keep_their_digits() -> None:
-    p = replace(PLATFORM.parameters(**WEIGHED), mass=1e-2, rotor_mass=10.0, rod_mass=30.0)
+    p = FloatingPlatform(mass=1e-2, rotor_mass=10.0, rod_mass=30.0, **WEIGHED)
     c, (q, v) = PLATFORM.coefficients(p), np.random.default_rng(20).normal(size=(2, 9))
     right = np.linalg.solve(np.array(PLATFORM.mass_matrix(q, c)), PLATFORM.forces(0.0, q, v, c))
     assert PLATFORM.accelerations(0.0, q, v, c) == pytest.approx(right, rel=1e-8)

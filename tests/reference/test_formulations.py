@@ -125,15 +125,19 @@ def assert_agreement(one: Row, count: int) -> None:
         assert np.all(off <= UNITS * error), (name, np.max(off / (error + (off == 0))))
 
 
+FEWER = {"chain A": 20, "chain A, prescribed": 20, "chain B": 20, "rotating_beam": 8}
+"""Points of rows whose scene has another row with 50, or whose points take long."""
+
+
 @pytest.mark.parametrize("name", ROWS)
 def test_both_formulations_agree_to_round_off(name: str) -> None:
-    assert_agreement(ROWS[name], 50 if ROWS[name].formulation is not by_particles else 8)
+    assert_agreement(ROWS[name], FEWER.get(name, 50))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ROWS)
 def test_both_formulations_agree_at_many_points(name: str) -> None:
-    assert_agreement(ROWS[name], 1000 if ROWS[name].formulation is not by_particles else 100)
+    assert_agreement(ROWS[name], 200 if ROWS[name].formulation is by_particles else 1000)
 
 
 @pytest.mark.parametrize("name", ROWS)
@@ -160,7 +164,7 @@ DAMPERS = {
 def test_the_damping_matrix_takes_the_power_of_the_dampers(name: str) -> None:
     scene, sample = ROWS[name].scene, sample_of(ROWS[name], 20)
     known = witness(scene, sample, ROWS[name].formulation)
-    taken = -sum(known[f"power {damper}"].value for damper in DAMPERS[name])
+    taken = -np.sum([known[f"power {damper}"].value for damper in DAMPERS[name]], axis=0)
     for k, v in enumerate(sample.v.T):
         matrix = scene.damping_matrix(scene.coefficients(sample.parameters.at(k)))
         assert v @ matrix @ v == pytest.approx(taken[k], rel=1e-13)
@@ -176,7 +180,8 @@ def with_unit_quaternions(scene: EquationsOfMotion, sample: Sample) -> Sample:
     """Return a sample whose last points have quaternions of the length 1, which they keep."""
     states = np.concatenate([sample.q, sample.v])
     states[:, HALF:] = scene.on_unit_quaternions(states[:, HALF:].T).T
-    return Sample(sample.parameters, *np.split(states, 2), sample.times)
+    q, v = np.split(states, 2)
+    return Sample(sample.parameters, q, v, sample.times)
 
 
 def by_mujoco(one: Row, sample: Sample, known: Array, first: int) -> Array:
@@ -272,9 +277,9 @@ def changed_blocks(one: Row, sample: Sample, factor: float) -> Iterator[tuple[st
     """
     scene, (c, u) = one.scene, stated(one.scene, sample)
     names, q, v = scene.coordinates, sample.q, sample.v
-    kinds = {"hub": "theta", "angles": ("b_", "joint_"), "stretches": "e_"}
-    groups = {kind: [x.startswith(start) for x in names] for kind, start in kinds.items()}
-    groups = {kind: np.array(here)[:, None] for kind, here in groups.items() if any(here)}
+    kinds = {"hub": ("theta",), "angles": ("b_", "joint_"), "stretches": ("e_",)}
+    places = {kind: [x.startswith(start) for x in names] for kind, start in kinds.items()}
+    groups = {kind: np.array(here)[:, None] for kind, here in places.items() if any(here)}
     mass, force = np.array(scene.mass_matrix(q, c)), np.array(scene.forces(u, q, v, c))
 
     def inertial(*moving: Any) -> Any:

@@ -27,6 +27,7 @@ from mbcheck.tests.support.formulations.newton_euler import (
     cos_sin,
     decimals,
     solve,
+    zeros,
 )
 from mbcheck.tests.support.formulations.scenes import hub_drive
 from mbcheck.tests.support.formulations.witness import motion
@@ -79,18 +80,14 @@ def nodes_of(table: Any) -> Any:
     return [int(np.flatnonzero(row == 1)[0]) for row in np.where(table.sum(1) == 1, table.T, 0)]
 
 
-def placed(blocks: Any) -> Any:
-    """Return blocks on the diagonal of a matrix, one for each piece."""
-    rows = [
-        np.hstack(
-            [
-                block if i == j else np.zeros((len(block), other.shape[1]), int)
-                for j, other in enumerate(blocks)
-            ]
-        )
-        for i, block in enumerate(blocks)
-    ]
-    return decimals(np.vstack(rows))
+def placed(*blocks: Any) -> Any:
+    """Return blocks on the diagonal of a matrix."""
+    matrix, i, j = zeros(*np.sum([block.shape for block in blocks], axis=0)), 0, 0
+    for block in blocks:
+        rows, columns = block.shape
+        matrix[i : i + rows, j : j + columns] = block
+        i, j = i + rows, j + columns
+    return matrix
 
 
 @cache
@@ -103,7 +100,8 @@ def curve(n: int, k: int, place: float) -> Curve:
     table = polynomials(n, k, place)
     at = table.stations[:-1]
     with localcontext(prec=DIGITS):
-        values, slopes, integrals, ends = [], [], [], []
+        tables: list[list[Any]] = [[], [], [], [], []]
+        values, slopes, integrals, edges, edge_slopes = tables
         for start, end, degree in pieces(n, place):
             count = int(((start < at) & (at < end)).sum())
             size, points = Decimal(end) - Decimal(start), gauss_points(count)
@@ -112,36 +110,25 @@ def curve(n: int, k: int, place: float) -> Curve:
             )
             grown = powers_at([*points, ONE], count + 1)[0][:, 1:] / decimals(range(1, count + 1))
             integrals.append(size * grown @ to_series)
-            value, slope = powers_at(points, degree + 1)
-            values.append(value)
-            slopes.append(slope / size)
-            edge, edge_slope = powers_at([Decimal(0), ONE], degree + 1)
-            ends.append((edge, edge_slope / size))
-        (first, first_slope), (last, last_slope) = ends[0], ends[-1]
-        if len(ends) == 1:
-            conditions = np.array([first[0], last_slope[1]])
-        else:
-            left, right = 0 * first[0], 0 * last[0]
-            conditions = np.array(
-                [
-                    [*first[0], *right],
-                    [*first[1], *-last[0]],
-                    [*first_slope[1], *-last_slope[0]],
-                    [*left, *last_slope[1]],
-                ]
-            )
-        angle, curvature = nodal(placed(values), placed(slopes), conditions, nodes_of(table.angle))
-        total = placed([block[:-1] for block in integrals])
-        if len(integrals) == 2:
-            total[len(values[0]) :, : len(values[0])] = integrals[0][-1]
-        tip = np.concatenate([block[-1] for block in integrals])
-        mass = tip.copy()
-        if len(integrals) == 2:
-            mass[len(values[0]) :] = Decimal(0)
-        stretch = powers_at(gauss_points(len(at)), k)[0] if k else decimals(np.zeros((len(at), 0)))
+            for x, own, slope in (
+                (points, values, slopes),
+                ([Decimal(0), ONE], edges, edge_slopes),
+            ):
+                value, by_t = powers_at(x, degree + 1)
+                own.append(value)
+                slope.append(by_t / size)
+        edge, edge_slope = placed(*edges), placed(*edge_slopes)
+        joints = [x[i] - x[i + 1] for x in (edge, edge_slope) for i in range(1, len(edge) - 1, 2)]
+        conditions = np.array([edge[0], edge_slope[-1], *joints])
+        nodes = nodes_of(table.angle)
+        angle, curvature = nodal(placed(*values), placed(*slopes), conditions, nodes)
+        total, ends = placed(*(x[:-1] for x in integrals)), placed(*(x[-1:] for x in integrals))
+        first = len(integrals[0]) - 1
+        total[first:, :first] += ends[0, :first]
+        stretch = powers_at(gauss_points(len(at)), k)[0] if k else zeros(len(at), 0)
         if k:
-            stretch = nodal(stretch, stretch, 0 * stretch[:0], nodes_of(table.stretch))[0]
-    return Curve(angle, curvature, stretch, np.vstack([total, mass, tip]))
+            stretch = nodal(stretch, stretch, stretch[:0], nodes_of(table.stretch))[0]
+    return Curve(angle, curvature, stretch, np.vstack([total, ends[0], ends.sum(0)]))
 
 
 def by_particles(
@@ -169,16 +156,14 @@ def by_particles(
         bias.append(-radius * v[0] ** 2 * e + integral @ bend)
         place.append(radius * e + integral @ (stretch * along))
     strain = placed(
-        [
-            decimals([[0]]),
-            p.youngs_modulus * p.second_moment / p.length * bending(shape.curvature, weights),
-            p.youngs_modulus * p.area * p.length * bending(shape.stretch, weights),
-        ]
+        zeros(1, 1),
+        p.youngs_modulus * p.second_moment / p.length * products(shape.curvature, weights),
+        p.youngs_modulus * p.area * p.length * products(shape.stretch, weights),
     )
     drive, drive_size = hub_drive(p, t)
     torque = drive * hub * (p.drive == "torque") - strain @ q
     weight = [masses * g for g in pull]
-    m = placed([p.hub_inertia * np.outer(hub, hub), np.diag(masses), np.diag(masses)])
+    m = placed(p.hub_inertia * np.outer(hub, hub), np.diag(masses), np.diag(masses))
     rows = np.hstack([np.vstack(jacobian), decimals(-np.eye(2 * len(masses), dtype=int))])
     constants = np.concatenate(bias)
     if p.drive == "prescribed":
@@ -218,6 +203,6 @@ def by_particles(
     }
 
 
-def bending(table: Any, weights: Any) -> Any:
+def products(table: Any, weights: Any) -> Any:
     """Return the integrals of the products of functions."""
     return table.T * weights @ table

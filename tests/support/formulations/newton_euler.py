@@ -38,6 +38,11 @@ def decimals(values: Any) -> Any:
     return np.vectorize(lambda x: +Decimal(x), otypes=[object])(np.asarray(values, dtype=object))
 
 
+def zeros(*shape: int) -> Any:
+    """Return an array of decimals that are 0."""
+    return np.full(shape, Decimal(0))
+
+
 @cache
 def cos_sin(angle: Decimal) -> tuple[Decimal, Decimal]:
     """Return cosine and sine."""
@@ -80,7 +85,7 @@ def norm(a: Any) -> Any:
 
 
 UNIT = decimals(np.eye(3, dtype=int))
-ZERO = decimals([0, 0, 0])
+ZERO = zeros(3)
 
 
 @dataclass
@@ -110,8 +115,8 @@ class Body:
     reach: Any = Decimal(0)
     bent: Any = Decimal(0)
     twisted: Any = Decimal(0)
-    wrench: Any = field(default_factory=lambda: decimals([0] * 6))
-    wrench_size: Any = field(default_factory=lambda: decimals([0] * 6))
+    wrench: Any = field(default_factory=lambda: zeros(6))
+    wrench_size: Any = field(default_factory=lambda: zeros(6))
 
 
 class Mechanism:
@@ -260,7 +265,7 @@ class Mechanism:
     def inertia(self) -> Any:
         """Return masses and tensors of all bodies but the ground, as one matrix (6 n, 6 n)."""
         n = len(self.bodies) - 1
-        matrix = decimals(np.zeros((6 * n, 6 * n), dtype=int))
+        matrix = zeros(6 * n, 6 * n)
         for i, body in enumerate(self.bodies[1:]):
             matrix[6 * i : 6 * i + 3, 6 * i : 6 * i + 3] = body.mass * UNIT
             matrix[6 * i + 3 : 6 * i + 6, 6 * i + 3 : 6 * i + 6] = body.tensor
@@ -272,7 +277,7 @@ class Mechanism:
 
     def row(self, rows: Rows) -> Any:
         """Return the coefficients (6 n,) of all accelerations."""
-        full = decimals(np.zeros((len(self.bodies), 6), dtype=int))
+        full = zeros(len(self.bodies), 6)
         for body, values in rows:
             full[body] += values
         return full[1:].ravel()
@@ -329,6 +334,6 @@ def solve(matrix: Any, right: Any) -> Any:
 
 def constrained(inertia: Any, load: Any, jacobian: Any, constants: Any) -> tuple[Any, Any]:
     """Return accelerations and constraint forces, ``jacobian @ accelerations + constants = 0``."""
-    matrix = np.block([[inertia, -jacobian.T], [jacobian, 0 * jacobian @ jacobian.T]])
+    matrix = np.block([[inertia, -jacobian.T], [jacobian, zeros(len(jacobian), len(jacobian))]])
     x = solve(matrix, np.concatenate([load, [-value for value in constants]]))
     return x[: len(inertia)], x[len(inertia) :]

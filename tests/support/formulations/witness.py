@@ -20,6 +20,7 @@ from mbcheck.tests.support.formulations.newton_euler import (
     norm,
     rates_of,
     skew,
+    zeros,
 )
 from mbcheck.tests.support.formulations.scenes import Builder
 
@@ -56,7 +57,7 @@ def draw(scene: EquationsOfMotion, count: int, seed: int, **chosen: Any) -> Samp
         if item.name.startswith("gravity"):
             values[item.name] = rng.uniform(-10, 10, count)
         elif item.name not in chosen and not isinstance(item.default, str):
-            values[item.name] = (item.default or 0.5) * 2 ** rng.uniform(-1, 1, count)
+            values[item.name] = float(item.default or 0.5) * 2 ** rng.uniform(-1, 1, count)
     if "moment_1" in values:
         parts = rng.uniform(1, 5, (3, count)) * 1e-3
         for axis in range(3):
@@ -117,7 +118,7 @@ def by_newton_and_euler(builder: Builder) -> Formulation:
         for one in (m, *unit):
             builder(one, p, t)
         read, bodies, reactions = m.move()
-        of_length = decimals(np.zeros((len(q), len(q)), dtype=int))
+        of_length = zeros(len(q), len(q))
         if scene.quaternions:
             rows = [names.index(x) for x in scene.quaternions[0].coordinates]
             turning = np.array([read[x] for x in scene.quaternions[0].rates])
