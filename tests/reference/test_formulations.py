@@ -249,6 +249,7 @@ def test_each_term_is_caught_by_both_formulation_and_mujoco(name: str) -> None:
     for part, (function, arguments) in functions(one.scene, sample).items():
         value, room = known[part]
         right, count = evaluate(function, arguments)
+        total = {}
         for word, factor in FACTORS.items():
             seen = seen_by_mujoco = 0
             for number in range(1, count + 1, step):
@@ -263,6 +264,8 @@ def test_each_term_is_caught_by_both_formulation_and_mujoco(name: str) -> None:
                     seen_by_mujoco += 1
                 seen += 1
             print(f"{name:24} {part:16} {word:12} {count:5} {seen:5} {seen_by_mujoco:5}")
+            total[word] = seen
+        assert total["dropped"] == total["off by 1e-6"]  # none is too small to be seen
 
 
 COEFFICIENTS = {"hub_ratio", "hub", "beam", "point", "bending", "gravity_x", "gravity_y"}

@@ -43,7 +43,7 @@ def evaluate(
     function: Callable[..., Any], arguments: tuple[Any, ...], number: int = 0, factor: float = 1.0
 ) -> tuple[Any, int]:
     """Return values of a function of arrays with one term changed, and how many there are."""
-    ledger = [0, number, factor]
+    ledger: list[Any] = [0, number, factor]
 
     def counted(x: Any) -> Any:
         if hasattr(x, "_fields"):

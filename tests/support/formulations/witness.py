@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable, Mapping
 from decimal import Decimal, localcontext
 from types import SimpleNamespace
@@ -53,11 +52,11 @@ def draw(scene: EquationsOfMotion, count: int, seed: int, **chosen: Any) -> Samp
     """Draw parameters within a factor of two, gravity, and states far from rest."""
     rng = np.random.default_rng(seed)
     values = dict(chosen)
-    for item in dataclasses.fields(scene.parameters):
-        if item.name.startswith("gravity"):
-            values[item.name] = rng.uniform(-10, 10, count)
-        elif item.name not in chosen and not isinstance(item.default, str):
-            values[item.name] = float(item.default or 0.5) * 2 ** rng.uniform(-1, 1, count)
+    for name, default in scene.parameters().as_dict().items():
+        if name.startswith("gravity"):
+            values[name] = rng.uniform(-10, 10, count)
+        elif name not in chosen and not isinstance(default, str):
+            values[name] = (default or 0.5) * 2 ** rng.uniform(-1, 1, count)
     if "moment_1" in values:
         parts = rng.uniform(1, 5, (3, count)) * 1e-3
         for axis in range(3):
