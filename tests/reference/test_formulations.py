@@ -125,8 +125,14 @@ def assert_agreement(one: Row, count: int) -> None:
         assert np.all(off <= UNITS * error), (name, np.max(off / (error + (off == 0))))
 
 
-FEWER = {"chain A": 20, "chain A, prescribed": 20, "chain B": 20, "rotating_beam": 8}
-"""Points of rows whose scene has another row with 50, or whose points take long."""
+FEWER = {
+    "chain A": 20,
+    "chain A, prescribed": 20,
+    "chain B": 20,
+    "rotating_beam": 8,
+    "extensible": 10,
+}
+"""Points of rows whose scene has another row with 50."""
 
 
 @pytest.mark.parametrize("name", ROWS)
@@ -137,7 +143,7 @@ def test_both_formulations_agree_to_round_off(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ROWS)
 def test_both_formulations_agree_at_many_points(name: str) -> None:
-    assert_agreement(ROWS[name], 200 if ROWS[name].formulation is by_particles else 1000)
+    assert_agreement(ROWS[name], 20 * FEWER.get(name, 50))
 
 
 @pytest.mark.parametrize("name", ROWS)
