@@ -19,6 +19,7 @@ from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.rotating_beam import FIGURE_5, beam_scene
 from mbcheck.reference.rotating_beam.frequencies.numbers import numbers, tension
+from mbcheck.reference.rotating_beam.frequencies.stretching import frequencies as natural_modes
 from mbcheck.tests.support.papers.shared import row_of
 from mbcheck.tests.support.words import agree
 
