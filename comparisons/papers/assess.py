@@ -212,8 +212,8 @@ def measure(row: LedgerRow, session: Session) -> tuple[Numbers, Mapping[str, Num
     """
     unit = {"unit": row.printed.partition(" ")[2]}
     numbers: dict[str, Any] = dict(unit)
-    for own in (row.equations, row.numbers):
-        numbers |= own(session) if own is not None else {}
+    for call in (row.equations, row.numbers):
+        numbers |= call(session) if call is not None else {}
     engines: dict[str, Numbers | str] = {}
     if row.each is not None:
         numbers |= named(row.each(session, REFERENCE))

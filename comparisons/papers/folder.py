@@ -125,7 +125,7 @@ class Folder:
             for one in paper.rows
             if (scene, one.name) in self.assessed
         ]
-        used = list(dict.fromkeys(item.run for item in (*figures, *rows)))
+        used = list(dict.fromkeys([item.run for item in figures] + [item.run for item in rows]))
         made = self.runs[0]
         return Findings(
             made.versions,

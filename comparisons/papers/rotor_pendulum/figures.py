@@ -247,12 +247,13 @@ def simulation_figure(session: Session, case: int) -> Any:
     others = {name: from_rest(session, case, name) for name in session.engines}
     figure, axes = new_figure(len(PANELS) + 1, 2, height=1.15, sharex="col")
     early, late = truth.times <= START_UP, truth.times > START_UP
+    first = curve.times <= START_UP
     for i, (title, quantity, line_of) in enumerate(PANELS):
         left, right = axes[i]
         line = line_of(truth)
         broad(left, truth.times[early], line[early], label="reference")
         _draw_range(right, truth.times, line)
-        left.plot(curve.times, line_of(curve), **CURVE_LINE)
+        left.plot(curve.times[first], line_of(curve)[first], **CURVE_LINE)
         for name, run in others.items():
             own = line_of(run)
             engine_line(left, name, run.times[early], own[early])

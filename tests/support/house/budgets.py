@@ -66,11 +66,13 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
 }
 """Folder -> statements and lines of Python."""
 
-CLAIMS: Mapping[str, int] = {"hula_hoop": 1420}
+CLAIMS: Mapping[str, int] = {
+    "hula_hoop": 1369,
+    "rotating_beam": 1232,
+    "rotor_pendulum": 1565,
+    "speed_regulator": 768,
+}
 """Lines of ``claims.toml`` of each paper that are not empty."""
-
-MOST_CLAIMS = 4500
-"""Lines that all of them may have."""
 
 WORDS: Mapping[str, int] = {
     "Return what": 320,
