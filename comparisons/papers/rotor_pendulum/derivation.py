@@ -262,7 +262,7 @@ RATIOS = {"platform": "n_x", "rod": "n_phi"}
 """Frequency ratio of each spring."""
 
 
-def inertias(spring: str) -> tuple[float, float]:
+def spring_inertias(spring: str) -> tuple[float, float]:
     """Return what a spring moves, and what the paper takes for it.
 
     Masses on the platform's spring [kg], or moments of inertia on the rod's [kg m^2].
@@ -277,7 +277,7 @@ def inertias(spring: str) -> tuple[float, float]:
 def stiffness(session: Session, ratio: float, spring: str) -> Numbers:
     """Return the stiffness that belongs to a frequency ratio, and that by the paper's inertia."""
     square = (PRINTED_SPEED / ratio) ** 2
-    right, wrong = inertias(spring)
+    right, wrong = spring_inertias(spring)
     return {
         "value": right * square,
         "mistaken": wrong * square,
@@ -294,7 +294,7 @@ def frequency_ratio(session: Session, case: int, spring: str) -> Numbers:
     """
     printed = getattr(PRINTED_RATIOS[case], RATIOS[spring])
     per_speed = float(getattr(theory.ratios(CASES[case], speed=1.0), RATIOS[spring]))
-    right, wrong = inertias(spring)
+    right, wrong = spring_inertias(spring)
     takes = printed / per_speed
     speed = float(np.clip(takes, *SPEEDS))
     return {

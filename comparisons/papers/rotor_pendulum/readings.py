@@ -12,7 +12,7 @@ from ....reference.rotor_pendulum.phase import wrapped
 from ..ledger import Numbers
 from ..session import Session
 from .cases import gap, time_to_speed
-from .derivation import PRINTED_SPEED, RATIOS, inertias, motor_slope
+from .derivation import PRINTED_SPEED, RATIOS, motor_slope, spring_inertias
 from .regions import fold_curve
 from .results import (
     BETAS,
@@ -55,7 +55,7 @@ def stiffness_or_ratio(session: Session, case: int) -> Numbers:
     """Return orbits by the printed stiffnesses, and by the printed ratios with both inertias."""
     p, n = CASES[case], PRINTED_RATIOS[case]
     speed = float(p.synchronous_speed)
-    masses, moments = (inertias(spring) for spring in RATIOS)
+    masses, moments = (spring_inertias(spring) for spring in RATIOS)
     by_ratios = [
         p.replace(
             platform_stiffness=mass * (speed / n.n_x) ** 2,
@@ -75,7 +75,7 @@ def hundred_kilograms(session: Session) -> Numbers:
     stiffnesses, speeds, amplitudes = [], [], []
     for platform in (100.0, 86.0):
         one, two = (p.replace(platform_mass=platform) for p in (CASE_1, CASE_2))
-        mass = inertias("platform")[0] + platform - 100.0
+        mass = spring_inertias("platform")[0] + platform - 100.0
         stiffnesses.append([mass * (PRINTED_SPEED / n) ** 2 for n in (0.1, 1.0)])
         speeds.append([
             PRINTED_RATIOS[case].n_x / float(theory.ratios(p, speed=1.0).n_x)

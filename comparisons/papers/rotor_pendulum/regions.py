@@ -124,8 +124,8 @@ def level_orbits(session: Session, who: str) -> Numbers:
 
 def spread(phases: Array) -> float:
     """Return the largest distance of phases from the mean of their column [rad]."""
-    units = np.exp(1j * phases)
-    return float(np.nanmax(abs(np.angle(units / np.nanmean(units, axis=0)))))
+    unit = np.exp(1j * phases)
+    return float(np.nanmax(abs(np.angle(unit / np.nanmean(unit, axis=0)))))
 
 
 def figure_3(session: Session, who: str) -> Numbers:

@@ -106,7 +106,9 @@ def test_orbits_end_before_resonance_and_begin_at_the_fold(angle: str, session: 
         ((0.998 * n_phi, 1.004 * n_phi), ["none", "synphase"]),
     ):
         rows = ("n_phi", *ends, 2)
-        plane = session.map("rotor_pendulum", "phase", columns, rows, parameters=beta)
+        plane = session.map(
+            "rotor_pendulum", "phase", columns, rows, model="exact", parameters=beta
+        )
         assert [PHASES[int(kind)] for kind in plane.variables["class"][:, 0]] == kinds
 
 
