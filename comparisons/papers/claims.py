@@ -62,7 +62,7 @@ DEFAULTS: Mapping[str, Mapping[str, Any]] = {
 }
 """What rows of a kind have if they say nothing else."""
 
-JUDGED: Mapping[str, Mapping[str, Any]] = {
+DEFAULT_CONDITIONS: Mapping[str, Mapping[str, Any]] = {
     "number": {"reproduced_if": ["value rounds to printed"]},
     "misprint": {"corrected_if": ["corrected < 1e-12", "as_printed > 1e-3"]},
 }
@@ -135,12 +135,16 @@ def read_row(
     """Return a row of a paper from its table in the file."""
     try:
         kind = data.get("kind", "claim")
-        judges = {} if judged(data) or data.get("verdict") == NOT_TESTABLE else JUDGED
+        judges = (
+            {}
+            if condition_keys(data) or data.get("verdict") == NOT_TESTABLE
+            else DEFAULT_CONDITIONS
+        )
         defaults = {**DEFAULTS.get(kind, {}), **judges.get(kind, {})}
         row = {"kind": kind, "name": name} | defaults | dict(data)
         row["judgement"] = {
             CONDITIONS[key]: [vars(read_condition(text)) for text in row.pop(key)]
-            for key in judged(row)
+            for key in condition_keys(row)
         }
         if "equations" in row:
             row["equations"] = read_equations(scene, row["equations"], shared)
@@ -156,7 +160,7 @@ def read_row(
         raise ValueError(f"row {name}: {error}") from error
 
 
-def judged(row: Mapping[str, Any]) -> list[str]:
+def condition_keys(row: Mapping[str, Any]) -> list[str]:
     """Return the keys of a row's conditions, in order of preference."""
     return [key for key in CONDITIONS if key in row]
 

@@ -75,12 +75,12 @@ class Folder:
             self.work.mkdir()
             stamp.write_text(now, "utf-8")
 
-    def _take(self, found: Findings) -> None:
+    def _take(self, document: Findings) -> None:
         """Take what a document has of the figures and rows that the papers have now."""
-        self.runs += [one for one in found.runs if one not in self.runs]
-        for item in found.entries:
+        self.runs += [one for one in document.runs if one not in self.runs]
+        for item in document.entries:
             paper = read_paper(item.scene) if item.scene in SCENES else PaperData()
-            how = {"run": self.runs.index(found.runs[item.run]), "seconds": item.seconds}
+            how = {"run": self.runs.index(document.runs[item.run]), "seconds": item.seconds}
             if isinstance(item, FigureEntry):
                 for figure in paper.figures:
                     if figure.number == item.number:

@@ -85,9 +85,9 @@ def markdown(text: str) -> str:
 
 def typed(text: str) -> Formula:
     """Return a formula, typeset, that `formula` has let through."""
-    found = typeset(text)
-    assert found is not None, text
-    return found
+    one = typeset(text)
+    assert one is not None, text
+    return one
 
 
 def html(text: str) -> str:
@@ -233,7 +233,7 @@ def scene_page(result: Findings, scene: str) -> str:
         items=items,
         missing=short if len(items) < whole else "",
         verdict=verdict(scene, items),
-        judged=judged(ledger),
+        verdict_table=verdict_table(ledger),
         parameters=parameters(scene),
         figures=result.figures_of(scene),
         numbers=numbers,
@@ -274,7 +274,7 @@ def verdict(scene: str, items: Sequence[RowEntry]) -> str:
     return "".join(row_links([part]) if i % 2 else plain(part) for i, part in enumerate(parts))
 
 
-def judged(rows: Sequence[RowEntry]) -> str:
+def verdict_table(rows: Sequence[RowEntry]) -> str:
     """Return the table of how many printed numbers and claims have which verdict."""
     count = Counter((row.verdict, row.kind) for row in rows)
     lines = [

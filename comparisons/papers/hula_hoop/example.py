@@ -30,12 +30,12 @@ from .results import (
     example_from_rest,
     example_orbit,
     example_rotation,
-    extremes,
     grid,
     is_class,
     lock_in,
     motion_map,
     second_harmonic,
+    value_range,
 )
 
 OMEGA = 2 * np.pi * float(EXAMPLE.force_frequency)
@@ -63,7 +63,7 @@ def rotation(session: Session, who: str) -> Numbers:
     the second, and the larger of both. The range of theta' [rad/s], and its width by omega.
     """
     report, run = example_orbit(session, who), example_rotation(session, who)
-    slow, fast = extremes(run.times, run.observables["theta_dot"])
+    slow, fast = value_range(run.times, run.observables["theta_dot"])
     speed = report.mean_speed or 0.0
     first, *others = (term.amplitude for term in report.harmonics["y"].terms)
     angle = report.harmonics["theta"]

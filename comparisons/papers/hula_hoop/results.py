@@ -108,7 +108,7 @@ def approximation_errors(session: Session) -> dict[str, Array]:
     return {name: apart(approximate_states(name), truth).max(axis=1) for name in APPROXIMATIONS}
 
 
-def extremes(times: Array, values: Array) -> tuple[float, float]:
+def value_range(times: Array, values: Array) -> tuple[float, float]:
     """Return the smallest and the largest value of samples (n_t,), between them by splines."""
     spline = CubicSpline(times, values)
     every = np.concatenate([values, spline(spline.derivative().roots(extrapolate=False))])
@@ -156,7 +156,8 @@ def lock_in(times: Array, theta: Array, speed: Array) -> LockIn:
         settled=float(np.max(stroboscopic[off > 0.5], initial=0.0)),
         turns=abs(turns),
         direction=direction,
-        least_speed=extremes(times[-1 - SAMPLES :], direction * speed[-1 - SAMPLES :])[0] / omega,
+        least_speed=value_range(times[-1 - SAMPLES :], direction * speed[-1 - SAMPLES :])[0]
+        / omega,
     )
 
 

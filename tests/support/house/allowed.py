@@ -37,6 +37,7 @@ ALLOWED: Mapping[str, Mapping[str, str]] = {
     },
     "private_words": {
         "comparisons/inspect/inspection.py::held": DOCUMENT,
+        "comparisons/papers/ledger.py::claim": DOCUMENT,
         "comparisons/papers/outcomes.py::claim": DOCUMENT,
         "comparisons/judge/judge.py::judged": DOCUMENT,
     },
