@@ -31,6 +31,7 @@ from ...reference.rotating_beam.elements import stations as node_places
 from ...reference.rotating_beam.frequencies.stretching import frequencies
 from ...reference.rotating_beam.parameters import RotatingBeam
 from ...reference.scene import Array, EquationsOfMotion
+from ..placement import right_handed, world_axes
 from ..exudyn_system import (
     ExudynSystem,
     Model,
@@ -261,7 +262,7 @@ def why_not_in_space(p: RotatingBeam) -> str | None:
 
 MODELS: Mapping[str, Model] = {
     "elements": Model(
-        elements,
+        lambda p, placement: elements(p, right_handed(world_axes(placement)) if placement else None),
         constrained=True,
         why_not=why_not_on_hub,
         large=True,
@@ -270,8 +271,7 @@ MODELS: Mapping[str, Model] = {
         prescribed=lambda p: p.drive == "prescribed",
         element_order=lambda p: 4 if p.element == "ancf" else 2,
         bodies=lambda p: p.replace(drive="torque"),
-        in_axes=elements,
-        why_not_in_axes=why_not_in_space,
+        why_not_placed=why_not_in_space,
     )
 }
 """The one model; the parameter ``element`` tells of which elements."""
