@@ -75,11 +75,15 @@ class Source:
         values = self.scene.completed({})
         origin = np.array([values[name] for name in self.scene.coordinates])
         self.start = place(whole, self.motion(origin, 0 * origin)[0])
-        own = {i: [whole.joints[k] for k in body.joints] for i, body in enumerate(whole.bodies) if i}
+        own = {
+            i: [whole.joints[k] for k in body.joints] for i, body in enumerate(whole.bodies) if i
+        }
         self.bodies = [i for i, joints in own.items() if not any(one.armature for one in joints)]
         for i in self.bodies:
             if len(own[i]) != 1 or np.any(own[i][0].anchor):
-                raise CannotJudgeError(f"body {whole.bodies[i].name} has not one joint in its origin")
+                raise CannotJudgeError(
+                    f"body {whole.bodies[i].name} has not one joint in its origin"
+                )
         self.joints = {i: own[i][0] for i in self.bodies}
         self.refs = {one.name: one.ref for one in whole.joints}
 
@@ -93,7 +97,9 @@ class Source:
 
     def sums(self) -> Iterator[tuple[int, Mapping[str, float]]]:
         """Yield the scene's coordinates that are sums of hinges and slides, and these sums."""
-        spatial = {name for one in self.scene.quaternions for name in (*one.coordinates, *one.place)}
+        spatial = {
+            name for one in self.scene.quaternions for name in (*one.coordinates, *one.place)
+        }
         for i, name in enumerate(self.scene.coordinates):
             if name not in spatial:
                 yield i, self.model.readout.get(name, {name: 1.0})
@@ -296,9 +302,6 @@ def build_plane(source: Source) -> ExudynSystem:
     mbs, size = container.AddSystem(), 3 * len(bodies)
     first = {i: 3 * k for k, i in enumerate(bodies)}
     centres = {i: Site(i, whole.bodies[i].centre) for i in bodies}
-    fixed = mbs.AddMarker(
-        items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0)
-    )
     nodes, numbers = [], {0: mbs.AddObject(items.ObjectGround())}
     for i in bodies:
         (x, y, _), turn = source.start.point(centres[i]), source.start.rotations[i]
@@ -311,6 +314,10 @@ def build_plane(source: Source) -> ExudynSystem:
                 nodeNumber=nodes[-1],
             )
         )
+
+    fixed = mbs.AddMarker(
+        items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0)
+    )
 
     def add_hinge(*sites: Site) -> None:
         markers = [
@@ -534,7 +541,10 @@ def add_springs(
             continue
         (i,) = map(source.carrier, reach)
         body, one = whole.bodies[i], source.joints[i]
-        markers = [marking.point(Site(body.parent, body.position)), marking.point(Site(i, np.zeros(3)))]
+        markers = [
+            marking.point(Site(body.parent, body.position)),
+            marking.point(Site(i, np.zeros(3))),
+        ]
         if one.kind == "ball":
             damping = -term.per_rate * np.diag([0, 0, 0, 1, 1, 1])
             spring = items.ObjectConnectorRigidBodySpringDamper(
@@ -554,7 +564,10 @@ def add_springs(
     hinges = []
     for (base, body), (stiffness, damping, torque) in torsion.items():
         axis, counted = source.axis(body), (base, body) in angles
-        frames = [(Site(k, marking.origins[k]), source.start.rotations[k].T @ to_axis(axis)) for k in (base, body)]
+        frames = [
+            (Site(k, marking.origins[k]), source.start.rotations[k].T @ to_axis(axis))
+            for k in (base, body)
+        ]
         count = {}
         if counted:
             count["nodeNumber"] = mbs.AddNode(
@@ -579,9 +592,7 @@ def add_springs(
     return tuple(hinges), functions
 
 
-def model_of(
-    scene: str, mjcf: Mjcf, build: Callable[[Source], ExudynSystem], **more: Any
-) -> Model:
+def model_of(scene: str, mjcf: Mjcf, build: Callable[[Source], ExudynSystem], **more: Any) -> Model:
     """Return the Exudyn model of a mechanism in an MJCF file, built in one of the ways above."""
     in_space = build_space if build is build_plane else build
 

@@ -50,6 +50,17 @@ def physics(name: str) -> str:
 
 items = Items()
 
+
+def why_no_rim() -> str | None:
+    """Return why no joint can act off the axis of an ObjectRotationalMass1D, or None."""
+    if "inertia" in parameters(Items.module, "ObjectRotationalMass1D"):
+        return None
+    return (
+        f"Exudyn {exudyn.__version__} takes no joint off the axis of a rotor "
+        "(ObjectRotationalMass1D), which 1.13.6 does"
+    )
+
+
 class Turning(NamedTuple):
     """How N coordinates turn with the whole system about an axis, the first of them its angle.
 

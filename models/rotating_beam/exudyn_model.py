@@ -31,7 +31,6 @@ from ...reference.rotating_beam.elements import stations as node_places
 from ...reference.rotating_beam.frequencies.stretching import frequencies
 from ...reference.rotating_beam.parameters import RotatingBeam
 from ...reference.scene import Array, EquationsOfMotion
-from ..placement import right_handed, world_axes
 from ..exudyn_system import (
     ExudynSystem,
     Model,
@@ -42,6 +41,7 @@ from ..exudyn_system import (
     weigh,
     why_no_rim,
 )
+from ..placement import right_handed, world_axes
 
 PRESCRIBED = 2.0**60
 """Inertia [kg m^2] of a hub whose motion is prescribed: the torque that moves it by (22) is
@@ -260,9 +260,14 @@ def why_not_in_space(p: RotatingBeam) -> str | None:
     return why_not_on_hub(p)
 
 
+def build(p: RotatingBeam, placement: str) -> ExudynSystem:
+    """Return the elements, along the axes of the world or turned with them."""
+    return elements(p, right_handed(world_axes(placement)) if placement else None)
+
+
 MODELS: Mapping[str, Model] = {
     "elements": Model(
-        lambda p, placement: elements(p, right_handed(world_axes(placement)) if placement else None),
+        build,
         constrained=True,
         why_not=why_not_on_hub,
         large=True,
