@@ -374,7 +374,8 @@ BUILT: list[tuple[str, Callable[[], Any], str, str, str]] = [
         "tumbling", "algebra", "",
     ),
     (
-        "floating_beam", lambda: Rebound(ON_HUB), "afloat", "frequency", "K is off at (theta_2, theta_2) and (theta_3, theta_3)",
+        "floating_beam", lambda: Rebound(ON_HUB),
+        "afloat", "frequency", "K is off at (theta_2, theta_2) and (theta_3, theta_3)",
     ),
 ]  # fmt: skip
 """Scenes, wrong Exudyn models, the case and the kind of check that show it, and what is said."""
