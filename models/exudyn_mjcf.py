@@ -41,7 +41,7 @@ from .mjcf import Mjcf, export
 from .placement import placed, placed_motion, right_handed, turn_quaternion, world_axes
 
 NO_INERTIA = 2e-15
-"""Largest moment of inertia [kg m^2] that stands for none: MuJoCo refuses less than 1e-15."""
+"""The moment of inertia [kg m^2] that stands for none: MuJoCo refuses less than 1e-15."""
 
 UPRIGHT = np.eye(4)[0]
 """The quaternion of no rotation, from which Exudyn's coordinates count."""
@@ -123,7 +123,7 @@ class Source:
     def tensor(self, body: int) -> Array:
         """Return the inertia tensor (3, 3) of a body about its centre of mass."""
         tensor = self.whole.bodies[body].inertia
-        return tensor if np.max(np.abs(tensor)) > NO_INERTIA else 0 * tensor
+        return 0 * tensor if np.max(tensor) == NO_INERTIA else tensor
 
     def carrier(self, joint: str) -> int:
         """Return the body that a joint moves."""
