@@ -211,35 +211,37 @@ def add_loads(
     -------
     functions that must live as long as the system
     """
-    size, functions = len(next(iter(rows.values()))), ()
-    stiffness, damping, constant = np.zeros((size, size)), np.zeros((size, size)), np.zeros(size)
-    for term, reach, force, waves in source.loads():
-        row = sum((factor * rows[name] for name, factor in reach.items()), np.zeros(size))
-        stiffness -= term.per_length * np.outer(row, row)
-        damping -= term.per_rate * np.outer(row, row)
-        constant += force * row
-        for i in np.flatnonzero(row):
-            functions += add_waves(mbs, nodes, size // len(nodes), int(i), row[i], waves)
-    mbs.AddObject(
-        items.ObjectGenericODE2(
-            nodeNumbers=nodes,
-            massMatrix=np.zeros((size, size)),
-            stiffnessMatrix=stiffness,
-            dampingMatrix=damping,
-            forceVector=constant,
-        )
+    functions: tuple[Any, ...] = ()
+    per_node = len(next(iter(rows.values()))) // len(nodes)
+    still = items.MarkerNodeCoordinate(
+        nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0
     )
+    for term, reach, force, waves in source.loads():
+        row = np.sum([factor * rows[name] for name, factor in reach.items()], axis=0)
+        markers = []
+        for i in np.flatnonzero(row):
+            place = {"nodeNumber": nodes[i // per_node], "coordinate": int(i % per_node)}
+            markers.append(mbs.AddMarker(items.MarkerNodeCoordinate(**place)))
+            if force:
+                mbs.AddLoad(items.LoadCoordinate(markerNumber=markers[-1], load=force * row[i]))
+            functions += add_waves(mbs, markers[-1], row[i], waves)
+        first, *second = row[np.flatnonzero(row)]
+        mbs.AddObject(
+            items.ObjectConnectorCoordinateSpringDamperExt(
+                markerNumbers=[*(markers[1:] or [mbs.AddMarker(still)]), markers[0]],
+                factor0=-(second or [-1.0])[0],
+                factor1=first,
+                stiffness=-term.per_length,
+                damping=-term.per_rate,
+            )
+        )
     return functions
 
 
-def add_waves(
-    mbs: Any, nodes: list[Any], per_node: int, i: int, share: float, waves: Any
-) -> tuple[Any, ...]:
-    """Put a share of harmonic loads (N, rad/s) on coordinate i; return what must stay alive."""
-    place = {"nodeNumber": nodes[i // per_node], "coordinate": i % per_node}
+def add_waves(mbs: Any, marker: Any, share: float, waves: Any) -> tuple[Any, ...]:
+    """Put a share of harmonic loads (N, rad/s) on a coordinate; return what must stay alive."""
     functions: tuple[Any, ...] = ()
     for amplitude, omega in waves:
-        marker = mbs.AddMarker(items.MarkerNodeCoordinate(**place))
         functions += harmonic_load(mbs, marker, float(amplitude * share), omega)
     return functions
 
@@ -559,7 +561,9 @@ def add_springs(
                 force=-force,
             )
             for k, share in enumerate(source.axis(i).tolist()):
-                functions += add_waves(mbs, nodes, 7, first[i] + k, share, waves)
+                place = {"nodeNumber": nodes[first[i] // 7], "coordinate": k}
+                marker = mbs.AddMarker(items.MarkerNodeCoordinate(**place))
+                functions += add_waves(mbs, marker, share, waves)
         mbs.AddObject(spring)
     hinges = []
     for (base, body), (stiffness, damping, torque) in torsion.items():

@@ -42,9 +42,7 @@ ATTRIBUTES = (
 
 
 @pytest.mark.parametrize(("scene", "label", "tag", "name"), some_are_slow(ATTRIBUTES, 4))
-def test_an_attribute_that_is_left_out_is_seen(
-    scene: str, label: str, tag: str, name: str
-) -> None:
+def test_an_attribute_that_is_left_out_is_seen(scene: str, label: str, tag: str, name: str) -> None:
     known = get_scene(scene)
     (case,) = (one for one in (*known.cases, *known.placed) if one.label == label)
 
