@@ -462,12 +462,14 @@ def build_space(source: Source) -> ExudynSystem:
     mbs.Assemble()
     more = source.linear(rows or {"": np.zeros(size)}, at_zero)
     turn = turn_quaternion(right_handed(world_axes(source.placement)))
-    for one in source.scene.quaternions:
-        at = [source.scene.coordinates.index(name) for name in one.coordinates]
-        k = first[source.carrier(one.name)]
-        more["readout"][at, k + 3 : k + 7] = turn.T
-        more["origin"][at] = turn.T @ UPRIGHT
-        for axis, name in zip(world_axes(source.placement).T, one.place, strict=bool(one.place)):
+    for attitude in source.scene.quaternions:
+        rows_of = [source.scene.coordinates.index(name) for name in attitude.coordinates]
+        k = first[source.carrier(attitude.name)]
+        more["readout"][rows_of, k + 3 : k + 7] = turn.T
+        more["origin"][rows_of] = turn.T @ UPRIGHT
+        for axis, name in zip(
+            world_axes(source.placement).T, attitude.place, strict=bool(attitude.place)
+        ):
             more["readout"][source.scene.coordinates.index(name), k : k + 3] = axis
 
     def at(q: Array, v: Array) -> tuple[Array, Array]:
@@ -566,22 +568,21 @@ def add_springs(
                 functions += add_waves(mbs, marker, share, waves)
         mbs.AddObject(spring)
     hinges = []
-    for (base, body), (stiffness, damping, torque) in torsion.items():
-        axis, counted = source.axis(body), (base, body) in angles
+    for ends, (stiffness, damper, torque) in torsion.items():
+        axis = source.axis(ends[1])
         frames = [
-            (Site(k, marking.origins[k]), source.start.rotations[k].T @ to_axis(axis))
-            for k in (base, body)
+            (Site(k, marking.origins[k]), source.start.rotations[k].T @ to_axis(axis)) for k in ends
         ]
         count = {}
-        if counted:
+        if ends in angles:
             count["nodeNumber"] = mbs.AddNode(
                 items.NodeGenericData(initialCoordinates=[0.0], numberOfDataCoordinates=1)
             )
             hinges.append(
                 Hinge(
-                    angles[base, body],
-                    tuple(source.start.rotations[k].T @ axis for k in (base, body)),
-                    tuple(first[k] + 3 if k else None for k in (base, body)),
+                    angles[ends],
+                    tuple(source.start.rotations[k].T @ axis for k in ends),
+                    tuple(first[k] + 3 if k else None for k in ends),
                 )
             )
         mbs.AddObject(
@@ -589,7 +590,7 @@ def add_springs(
                 **marking.frames(*frames),
                 **count,
                 stiffness=stiffness,
-                damping=damping,
+                damping=damper,
                 torque=torque,
             )
         )

@@ -152,8 +152,8 @@ class Hinge(NamedTuple):
     """
 
     coordinate: int
-    axes: tuple[Array, Array]
-    attitudes: tuple[int | None, int | None]
+    axes: tuple[Array, ...]
+    attitudes: tuple[int | None, ...]
 
     def row(self, coordinates: Array) -> Array:
         """Return the rate of the scene's coordinate (N,) per rate of each of Exudyn's.
