@@ -224,7 +224,8 @@ def add_loads(
             markers.append(mbs.AddMarker(items.MarkerNodeCoordinate(**place)))
             if force:
                 mbs.AddLoad(items.LoadCoordinate(markerNumber=markers[-1], load=force * row[i]))
-            functions += add_waves(mbs, markers[-1], row[i], waves)
+            for amplitude, omega in waves:
+                functions += harmonic_load(mbs, markers[-1], float(amplitude * row[i]), omega)
         first, *second = row[np.flatnonzero(row)]
         mbs.AddObject(
             items.ObjectConnectorCoordinateSpringDamperExt(
@@ -235,14 +236,6 @@ def add_loads(
                 damping=-term.per_rate,
             )
         )
-    return functions
-
-
-def add_waves(mbs: Any, marker: Any, share: float, waves: Any) -> tuple[Any, ...]:
-    """Put a share of harmonic loads (N, rad/s) on a coordinate; return what must stay alive."""
-    functions: tuple[Any, ...] = ()
-    for amplitude, omega in waves:
-        functions += harmonic_load(mbs, marker, float(amplitude * share), omega)
     return functions
 
 
@@ -565,7 +558,8 @@ def add_springs(
             for k, share in enumerate(source.axis(i).tolist()):
                 place = {"nodeNumber": nodes[first[i] // 7], "coordinate": k}
                 marker = mbs.AddMarker(items.MarkerNodeCoordinate(**place))
-                functions += add_waves(mbs, marker, share, waves)
+                for amplitude, omega in waves:
+                    functions += harmonic_load(mbs, marker, float(amplitude * share), omega)
         mbs.AddObject(spring)
     hinges = []
     for ends, (stiffness, damper, torque) in torsion.items():
