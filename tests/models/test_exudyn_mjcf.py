@@ -13,7 +13,6 @@ from mbcheck.models.mechanism import mechanism
 from mbcheck.models.mjcf import Mjcf, models
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import CannotJudgeError
-from mbcheck.tests.support.draws import some_are_slow
 
 ATTRIBUTES = (
     ("hula_hoop", "weighed", "option", "gravity"),
@@ -41,8 +40,10 @@ ATTRIBUTES = (
 """Scene, case, and what is left out of its file."""
 
 
-@pytest.mark.parametrize(("scene", "label", "tag", "name"), some_are_slow(ATTRIBUTES, 4))
+@pytest.mark.slow
+@pytest.mark.parametrize(("scene", "label", "tag", "name"), ATTRIBUTES)
 def test_an_attribute_that_is_left_out_is_seen(scene: str, label: str, tag: str, name: str) -> None:
+    pytest.importorskip("exudyn", exc_type=ImportError)
     known = get_scene(scene)
     (case,) = (one for one in (*known.cases, *known.placed) if one.label == label)
 
