@@ -226,16 +226,15 @@ def add_loads(
                 mbs.AddLoad(items.LoadCoordinate(markerNumber=markers[-1], load=force * row[i]))
             for amplitude, omega in waves:
                 functions += harmonic_load(mbs, markers[-1], float(amplitude * row[i]), omega)
-        first, *second = row[np.flatnonzero(row)]
-        mbs.AddObject(
-            items.ObjectConnectorCoordinateSpringDamperExt(
-                markerNumbers=[*(markers[1:] or [mbs.AddMarker(still)]), markers[0]],
-                factor0=-(second or [-1.0])[0],
-                factor1=first,
-                stiffness=-term.per_length,
-                damping=-term.per_rate,
-            )
-        )
+        spring = {"stiffness": -term.per_length, "damping": -term.per_rate}
+        if len(markers) == 1 or np.sum(row) == 0:  # one coordinate, or the difference of two
+            ends = [*(markers[1:] or [mbs.AddMarker(still)]), markers[0]]
+            spring_damper = items.ObjectConnectorCoordinateSpringDamper
+            mbs.AddObject(spring_damper(markerNumbers=ends, **spring))
+            continue
+        square = np.outer(row, row)
+        matrices = {f"{name}Matrix": value * square for name, value in spring.items()}
+        mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=nodes, massMatrix=0 * square, **matrices))
     return functions
 
 

@@ -49,7 +49,8 @@ def test_an_attribute_that_is_left_out_is_seen(scene: str, label: str, tag: str,
 
     def read(text: str) -> object:
         root = ET.fromstring(text)
-        assert any(item.attrib.pop(name, None) for item in list(root.iter(tag)))
+        removed = [item.attrib.pop(name, None) for item in root.iter(tag)]
+        assert any(removed)
         return mechanism(ET.tostring(root, encoding="unicode"))
 
     verdicts = set()
