@@ -48,7 +48,7 @@ UPRIGHT = np.eye(4)[0]
 UPRIGHT.flags.writeable = False
 
 
-class Source:
+class ExudynSource:
     """What an Exudyn model is built from: the mechanism in an MJCF file, placed in the world.
 
     Attributes
@@ -197,7 +197,7 @@ def to_axis(axis: Array) -> Array:
 
 
 def add_loads(
-    mbs: Any, source: Source, nodes: list[Any], rows: Mapping[str, Array]
+    mbs: Any, source: ExudynSource, nodes: list[Any], rows: Mapping[str, Array]
 ) -> tuple[Any, ...]:
     """Add springs, dampers and actuators of joints that are linear in Exudyn's coordinates.
 
@@ -238,7 +238,7 @@ def add_loads(
     return functions
 
 
-def build_tree(source: Source) -> ExudynSystem:
+def build_tree(source: ExudynSource) -> ExudynSystem:
     """Return minimal coordinates: those of the joints, in a kinematic tree."""
     container, bodies, whole = exudyn.SystemContainer(), source.bodies, source.whole
     mbs, count = container.AddSystem(), len(bodies)
@@ -278,19 +278,19 @@ def build_tree(source: Source) -> ExudynSystem:
     rows = dict(zip(names, np.eye(count), strict=True))
     functions = add_loads(mbs, source, [node], rows)
     mbs.Assemble()
-    kept = [[one.name for one in whole.joints].index(name) for name in names]
+    places = [[one.name for one in whole.joints].index(name) for name in names]
     refs = np.array([source.refs[name] for name in names])
 
     def at(q: Array, v: Array) -> tuple[Array, Array]:
         positions, velocities = source.motion(q, v)
-        return positions[kept] - refs, velocities[kept]
+        return positions[places] - refs, velocities[places]
 
     return ExudynSystem(
         mbs, at, container=container, functions=functions, **source.linear(rows, source.refs)
     )
 
 
-def build_plane(source: Source) -> ExudynSystem:
+def build_plane(source: ExudynSource) -> ExudynSystem:
     """Return bodies in the plane, (x, y, angle) of each centre of mass, joined by constraints."""
     container, bodies, whole = exudyn.SystemContainer(), source.bodies, source.whole
     mbs, size = container.AddSystem(), 3 * len(bodies)
@@ -405,7 +405,7 @@ class Marking(NamedTuple):
         return {"markerNumbers": markers}
 
 
-def build_space(source: Source) -> ExudynSystem:
+def build_space(source: ExudynSource) -> ExudynSystem:
     """Return bodies with Euler parameters, (x, y, z, q_w, q_x, q_y, q_z), joined by constraints.
 
     The place of a body is that of its joint, or, in a plane mechanism, of its centre of mass.
@@ -517,7 +517,7 @@ def add_body(mbs: Any, body: Body, tensor: Array, origin: Array) -> tuple[Any, A
 
 
 def add_springs(
-    source: Source, marking: Marking, nodes: list[Any], first: Mapping[int, int]
+    source: ExudynSource, marking: Marking, nodes: list[Any], first: Mapping[int, int]
 ) -> tuple[tuple[Hinge, ...], tuple[Any, ...]]:
     """Add springs, dampers and actuators between bodies in space.
 
@@ -590,12 +590,14 @@ def add_springs(
     return tuple(hinges), functions
 
 
-def model_of(scene: str, mjcf: Mjcf, build: Callable[[Source], ExudynSystem], **more: Any) -> Model:
+def model_of(
+    scene: str, mjcf: Mjcf, build: Callable[[ExudynSource], ExudynSystem], **more: Any
+) -> Model:
     """Return the Exudyn model of a mechanism in an MJCF file, built in one of the ways above."""
     in_space = build_space if build is build_plane else build
 
     def placed_system(p: Any, placement: str) -> ExudynSystem:
-        return (in_space if placement else build)(Source(scene, mjcf, p, placement))
+        return (in_space if placement else build)(ExudynSource(scene, mjcf, p, placement))
 
     return Model(
         placed_system,

@@ -172,7 +172,7 @@ FAULTS: Mapping[str, Mapping[str, Fault]] = {
         "rod_inertia_about_its_end": Fault(
             {
                 MUJOCO: lambda: mujoco.Rebound({("body:rod/inertial", "diaginertia"): third}),
-                EXUDYN: lambda: exudyn.Rebound(
+                EXUDYN: lambda: exudyn.ReboundExudyn(
                     {("body:rod/inertial", "diaginertia"): third},
                     slider_crank,
                     inertias=thick_inertias,

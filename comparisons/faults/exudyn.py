@@ -170,7 +170,7 @@ class Rebuilt(ExudynAdapter):
             return super().system(case, model)
 
 
-class Rebound(Rebuilt):
+class ReboundExudyn(Rebuilt):
     """Exudyn with other values in the MJCF that its models are built from, or of `Rebuilt`."""
 
     def __init__(

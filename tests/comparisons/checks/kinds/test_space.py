@@ -18,7 +18,7 @@ from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.comparisons.engines.equations import ModelEquations
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.faults.catalogue import scaled
-from mbcheck.comparisons.faults.exudyn import Rebound, Rebuilt
+from mbcheck.comparisons.faults.exudyn import ReboundExudyn, Rebuilt
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.examples.mujoco_engine import MujocoPlugin
 from mbcheck.models import exudyn_mjcf
@@ -355,11 +355,11 @@ BUILT: list[tuple[str, Callable[[], Any], str, str, str]] = [
     ("floating_platform", exudyn("gravity_z", -1.0), "falling", "algebra", ""),
     (
         "floating_platform",
-        lambda: Rebound({("body:body/inertial", "fullinertia"): central_moments}),
+        lambda: ReboundExudyn({("body:body/inertial", "fullinertia"): central_moments}),
         "tumbling", "algebra", "products of inertia are dropped",
     ),
     (
-        "floating_platform", lambda: Rebound({("body:rod", "euler"): tilted_last}),
+        "floating_platform", lambda: ReboundExudyn({("body:rod", "euler"): tilted_last}),
         "tumbling", "algebra", "",
     ),
     (
@@ -370,11 +370,11 @@ BUILT: list[tuple[str, Callable[[], Any], str, str, str]] = [
     ("floating_beam", exudyn("tip_mass"), "tumbling", "algebra", ""),
     (
         "floating_beam",
-        lambda: Rebound({("body:rod_3", "euler"): lambda p: (-p.twist, 0, 0)}),
+        lambda: ReboundExudyn({("body:rod_3", "euler"): lambda p: (-p.twist, 0, 0)}),
         "tumbling", "algebra", "",
     ),
     (
-        "floating_beam", lambda: Rebound(ON_HUB),
+        "floating_beam", lambda: ReboundExudyn(ON_HUB),
         "afloat", "frequency", "K is off at (theta_2, theta_2) and (theta_3, theta_3)",
     ),
 ]  # fmt: skip
