@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..reference.body.rotation import inner, rotation_columns
-from ..reference.quaternions import matrix, square
+from ..reference.quaternions import square
 from ..reference.scene import Array, EquationsOfMotion
 
 # As Any, since Exudyn's type stubs refuse calls that it documents.
@@ -49,10 +49,6 @@ def physics(name: str) -> str:
 
 
 items = Items()
-
-UPRIGHT = np.eye(3)
-"""Axes of a model that stands along those of the world."""
-UPRIGHT.flags.writeable = False
 
 
 def why_no_rim() -> str | None:
@@ -143,27 +139,21 @@ class Turning(NamedTuple):
 
 
 class Hinge(NamedTuple):
-    """A hinge between two bodies with Euler parameters, which a connector counts the turns of.
+    """An angle between two bodies with Euler parameters, which a connector counts the turns of.
 
     Attributes
     ----------
     coordinate : int
-        Which of the scene's coordinates is its angle.
-    point : array (3,)
-        Of the first body, where the second has its reference point.
-    frame : array (4,)
-        The quaternion of the second body in the first at the angle 0; its z axis is the hinge's.
-    attitudes : tuple of two int
+        Which of the scene's coordinates is the angle.
+    axes : tuple of two arrays (3,)
+        The axis in each of the bodies.
+    attitudes : tuple of two int, or None for the world
         Where the Euler parameters of both begin among all N coordinates, whose reference is 1.
-    sign : float
-        -1 where the scene counts the angle about the opposite of that axis.
     """
 
     coordinate: int
-    point: Array
-    frame: Array
-    attitudes: tuple[int, int]
-    sign: float = 1.0
+    axes: tuple[Array, ...]
+    attitudes: tuple[int | None, ...]
 
     def row(self, coordinates: Array) -> Array:
         """Return the rate of the scene's coordinate (N,) per rate of each of Exudyn's.
@@ -172,12 +162,13 @@ class Hinge(NamedTuple):
         product of rates.
         """
         row = np.zeros(len(coordinates))
-        axes = [entries[2] for entries in matrix(self.frame)], [0.0, 0.0, 1.0]
-        for at, axis, sign in zip(self.attitudes, axes, (-1.0, 1.0), strict=True):
+        for at, axis, sign in zip(self.attitudes, self.axes, (-1.0, 1.0), strict=True):
+            if at is None:
+                continue
             unit = coordinates[at : at + 4] + np.eye(4)[0]
             columns, size = rotation_columns(unit), square(unit)
             row[at : at + 4] = [sign * 2 * inner(axis, column) / size for column in columns]
-        return self.sign * row
+        return row
 
 
 @dataclass(frozen=True)
@@ -205,9 +196,8 @@ class ExudynSystem:
         The scene's coordinates where those of Exudyn are 0; None: 0.
     hinges : tuple of Hinge
         Of coordinates that have no row in ``readout``. Their angles are Exudyn's data coordinates.
-    multipliers : array (m', m), or None
-        The multipliers of the model as it stands, from the m of this system in other axes; None:
-        they are the same.
+    multipliers : array (k, m), or None
+        The reactions of the model from the m multipliers of this system.
     """
 
     mbs: Any
@@ -223,7 +213,7 @@ class ExudynSystem:
 
     def angles(self, q: Array) -> list[float]:
         """Return the data coordinates at positions (n,) of the scene."""
-        return [hinge.sign * float(q[hinge.coordinate]) for hinge in self.hinges]
+        return [float(q[hinge.coordinate]) for hinge in self.hinges]
 
     def readout_at(self, coordinates: Array) -> Array:
         """Return the matrix (n, N) to rates, and to accelerations, at coordinates (N,)."""
@@ -239,7 +229,7 @@ class ExudynSystem:
         q, v = (self.readout @ coordinates.T).T, (self.readout @ rates.T).T
         q = q if self.origin is None else q + self.origin
         for hinge, angle in zip(self.hinges, angles.T, strict=True):
-            q[:, hinge.coordinate] = hinge.sign * angle
+            q[:, hinge.coordinate] = angle
             rows = zip(coordinates, rates, strict=True)
             v[:, hinge.coordinate] = [hinge.row(at) @ speed for at, speed in rows]
         return q, v
@@ -251,14 +241,12 @@ class Model:
 
     Attributes
     ----------
-    build : callable ``(parameters) -> System``
+    build : callable ``(parameters, placement) -> System``
     constrained : bool
         Whether it has algebraic constraints, which Exudyn's explicit solvers cannot keep.
     reactions : mapping of output to int
-        Which output of the scene is which Lagrange multiplier, counted over the joints in the
-        order in which they were added: the force of a joint on the body of its first marker.
-    why_not : callable ``(parameters) -> str or None``
-        Why the model, not turned, cannot stand for the scene with these parameters.
+        Which output of the scene is which of the system's reactions: the force of a joint on the
+        body of its first marker.
     large : bool
         Whether it has so many coordinates that factorising Newton's Jacobian takes long.
     equations : callable ``(parameters) -> (EquationsOfMotion, parameters)``, or None
@@ -270,25 +258,24 @@ class Model:
         Whether the first coordinate has a given motion.
     element_order : callable ``(parameters) -> int``
         Order with which it converges to that as its elements are halved; 0 without elements.
-    in_axes : callable ``(parameters, axes (3, 3)) -> System``, or None
-        The same in axes that are turned in the world, of a model that can be built so.
-    why_not_in_axes : callable ``(parameters) -> str or None``
-        Why it cannot be turned with these parameters.
+    why_not : callable ``(parameters) -> str or None``
+        Why the model, not placed elsewhere, cannot stand for the scene with these parameters.
+    why_not_placed : callable ``(parameters) -> str or None``
+        Why it cannot be placed otherwise than it stands.
     bodies : callable ``(parameters) -> parameters``
         With which the mass matrix holds the scene's bodies alone, and nothing that drives.
     """
 
-    build: Callable[[Any], ExudynSystem]
+    build: Callable[[Any, str], ExudynSystem]
     constrained: bool
     reactions: Mapping[str, int] = field(default_factory=dict)
-    why_not: Callable[[Any], str | None] = lambda parameters: None
     large: bool = False
     equations: Callable[[Any], tuple[EquationsOfMotion, Any]] | None = None
     discrete: Callable[[Any], EquationsOfMotion] | None = None
     prescribed: Callable[[Any], bool] = lambda parameters: False
     element_order: Callable[[Any], int] = lambda parameters: 0
-    in_axes: Callable[[Any, Array], ExudynSystem] | None = None
-    why_not_in_axes: Callable[[Any], str | None] = lambda parameters: None
+    why_not: Callable[[Any], str | None] = lambda parameters: None
+    why_not_placed: Callable[[Any], str | None] = lambda parameters: None
     bodies: Callable[[Any], Any] = lambda parameters: parameters
 
 

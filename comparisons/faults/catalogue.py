@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ...models import exudyn_system
-from ...models.hula_hoop import exudyn_model as hoop
+from ...models import exudyn_mjcf, exudyn_system
 from ...models.speed_regulator import exudyn_model as slider_crank
 from ...models.speed_regulator.exudyn_model import inertias
 from ...reference.hula_hoop.equations import HulaHoop
@@ -113,13 +112,6 @@ def heavy_tree(**settings: Any) -> Any:
     return exudyn_system.items.ObjectKinematicTree(**settings | {"gravity": [0, -9.81, 0]})
 
 
-def thick_rod(mass: float, inertia: float, nodeNumber: Any) -> Any:
-    """Return a plane body of four times the moment of inertia."""
-    return exudyn_system.items.ObjectRigidBody2D(
-        mass=mass, inertia=4 * inertia, nodeNumber=nodeNumber
-    )
-
-
 def thick_inertias(p: SpeedRegulator) -> tuple[float, ...]:
     """Masses and moments of inertia of `one_dof` with the rod's times four."""
     *bodies, rod, across, along = inertias(p)
@@ -154,7 +146,7 @@ FAULTS: Mapping[str, Mapping[str, Fault]] = {
             {
                 MUJOCO: lambda: mujoco.Rebound({("option", "gravity"): lambda p: (0, -9.81, 0)}),
                 EXUDYN: lambda: exudyn.Rebuilt(
-                    hoop, items=exudyn.OtherItems(ObjectKinematicTree=heavy_tree)
+                    exudyn_mjcf, items=exudyn.OtherItems(ObjectKinematicTree=heavy_tree)
                 ),
             }
         ),
@@ -180,9 +172,9 @@ FAULTS: Mapping[str, Mapping[str, Fault]] = {
         "rod_inertia_about_its_end": Fault(
             {
                 MUJOCO: lambda: mujoco.Rebound({("body:rod/inertial", "diaginertia"): third}),
-                EXUDYN: lambda: exudyn.Rebuilt(
+                EXUDYN: lambda: exudyn.ReboundExudyn(
+                    {("body:rod/inertial", "diaginertia"): third},
                     slider_crank,
-                    items=exudyn.OtherItems(ObjectRigidBody2D=thick_rod),
                     inertias=thick_inertias,
                 ),
             }
@@ -194,7 +186,7 @@ FAULTS: Mapping[str, Mapping[str, Fault]] = {
             {
                 MUJOCO: mujoco.WithoutEquations,
                 EXUDYN: lambda: exudyn.Rebuilt(
-                    slider_crank, items=exudyn.OtherItems(ObjectJointRevolute2D=soft_pin)
+                    exudyn_mjcf, items=exudyn.OtherItems(ObjectJointRevolute2D=soft_pin)
                 ),
             },
             models=("connect", "redundant"),

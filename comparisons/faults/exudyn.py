@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 from types import ModuleType
@@ -11,7 +12,7 @@ from unittest.mock import patch
 
 import numpy as np
 
-from ...models import exudyn_system
+from ...models import exudyn_mjcf, exudyn_system, mjcf
 from ...reference.scene import Array, Case
 from ..engines.adapter import OwnModelsAdapter
 from ..engines.exudyn.engine import Exudyn, assign
@@ -124,12 +125,12 @@ class Spatial(ExudynAdapter):
         """Return the named Exudyn model."""
         if model != "spatial":
             return super().own_source(case, model)
-        plane = super().own_source(case, "redundant")
-        return replace(plane, build=lambda p: plane.in_axes(p, exudyn_system.UPRIGHT))
+        default = next(iter(mjcf.models(case.scene).values()))
+        return exudyn_mjcf.model_of(case.scene, default, exudyn_mjcf.build_space)
 
 
 class PushedExudyn(ExudynAdapter):
-    """Exudyn with one more load on the first coordinate, which is its first too."""
+    """Exudyn with one more load on the first coordinate, which is one of Exudyn's own."""
 
     def __init__(self, law: Law) -> None:
         super().__init__()
@@ -148,22 +149,47 @@ class PushedExudyn(ExudynAdapter):
             )
             return float(self.law(q, v, case.parameters))
 
-        first = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=0, coordinate=0))
+        (place,) = np.flatnonzero(system.readout[0])
+        node, coordinate = divmod(int(place), 3 if self.has_constraints(case, model) else 100)
+        first = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
         mbs.AddLoad(items.LoadCoordinate(markerNumber=first, load=1.0, loadUserFunction=push))
         mbs.Assemble()
         return system
 
 
 class Rebuilt(ExudynAdapter):
-    """Exudyn with other functions or other items in a scene's ``exudyn_model`` module."""
+    """Exudyn with other functions or other items in a module that builds its models."""
 
     def __init__(self, module: ModuleType, **changes: Any) -> None:
         super().__init__()
-        self.patched = partial(patch.multiple, module, **changes)
+        self.patched = partial(patch.multiple, module, **changes) if changes else nullcontext
 
     def system(self, case: Case, model: str) -> Any:
         """Return the system that is built with them."""
         with self.patched():
+            return super().system(case, model)
+
+
+class ReboundExudyn(Rebuilt):
+    """Exudyn with other values in the MJCF that its models are built from, or of `Rebuilt`."""
+
+    def __init__(
+        self,
+        bindings: Mapping[tuple[str, str], mjcf.Binding],
+        module: ModuleType = exudyn_mjcf,
+        **changes: Any,
+    ) -> None:
+        super().__init__(module, **changes)
+        self.bindings = bindings
+
+    def system(self, case: Case, model: str) -> Any:
+        """Return the system that is built with them."""
+
+        def export(source: mjcf.Mjcf, parameters: Any) -> str:
+            bindings = {**source.bindings, **self.bindings}
+            return mjcf.export(replace(source, bindings=bindings), parameters)
+
+        with patch.object(exudyn_mjcf, "export", export):
             return super().system(case, model)
 
 
@@ -178,18 +204,20 @@ class OtherItems:
 
 
 class FlippedExudyn(ExudynAdapter):
-    """The same of Exudyn's bodies."""
+    """Exudyn with the slider-crank put together the other way round, the slider on top."""
 
     def system(self, case: Case, model: str) -> Any:
         """Return a system that is placed so."""
         system = super().system(case, model)
-        r = case.parameters.crank_radius
+        r, kinds = case.parameters.crank_radius, self.inner.exudyn.ConfigurationType
+        reference = np.array(system.mbs.systemData.GetODE2Coordinates(kinds.Reference))
 
         def place(q: Array, v: Array) -> tuple[Array, Array]:
             places, rates = (np.array(values) for values in system.place(q, v))
             pin, climb = r * np.sin(q[0]), r * np.cos(q[0]) * v[0]
-            places[[2, 3, 5]] = 2 * pin - places[2], np.pi - places[3], 2 * pin - places[5]
-            rates[[2, 3, 5]] = 2 * climb - rates[2], -rates[3], 2 * climb - rates[5]
-            return places, rates
+            places += reference
+            places[[4, 5, 7]] = 2 * pin - places[4], np.pi - places[5], 2 * pin - places[7]
+            rates[[4, 5, 7]] = 2 * climb - rates[4], -rates[5], 2 * climb - rates[7]
+            return places - reference, rates
 
         return replace(system, place=place)

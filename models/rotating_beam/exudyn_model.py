@@ -41,6 +41,7 @@ from ..exudyn_system import (
     weigh,
     why_no_rim,
 )
+from ..placement import right_handed, world_axes
 
 PRESCRIBED = 2.0**60
 """Inertia [kg m^2] of a hub whose motion is prescribed: the torque that moves it by (22) is
@@ -259,9 +260,14 @@ def why_not_in_space(p: RotatingBeam) -> str | None:
     return why_not_on_hub(p)
 
 
+def build(p: RotatingBeam, placement: str) -> ExudynSystem:
+    """Return the elements, along the axes of the world or turned with them."""
+    return elements(p, right_handed(world_axes(placement)) if placement else None)
+
+
 MODELS: Mapping[str, Model] = {
     "elements": Model(
-        elements,
+        build,
         constrained=True,
         why_not=why_not_on_hub,
         large=True,
@@ -270,8 +276,7 @@ MODELS: Mapping[str, Model] = {
         prescribed=lambda p: p.drive == "prescribed",
         element_order=lambda p: 4 if p.element == "ancf" else 2,
         bodies=lambda p: p.replace(drive="torque"),
-        in_axes=elements,
-        why_not_in_axes=why_not_in_space,
+        why_not_placed=why_not_in_space,
     )
 }
 """The one model; the parameter ``element`` tells of which elements."""

@@ -17,108 +17,12 @@ import numpy as np
 from ...reference.differences import PROBE
 from ...reference.scene import Array
 from ...reference.speed_regulator.equations import SpeedRegulator
-from ..exudyn_body import PlaneMechanism
-from ..exudyn_system import ExudynSystem, Model, exudyn, items, weigh, why_no_rim
+from ..exudyn_mjcf import build_plane, model_of
+from ..exudyn_system import ExudynSystem, Model, exudyn, items
+from .mjcf import MODELS as MJCF
 
 
-def redundant(p: SpeedRegulator) -> ExudynSystem:
-    """Return a rotor, a plane body and a mass point, (phi, x_C, y_C, theta, x_B, y), and joints.
-
-    Theta is the rod's angle, A to B along (sin theta, -cos theta). All coordinates are
-    absolute; the reference configuration, all zero, is not assembled.
-    """
-    r, half = p.crank_radius, p.rod_length / 2
-    container = exudyn.SystemContainer()
-    mbs = container.AddSystem()
-    crank_node = mbs.AddNode(items.Node1D(referenceCoordinates=[0]))
-    rod_node = mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[0, 0, 0]))
-    slider_node = mbs.AddNode(items.NodePoint2D(referenceCoordinates=[0, 0]))
-    crank = mbs.AddObject(
-        items.ObjectRotationalMass1D(inertia=p.flywheel_inertia, nodeNumber=crank_node)
-    )
-    rod = mbs.AddObject(
-        items.ObjectRigidBody2D(
-            mass=p.rod_mass, inertia=p.rod_mass * p.rod_length**2 / 12, nodeNumber=rod_node
-        )
-    )
-    slider = mbs.AddObject(items.ObjectMassPoint2D(mass=p.slider_mass, nodeNumber=slider_node))
-    for (first, at_first), (second, at_second) in (
-        ((crank, [r, 0, 0]), (rod, [0, half, 0])),
-        ((rod, [0, -half, 0]), (slider, [0, 0, 0])),
-    ):
-        ends = [
-            mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body, localPosition=place))
-            for body, place in ((first, at_first), (second, at_second))
-        ]
-        mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=ends))
-    ground, turn, across, slide = (
-        mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
-        for node, coordinate in (
-            (mbs.AddNode(items.NodePointGround()), 0),
-            (crank_node, 0),
-            (slider_node, 0),
-            (slider_node, 1),
-        )
-    )
-    mbs.AddObject(items.ObjectConnectorCoordinate(markerNumbers=[ground, across]))
-    mbs.AddObject(
-        items.ObjectConnectorCoordinateSpringDamper(
-            markerNumbers=[ground, slide],
-            stiffness=p.stiffness,
-            damping=p.damping,
-            offset=p.spring_rest,
-        )
-    )
-    mbs.AddLoad(items.LoadCoordinate(markerNumber=turn, load=p.torque))
-    weigh(mbs, (rod, slider), (p.gravity_x, p.gravity_y, 0))
-    mbs.Assemble()
-
-    def place(q: Array, v: Array) -> tuple[Array, Array]:
-        at = kinematics(p, q[0])
-        return np.array(at.positions), np.array(at.velocities) * v[0]
-
-    def outputs(coordinates: Array, rates: Array) -> dict[str, Array]:
-        return {"y": coordinates[5], "y_dot": rates[5]}
-
-    return ExudynSystem(mbs, place, np.eye(6)[:1], container, outputs=outputs)
-
-
-def redundant_in_space(p: SpeedRegulator, axes: Array) -> ExudynSystem:
-    """Return the same bodies and joints in space, in ``axes`` (3, 3) of the world.
-
-    The slider's own joint leaves it free across the plane, in which the others keep it.
-    """
-    r, half, whole = p.crank_radius, p.rod_length / 2, PlaneMechanism(axes)
-    crank = whole.add_body(0.0, p.flywheel_inertia)
-    rod = whole.add_body(p.rod_mass, p.rod_mass * p.rod_length**2 / 12)
-    slider = whole.add_body(p.slider_mass)
-    whole.hinge((crank, r), (rod, 1j * half))
-    whole.ball((rod, -1j * half), (slider, 0))
-    whole.hinge((whole.ground, 0), (crank, 0))
-    whole.slide(slider, free=[1, 2])
-    whole.spring(slider, 1, stiffness=p.stiffness, damping=p.damping, offset=p.spring_rest)
-    whole.count(0, (slider, crank), torque=-p.torque)
-    weigh(whole.mbs, (rod, slider), list(axes @ [p.gravity_x, p.gravity_y, 0]))
-
-    def place(q: Array, v: Array) -> tuple[Array, Array]:
-        at = kinematics(p, q[0])
-        motion = at.positions, np.array(at.velocities) * v[0]
-        bodies = [
-            [[0, 0, phi], [x, y, theta], [x_b, y_b, 0]] for phi, x, y, theta, x_b, y_b in motion
-        ]
-        return whole.place(*np.array(bodies))
-
-    row = whole.along(slider, 1)
-    multipliers = np.zeros((4, 22))  # of joints A and B, in the world, after 3 of quaternions
-    multipliers[:2, 3:6] = multipliers[2:, 8:11] = axes[:, :2].T
-
-    def outputs(coordinates: Array, rates: Array) -> dict[str, Array]:
-        return {"y": row @ coordinates, "y_dot": row @ rates}
-
-    return whole.system(place, np.zeros((1, 21)), outputs=outputs, multipliers=multipliers)
-
-
-def one_dof(p: SpeedRegulator) -> ExudynSystem:
+def one_dof(p: SpeedRegulator, placement: str = "") -> ExudynSystem:
     """Return phi alone: ``J phi_ddot = M_m - y' (c y' phi_dot + k (y - y_0)) - J'/2 phi_dot^2``.
 
     Dashes are derivatives by phi; J sums mass times squared velocity per crank speed.
@@ -216,21 +120,12 @@ def kinematics(p: SpeedRegulator, phi: Any, xp: Any = math) -> Kinematics:
     )
 
 
-REACTIONS = {"reaction_a_x": 0, "reaction_a_y": 1, "reaction_b_x": 2, "reaction_b_y": 3}
-"""On the crank at A, and on the rod at B."""
-
 MODELS: Mapping[str, Model] = {
-    "redundant": Model(
-        redundant,
-        constrained=True,
-        reactions=REACTIONS,
-        why_not=lambda p: why_no_rim(),
-        in_axes=redundant_in_space,
-    ),
+    "redundant": model_of("speed_regulator", MJCF["connect"], build_plane),
     "one_dof": Model(
         one_dof,
         constrained=False,
-        why_not_in_axes=lambda p: (
+        why_not_placed=lambda p: (
             "one_dof has no place in the world: an angle and our equation are all of it"
         ),
     ),

@@ -14,7 +14,7 @@ import pytest
 
 MBCHECK = [sys.executable, "-c", "from mbcheck.comparisons.cli import main; main()"]
 NAME = "spring_pendulum"
-PLACES = {"reference", f"models/{NAME}", f"comparisons/scenes/{NAME}"}
+PLACES = {"reference", f"models/{NAME}"}
 """Folders in which the page may put files."""
 
 QUICK = ("list", "simulate", "frequencies", "export", "inspect")
@@ -74,9 +74,11 @@ def commands(page: str) -> list[str]:
     return [line for line in page.splitlines() if line.startswith("mbcheck ")]
 
 
-def test_a_scene_is_one_module_and_two_folders(page: str) -> None:
+def test_a_scene_is_one_module_and_one_folder(page: str) -> None:
     places = {place.rpartition("/")[0] for place in files(page)}
     assert places == PLACES
+    assert len(files(page)) <= 5
+    assert sum(len(text.splitlines()) for text in files(page).values()) <= 250
     assert [place for place in files(page) if place.startswith("reference/")] == [
         f"reference/{NAME}.py"
     ]

@@ -220,7 +220,7 @@ def test_exudyn_accelerates_as_the_reference(model: str, p: RotorPendulum) -> No
 @every_point
 @pytest.mark.parametrize("model", exudyn_model.MODELS)
 def test_exudyn_places_what_it_reads(model: str, p: RotorPendulum) -> None:
-    system = exudyn_model.MODELS[model].build(p)
+    system = exudyn_model.MODELS[model].build(p, "")
     h = 1e-6
     for state in states():
         q, v = np.split(state, 2)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import null_space
 
-from ....models.placement import right_handed, world_axes
+from ....models.placement import world_axes
 from ....models.readout import with_lengths, without_lengths
 from ....models.tables import table_of
 from ....reference import get_scene
@@ -329,8 +329,7 @@ class Exudyn(Engine):
     def system(self, case: Case, model: str) -> Any:
         """Return the assembled system of a case."""
         source = self.source(case, model)
-        axes = (right_handed(world_axes(case.placement)),) if case.placement else ()
-        return (source.in_axes if axes else source.build)(case.parameters, *axes)
+        return source.build(case.parameters, case.placement)
 
     @contextmanager
     def opened(self, case: Case, model: str) -> Iterator[Any]:
@@ -632,9 +631,8 @@ class Probe:
 
 def why_not_placed(source: Any, case: Case, model: str) -> str | None:
     """Return why a model cannot be placed in the world otherwise than it stands, or None."""
-    reason: str | None = source.why_not_in_axes(case.parameters)
-    if reason is not None or source.in_axes is None:
-        return reason or f"{model} is built along the axes of the world, and cannot be turned"
+    if reason := source.why_not_placed(case.parameters):
+        return str(reason)
     if get_scene(case.scene).quaternions and np.linalg.det(world_axes(case.placement)) < 0:
         return f"joints of {model} turn about given axes of frames, which are no mirror images"
     return None

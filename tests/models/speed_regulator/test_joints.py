@@ -135,7 +135,7 @@ class WrongExudyn(ExudynAdapter):
     def system(self, case: Case, model: str) -> Any:
         system = super().system(case, model)
         for name, number in self.numbers.items():
-            system.mbs.SetObjectParameter(1, name, number)
+            system.mbs.SetObjectParameter(2, name, number)
         return system
 
 

@@ -123,7 +123,7 @@ def test_exudyn_models_are_the_loop_first() -> None:
 
 def exudyn_accelerations(name: str, p: SpeedRegulator, states: Array) -> Array:
     with quiet(ENGINE.inner.exudyn):
-        system = EXUDYN[name].build(p)
+        system = EXUDYN[name].build(p, "")
         probe = Probe(ENGINE.inner.exudyn, system, ENGINE.settings(IMPLICIT[0], 0.0, 1.0))
         found = np.array([system.readout @ probe.motion(0.0, state)[0] for state in states])
         system.container.Reset()
@@ -143,7 +143,7 @@ def exudyn_run(name: str, p: SpeedRegulator, method: str, step: float, times: Ar
     """Return phi, phi_dot, y, y_dot (4, k), and check that the joints are closed."""
     chosen = next(item for item in ENGINE.methods if item.name == method)
     with quiet(ENGINE.inner.exudyn):
-        system = EXUDYN[name].build(p)
+        system = EXUDYN[name].build(p, "")
         place_initial(ENGINE.inner.exudyn, system, np.array([0.0, 5.07]))
         settings, solver = ENGINE.settings(chosen, 0.0, step), ENGINE.solver(chosen)
         solver.InitializeSolver(system.mbs, settings)
@@ -183,7 +183,7 @@ def test_exudyns_errors_shrink_at_the_declared_order_on_the_right_branch(
 
 
 def test_exudyn_places_the_loop_closed_and_tells_where_it_opens() -> None:
-    system = EXUDYN["redundant"].build(OTHER)
+    system = EXUDYN["redundant"].build(OTHER, "")
     for phi, speed in samples(OTHER, count=10)[:, [0, 3]]:
         coordinates, rates = system.place(np.array([phi]), np.array([speed]))
         coordinates, rates = coordinates[:, None], rates[:, None]
@@ -196,7 +196,7 @@ def test_exudyn_places_the_loop_closed_and_tells_where_it_opens() -> None:
         closed = probe.violations(np.zeros(1), coordinates.T, rates.T)
         assert closed[0, 0] < 1e-15
         assert closed[1, 0] < 1e-14
-        moved = coordinates + 1e-3 * np.eye(6)[:, 5:]
+        moved = coordinates + 1e-3 * np.eye(9)[:, 7:8]
         opened = probe.violations(np.zeros(1), moved.T, rates.T)
         assert opened[0, 0] == pytest.approx(1e-3)
     system.container.Reset()
@@ -204,7 +204,7 @@ def test_exudyn_places_the_loop_closed_and_tells_where_it_opens() -> None:
 
 def test_mass_of_one_dof_is_the_scenes() -> None:
     with quiet(ENGINE.inner.exudyn):
-        system = EXUDYN["one_dof"].build(OTHER)
+        system = EXUDYN["one_dof"].build(OTHER, "")
         probe = Probe(ENGINE.inner.exudyn, system, ENGINE.settings(IMPLICIT[0], 0.0, 1.0))
         for phi in (0.0, 0.7, 2.5):
             probe.place(0.0, np.array([phi]), np.zeros(1))

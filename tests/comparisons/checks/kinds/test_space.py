@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from mbcheck.comparisons.checks.diagnosis.motions import Part, explanation, looked_at
 from mbcheck.comparisons.checks.kinds.energy import sensor_gaps
@@ -17,15 +18,13 @@ from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.comparisons.engines.equations import ModelEquations
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.faults.catalogue import scaled
-from mbcheck.comparisons.faults.exudyn import Rebuilt
+from mbcheck.comparisons.faults.exudyn import ReboundExudyn, Rebuilt
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.examples.mujoco_engine import MujocoPlugin
-from mbcheck.models import exudyn_body
-from mbcheck.models.floating_beam import exudyn_model as beam_model
-from mbcheck.models.floating_platform import exudyn_model as platform_model
+from mbcheck.models import exudyn_mjcf
 from mbcheck.reference import get_scene
-from mbcheck.reference.body.rotation import without_products
-from mbcheck.reference.quaternions import matrix, of_rotation, product
+from mbcheck.reference.body.rotation import central_inertia
+from mbcheck.reference.quaternions import matrix
 from mbcheck.reference.scene import Case
 from mbcheck.tests.support.draws import case_near, some_are_slow
 from mbcheck.tests.support.engines.floating import floating
@@ -33,7 +32,6 @@ from mbcheck.tests.support.engines.sliding import sliding
 from mbcheck.tests.support.engines.turning import Turning, turning
 from mbcheck.tests.support.example import by_quantity, seen
 
-platform_rods, beam_rods = platform_model.rods, beam_model.rods
 SLOW, CAMPAIGN = pytest.mark.slow, pytest.mark.campaign
 
 
@@ -326,23 +324,21 @@ def test_rates_that_are_told_outside_are_named(kind: str) -> None:
 # Exudyn's models
 
 
-def tilted_last(p: Any) -> tuple[Any, Any]:
-    """Return the hinges, that of the rod turned by its two angles in the wrong order."""
-    rotor, rod = platform_rods(p)
-    ahead, tilt = of_rotation([0, 0, p.installation_angle]), of_rotation([p.tilt, 0, 0])
-    return rotor, rod._replace(frame=np.array(product(ahead, tilt)))
+def tilted_last(p: Any) -> tuple[float, ...]:
+    """Return the angles of the rod turned by its tilt and its angle in the wrong order."""
+    turn = Rotation.from_euler("ZX", [p.installation_angle, p.tilt])
+    return tuple(turn.as_euler("XYZ").tolist())
 
 
-def twisted_last(p: Any) -> list[Any]:
-    """Return the rods, the twist of the last one in the opposite sense."""
-    *others, last = beam_rods(p)
-    return [*others, last._replace(frame=last.frame * [1, -1, -1, -1])]
+def central_moments(p: Any) -> tuple[float, ...]:
+    """Return the moments of inertia of the body without its products."""
+    return (*np.diag(central_inertia(p)).tolist(), 0.0, 0.0, 0.0)
 
 
-def on_hub(p: Any) -> list[Any]:
-    """Return the rods, those beyond the first of a length with the springs of the clamp."""
-    found = beam_rods(p)
-    return [one._replace(spring=found[0].spring) for one in found]
+ON_HUB: Mapping[tuple[str, str], Any] = {
+    (f"joint:theta_{k}", "stiffness"): lambda p: p.springs[0] for k in (2, 3)
+}
+"""The springs of a chain that are all those of the clamp."""
 
 
 def exudyn(name: str, factor: float = 1.001) -> Callable[[], Any]:
@@ -358,26 +354,27 @@ BUILT: list[tuple[str, Callable[[], Any], str, str, str]] = [
     ("floating_platform", exudyn("rod_damping", 1.01), "afloat", "frequency", "C is off at"),
     ("floating_platform", exudyn("gravity_z", -1.0), "falling", "algebra", ""),
     (
-        "floating_platform", lambda: Rebuilt(exudyn_body, body_inertia=without_products),
+        "floating_platform",
+        lambda: ReboundExudyn({("body:body/inertial", "fullinertia"): central_moments}),
         "tumbling", "algebra", "products of inertia are dropped",
     ),
     (
-        "floating_platform", lambda: Rebuilt(platform_model, rods=tilted_last),
+        "floating_platform", lambda: ReboundExudyn({("body:rod", "euler"): tilted_last}),
         "tumbling", "algebra", "",
     ),
     (
         "floating_platform",
-        lambda: Rebuilt(exudyn_body, turn_quaternion=lambda axes: np.eye(4)),
+        lambda: Rebuilt(exudyn_mjcf, world_axes=lambda placement: np.eye(3)),
         "falling+turned-1", "algebra", "it is right as the model stands, and wrong where it turns",
     ),
     ("floating_beam", exudyn("tip_mass"), "tumbling", "algebra", ""),
     (
         "floating_beam",
-        lambda: Rebuilt(beam_model, rods=twisted_last),
+        lambda: ReboundExudyn({("body:rod_3", "euler"): lambda p: (-p.twist, 0, 0)}),
         "tumbling", "algebra", "",
     ),
     (
-        "floating_beam", lambda: Rebuilt(beam_model, rods=on_hub),
+        "floating_beam", lambda: ReboundExudyn(ON_HUB),
         "afloat", "frequency", "K is off at (theta_2, theta_2) and (theta_3, theta_3)",
     ),
 ]  # fmt: skip
