@@ -248,7 +248,7 @@ def applied(checks: Sequence[Check], custom: CustomCase) -> list[Check]:
             reason = "no reference tells from how many elements on they converge as declared"
         if not reason and check.kind == "algebra":
             setup = check.setup()
-            if setup.approximates_continuum and not setup.discrete:
+            if setup.bound.approximates_continuum and not setup.bound.discrete:
                 reason = "elements converge to the continuum, and have no closed form"
         skipped.append(replace(check, why_not=reason or check.why_not))
     return skipped

@@ -418,7 +418,9 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
     # where a run ends is the scene's doing: one model of each engine will do
     twins = engine.twins(case.scene)
     for model in models[:1] if case.watch == "outcome" else models:
-        if model in twins and (kind not in QUICK or engine.why_not(case, model, None)):
+        if model in twins and (
+            kind not in QUICK or engine.bind(case, model).unsupported_reason(case, None)
+        ):
             continue
         beside, top = model != models[0], best_method(Setup(engine, case, model))
         for method in integrators(Setup(engine, case, model), kind):
@@ -426,7 +428,7 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
             left = kind == "stability" and (beside or (case.boundary is not None and method != top))
             if kind == "step" or (kind == "trajectory" and beside):
                 left = method != top
-            if kind == "step" and setup.discrete:
+            if kind == "step" and setup.bound.discrete:
                 left = left or case.name in later_motions(case.scene)
             if model in twins and case.methods != "best":
                 left = left or case.name in later_motions(case.scene)
@@ -440,7 +442,7 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
                     quantities,
                     not beside,
                     case.full_only or left,
-                    setup.why_not,
+                    setup.unsupported_reason,
                     engine_name if engine_name != engine.name else None,
                 )
 
@@ -463,7 +465,8 @@ def integrators(setup: Setup, kind: str) -> tuple[Method | None, ...]:
 
 def best_method(setup: Setup) -> Method | None:
     """Return the method of highest order that a model takes."""
-    methods = [one for one in setup.engine.methods if replace(setup, method=one).why_not is None]
+    reason, case = setup.bound.unsupported_reason, setup.case
+    methods = [method for method in setup.engine.methods if reason(case, method) is None]
     return max(methods, key=lambda method: method.order, default=None)
 
 
@@ -549,14 +552,14 @@ def run_check(
 def origin(setup: Setup | None, error: BaseException) -> str:
     """Return whose equations raised an exception, where an engine tells some of its own."""
     try:
-        if setup is None or setup.is_exact:
+        if setup is None or setup.bound.is_exact:
             return ""
-        own = setup.discrete, setup.equations
+        own = setup.bound.discrete, setup.bound.equations
     except Exception:  # an engine that fails in telling them, too
         return ""
     for equations in filter(None, own):
         if function := function_that_raised(equations, error):
-            return f"{setup.engine.name}: own_model: {function} of its equations: "
+            return f"{setup.engine.name}: describe_model: {function} of its equations: "
     return ""
 
 

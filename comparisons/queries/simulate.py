@@ -138,7 +138,7 @@ def wanted_observables(case: Case, observe: Sequence[str]) -> tuple[str, ...]:
 
 def reference_simulation(setup: Setup, times: Array, names: tuple[str, ...]) -> Simulation:
     """Return the reference's solution of a case with its error bound."""
-    case, equations = setup.case, setup.equations
+    case, equations = setup.case, setup.bound.equations
     state = tuple(equations.scene.state(case.state))
 
     def solved(one: ModelEquations, at: tuple[float, ...], times: Array) -> Solution:

@@ -296,7 +296,7 @@ def equations_of_motion(session: Session, who: str) -> Numbers:
     truth = np.array([derivative(t, x)[2:] for t, x in zip(times, points, strict=True)])
     engine, model = choose_engine(who, case, None)
     with contained():
-        own = engine.accelerations(case, model, times, points)
+        own = engine.bind(case, model).accelerations(times, points)
     return {"error": float(np.abs(own - truth).max() / np.abs(truth).max())}
 
 

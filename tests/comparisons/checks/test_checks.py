@@ -205,7 +205,7 @@ class Exact(Wrapped):
         self, case: Case, model: str, method: Method, step: float, times: Array
     ) -> Trajectory:
         """Return the reference's motion, with the engine's own steps."""
-        motion = get_engine("reference").simulate(case, "exact", method, step, times)
+        motion = get_engine("reference").bind(case, "exact").simulate(case, method, step, times)
         steps = round((float(times[-1]) - case.start_time) / step)
         return replace(motion, steps=steps)
 

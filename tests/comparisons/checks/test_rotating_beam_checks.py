@@ -26,6 +26,7 @@ from mbcheck.comparisons.faults.catalogue import ENGINES, Fault, misread, scaled
 from mbcheck.comparisons.faults.exudyn import ExudynAdapter, Rebuilt
 from mbcheck.comparisons.faults.mujoco import MujocoAdapter
 from mbcheck.comparisons.faults.reference import Impostor
+from mbcheck.comparisons.faults.runs import Altered
 from mbcheck.comparisons.faults.variants import Delegating, Misread, Wrapped
 from mbcheck.models.exudyn_system import items
 from mbcheck.models.rotating_beam import exudyn_model
@@ -36,7 +37,6 @@ from mbcheck.reference.rotating_beam.chain import scene_of
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 from mbcheck.reference.scene import Array, Case
 from mbcheck.tests.support.subjects import (
-    Altered,
     Subject,
     check_of,
     is_seen,
@@ -88,7 +88,7 @@ class AboutRest(Wrapped):
 
     def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, ...]:
         """Return M, C, K about the state at rest."""
-        return self.engine.linearise(case, model, 0 * state)
+        return self.engine.bind(case, model).linearise(0 * state)
 
 
 class PlainEigenvalues(Wrapped):
@@ -96,7 +96,7 @@ class PlainEigenvalues(Wrapped):
 
     def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, ...]:
         """Return M, 0, K without what the turning axes do to a beam that bends in their plane."""
-        mass, damping, stiffness = self.engine.linearise(case, model, state)
+        mass, damping, stiffness = self.engine.bind(case, model).linearise(state)
         return mass, 0 * damping, stiffness + case.parameters.angular_speed**2 * mass
 
 
@@ -120,7 +120,7 @@ class Stubborn(Wrapped):
         self, case: Case, model: str, method: Method, step: float, times: Array
     ) -> Trajectory:
         """Integrate with the longer step."""
-        return self.engine.simulate(case, model, method, max(step, self.shortest), times)
+        return self.engine.bind(case, model).simulate(case, method, max(step, self.shortest), times)
 
 
 class Lying(Stubborn):

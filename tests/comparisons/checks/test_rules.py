@@ -118,7 +118,7 @@ def test_inertia_floor() -> None:
     case = Case("hula_hoop", "light", light, {})
     assert "inertia_floor" in rules("mujoco", case, "RK4", 1e-3, 1.0)
     assert "inertia_floor" not in rules("exudyn", case, "RK44", 1e-3, 1.0)
-    found = get_engine("mujoco").mass_matrices(case, "tree", np.zeros((1, 4)))[0, 1, 1]
+    found = get_engine("mujoco").bind(case, "tree").mass_matrices(np.zeros((1, 4)))[0, 1, 1]
     assert found / (light.free_mass * light.rod_length**2) - 1 > 0.1
     lighter = replace(case, parameters=light.replace(free_mass=5e-16))
     assert "inertia_floor" in rules("mujoco", lighter, "RK4", 1e-3, 1.0)
@@ -245,7 +245,7 @@ def test_ill_conditioned() -> None:
     assert "ill_conditioned" not in rules("mujoco", light, "RK4", 1e-3, 1e-2)
     scene = get_scene("hula_hoop")
     states = np.array([[1e-3, 0.1 * i, 0.0, 0.0] for i in (0, 1e-6, 1e-5)])
-    found = get_engine("mujoco").accelerations(case, "tree", np.zeros(3), states)
+    found = get_engine("mujoco").bind(case, "tree").accelerations(np.zeros(3), states)
     right = np.array([scene.right_hand_side(heavy)(0.0, state)[2:] for state in states])
     assert np.max(np.abs(found - right)) > 1e-6 * np.max(np.abs(right))
 
@@ -293,7 +293,7 @@ def spoken(scene: str, full: bool) -> set[tuple[str, str, str]]:
                 for method in (
                     engine.methods if full else (suite.best_method(Setup(engine, case, model)),)
                 ):
-                    if method is None or engine.why_not(case, model, method):
+                    if method is None or engine.bind(case, model).unsupported_reason(case, method):
                         continue
                     step = Setup(engine, case, model, method).default_step
                     for item in cautions(Setup(engine, case, model, method, step), case.horizon):

@@ -95,7 +95,7 @@ class Continuum(Wrapped):
 
     def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
         """Return the engine's matrices, stiffer or softer by as much as they are off."""
-        mass, damping, stiffness = self.engine.linearise(case, model, state)
+        mass, damping, stiffness = self.engine.bind(case, model).linearise(state)
         own = elements.of_engine(Setup(self.engine, case, model))[0]
         factor = (elements.of_continuum(Setup(self.engine, case, model))[0] / own) ** 2
         return mass, damping, stiffness * factor

@@ -173,10 +173,10 @@ def test_what_an_older_exudyn_cannot_join_is_skipped(older_items: Any) -> None:
     assert str(refused("speed_regulator", "redundant")).startswith(reason)
     assert str(refused("rotating_beam", "elements", hub_radius=0.1)).startswith(reason)
     turned = replace(get_scene("speed_regulator").cases[0], placement="turned:1")
-    assert engine.why_not_placed(turned, "redundant") is None  # bodies in space, and no rotor
-    assert engine.why_not(turned, "redundant", None) is None
+    assert engine.unplaceable_reason(turned, "redundant") is None  # bodies in space, and no rotor
+    assert engine.bind(turned, "redundant").unsupported_reason(turned, None) is None
     on_rim = get_scene("rotating_beam").case("weighed")
-    refusal = engine.why_not_placed(replace(on_rim, placement="turned:1"), "elements")
+    refusal = engine.unplaceable_reason(replace(on_rim, placement="turned:1"), "elements")
     assert str(refusal).startswith(reason)
     assert refused("speed_regulator", "one_dof") is None
     assert refused("rotating_beam", "elements", hub_radius=0.0) is None

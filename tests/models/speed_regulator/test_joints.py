@@ -94,8 +94,8 @@ def test_mujocos_reactions_are_those_of_the_claim(
 def test_exudyns_reactions_are_right(p: SpeedRegulator) -> None:
     states = samples(p)[:, [0, 3]]
     case = Case(SCENE.name, "some_motion", p)
-    found = ENGINE.reactions(case, "redundant", np.zeros(len(states)), states)
-    assert tuple(found) == ENGINE.reaction_names(case, "redundant") == REACTIONS
+    found = ENGINE.bind(case, "redundant").reactions(np.zeros(len(states)), states)
+    assert tuple(found) == ENGINE.bind(case, "redundant").reaction_names == REACTIONS
     truths = reactions(SCENE, p, states)
     scale = np.max(np.abs(truths))
     np.testing.assert_allclose(np.array(list(found.values())).T, truths, rtol=0, atol=1e-11 * scale)
@@ -192,7 +192,7 @@ def test_an_opened_loop_closes_in_mujoco(name: str) -> None:
     engine = MujocoAdapter()
     rk4 = next(item for item in engine.methods if item.name == "RK4")
     times = np.array([0.0, 0.25, 0.5])
-    found = engine.simulate(OPENED, name, rk4, 2.0**-11, times).values
+    found = engine.bind(OPENED, name).simulate(OPENED, rk4, 2.0**-11, times).values
     gap = OPENED.inconsistency["y"]
     start = SCENE.observe(SCENE.state(OPENED.state), DEFAULT)
     assert found["y"][0] - start["y"] == pytest.approx(gap, rel=1e-12)
@@ -221,7 +221,9 @@ def test_the_check_of_an_opened_loop_sees_that_it_was_open() -> None:
 
 def test_models_that_cannot_start_open_say_so() -> None:
     for name in EXUDYN:
-        assert "only an assembled mechanism" in str(ENGINE.why_not(OPENED, name, None))
+        assert "only an assembled mechanism" in str(
+            ENGINE.bind(OPENED, name).unsupported_reason(OPENED, None)
+        )
     mujoco_engine = MujocoAdapter()
     reason = mujoco_engine.why_not(replace(OPENED, parameters=MASSLESS), "transmission", None)
     assert "none can start open" in str(reason)

@@ -181,11 +181,15 @@ ODD: dict[str, tuple[str, str, str]] = {
         "    def models(self, *a): return [f'm{i}' for i in range(10**6)]\n",
         "100",
     ),
-    "own_model_5": ("", "    def own_model(self, *a): return 5\n", "must return an OwnModel"),
+    "own_model_5": (
+        "",
+        "    def describe_model(self, *a): return 5\n",
+        "must return an ModelDescription",
+    ),
     "no_version": ("", "    version = None\n", "version must be text"),
     "long_version": ("", "    version = 'x' * 10**8\n", "version must be text"),
     "nul": ("", "    methods = (mbcheck.Method('R\\0', 1),)\n", "calls a method"),
-    "nan_value": ("", "    largest_value = float('nan')\n", "must be a number"),
+    "nan_value": ("", "    max_value = float('nan')\n", "must be a number"),
     "thousands": (
         "",
         "    methods = tuple(mbcheck.Method(f'm{i}', 4) for i in range(3000))\n",

@@ -16,12 +16,12 @@ from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.faults.catalogue import ENGINES
+from mbcheck.comparisons.faults.runs import Altered
 from mbcheck.comparisons.faults.variants import Misread, Wrapped
 from mbcheck.comparisons.scenes.data import scene_data
 from mbcheck.comparisons.scenes.extremes import LongMotion, check_of, prepared
 from mbcheck.reference import get_scene
 from mbcheck.reference.scene import Array, Case
-from mbcheck.tests.support.subjects import Altered
 
 PERIODS = 20
 
@@ -97,7 +97,7 @@ class FastClock(Wrapped):
         self, case: Case, model: str, method: Method, step: float, times: Array
     ) -> Trajectory:
         factor = 1 + 1e-4
-        found = self.engine.simulate(case, model, method, step * factor, times * factor)
+        found = self.engine.bind(case, model).simulate(case, method, step * factor, times * factor)
         return replace(found, times=times, clock=times)
 
 
