@@ -13,7 +13,6 @@ import re
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -132,11 +131,9 @@ def placed_motion(motion: Motion, placement: str) -> Motion:
     }
 
 
-def unplaceable_reason(path: Path, placement: str) -> str | None:
-    """Return why the model of a file cannot be placed in the world so, or None."""
-    if not placement:
-        return None
-    root = ET.parse(path).getroot()
+def unplaceable_reason(text: str, placement: str) -> str | None:
+    """Return why a model cannot be placed in the world otherwise than it stands, or None."""
+    root = ET.fromstring(text)
     world, defaults = root.find("worldbody"), default_classes(root)
     assert world is not None
     kinds = {attributes.get("type", "hinge") for _, attributes in each_joint(world, defaults)}

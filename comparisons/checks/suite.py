@@ -453,10 +453,14 @@ def later_motions(scene: str) -> list[str]:
 
 
 def integrators(setup: Setup, kind: str) -> tuple[Method | None, ...]:
-    """Return the methods that a kind of check is made with."""
+    """Return the methods that a kind of check is made with.
+
+    An engine whose solvers differ in accelerations has *parts* and *algebra* for each of them.
+    """
     case = setup.case
     if not KINDS[kind].integrates or case.watch == "elements":
-        return (None,)
+        by_method = kind in ("parts", "algebra") and setup.engine.takes_method
+        return setup.engine.methods if by_method else (None,)
     if case.methods == "best" and kind != "order":
         best = best_method(setup)
         return () if best is None else (best,)

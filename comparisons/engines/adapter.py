@@ -164,12 +164,16 @@ class BoundModel:
         equations = told.equations
         if not soft and source.equations and (engine.closure == "mjcf" or not source.closed):
             equations = source.equations(p)
+        fixed = None
+        if self.case.placement:
+            text = source.path.read_text(encoding="utf-8")
+            fixed = unplaceable_reason(text, self.case.placement)
         return ModelDescription(
             constrained=source.closed,
             reactions=tuple(source.reactions),
             equations=equations,
             element_order=source.elements.order,
-            unplaceable_reason=unplaceable_reason(source.path, self.case.placement),
+            unplaceable_reason=fixed,
         ), reason
 
     def ask_description(self) -> ModelDescription:
@@ -397,7 +401,7 @@ class BoundModel:
 
     def start(self, case: Case) -> Array:
         """Return the initial state of a case; a case need not know the model's coordinates."""
-        own = self.discrete or self.file_equations
+        own = self.file_equations if self.engine.reads_mjcf else self.discrete
         if own:
             return own.start(case)
         if self.coordinates == self.scene.coordinates:
@@ -431,8 +435,8 @@ class BoundModel:
         case, scene, source, p = self.case, self.scene, self.source, self.case.parameters
         if not self.engine.reads_mjcf:
             names = self.discrete.scene.coordinates if self.discrete else self.coordinates
-            at_rest = np.zeros((2, len(names)))
-            return System(case, self.name, names, *at_rest, observables=scene.observed)
+            q, v = np.zeros((2, len(names)))
+            return System(case, self.name, names, q, v, observables=scene.observed)
         text = self.text
         motion = self.motion(0.0, self.start(case))
         for joint, place in joint_places(text).items():
@@ -612,7 +616,7 @@ class BoundModel:
     def loop_motion(self, q: Array, v: Array) -> dict[str, Array]:
         """Return the motion (n_t,) of the joints of a file by name, and how far loops are open."""
         layout, whole = self.origin.layout, mechanism(self.text)
-        values = {}
+        values: dict[str, Array] = {}
         places = zip(layout.positions, layout.velocities, strict=True)
         for joint, (at, rate) in zip(self.origin.joints, places, strict=True):
             values |= {joint: q[:, at.start], f"{joint}_dot": v[:, rate.start]}
@@ -880,10 +884,11 @@ class Adapter:
 
     def by_method(self, function: str, method: Method | None) -> Callable[..., Any]:
         """Return ``accelerations`` or ``mass_matrix``, for a method if the engine takes one."""
-        call = {"accelerations": self.inner.accelerations, "mass_matrix": self.inner.mass_matrix}
-        if method is None or function not in self.takes_method:
-            return call[function]
-        return partial(call[function], method=method)
+        call: Callable[..., Any] = self.inner.accelerations
+        if function == "mass_matrix":
+            call = self.inner.mass_matrix
+        takes = method is not None and function in self.takes_method
+        return partial(call, method=method) if takes else call
 
     def with_option(self, name: str, value: float) -> Self:
         """Return the engine with one of its options set."""

@@ -37,23 +37,33 @@ class MujocoAdapter(Adapter):
         super().__init__(inner or MuJoCo())
 
 
-class EditedModel(BoundModel):
-    """A model with parts of its text exchanged."""
+class RewrittenModel(BoundModel):
+    """A model whose text is rewritten."""
 
-    engine: Edited
+    engine: Rewritten
 
     @cached_property
     def text(self) -> str:
-        """The edited MJCF."""
-        text = super().text
-        for old, new in self.engine.edits:
-            if old not in text:
-                raise ValueError(f"the MJCF has no {old!r}")
-            text = text.replace(old, new)
-        return text
+        """The rewritten MJCF."""
+        return self.engine.rewrite(super().text, self.case.parameters)
 
 
-class Edited(MujocoAdapter):
+class Rewritten(MujocoAdapter):
+    """MuJoCo that reads another text.
+
+    Parameters
+    ----------
+    rewrite : callable ``(text, parameters) -> text``
+    """
+
+    bound = RewrittenModel
+
+    def __init__(self, rewrite: Callable[[str, Any], str]) -> None:
+        super().__init__()
+        self.rewrite = rewrite
+
+
+class Edited(Rewritten):
     """MuJoCo with parts of the MJCF's text exchanged.
 
     Parameters
@@ -62,11 +72,17 @@ class Edited(MujocoAdapter):
         Each old text must be there.
     """
 
-    bound = EditedModel
-
     def __init__(self, *edits: tuple[str, str]) -> None:
-        super().__init__()
+        super().__init__(self.edited)
         self.edits = edits
+
+    def edited(self, text: str, parameters: Any) -> str:
+        """Return the text with the new parts."""
+        for old, new in self.edits:
+            if old not in text:
+                raise ValueError(f"the MJCF has no {old!r}")
+            text = text.replace(old, new)
+        return text
 
 
 class Unwarned(Altered):

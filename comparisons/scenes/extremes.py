@@ -322,7 +322,7 @@ def is_followed(setup: Setup) -> bool:
     Without constraints the method of index 2 is the trapezoidal rule. What an implicit Euler makes
     of soft closures is not known: it takes only springs at the end of a step.
     """
-    linear = setup.integrator.linear
+    linear = setup.integrator.linear_scheme
     if setup.unsupported_reason or (linear == "trapezoidal" and not setup.bound.has_constraints):
         return False
     late = linear == "implicit_euler" and setup.bound.has_soft_closure

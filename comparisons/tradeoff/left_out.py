@@ -99,7 +99,7 @@ def compare(pair: Pair) -> LeftOut:
     setups = [setup_of(pair, one) for one in (pair.whole, pair.without)]
     engine = setups[0].engine.name
     is_theory = engine == REFERENCE
-    equations = setups[0].equations if is_theory else scene_equations(case)
+    equations = setups[0].bound.equations if is_theory else scene_equations(case)
     right = roundoff_reference(equations, case, times, names)
     repeats = 1 if is_theory else REPEATS
     runs = [[run(setup, times) for setup in setups] for _ in range(repeats)]

@@ -28,7 +28,7 @@ def engine(kind: type = DrakeEngine) -> Adapter:
 
 def text_of(scene: str) -> str:
     model, case, _ = PLACES[scene]
-    return engine().joint_system(get_scene(scene).case(case), model).mjcf
+    return engine().bind(get_scene(scene).case(case), model).text
 
 
 def plant_of(text: str) -> Any:
@@ -100,7 +100,7 @@ def test_it_counts_as_many_steps_as_were_asked_for(step: float) -> None:
     for method in one.methods:
         motion = one.inner.simulate(system, method, step, times)
         assert motion.steps == 192
-        assert motion.rhs_evaluations == 192 * (method.evaluations or 0)
+        assert motion.rhs_evaluations == 192 * (method.evaluations_per_step or 0)
         assert motion.clock == pytest.approx(times, abs=0, rel=1e-15)
 
 

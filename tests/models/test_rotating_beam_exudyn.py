@@ -379,7 +379,7 @@ def test_a_step_too_large_may_also_pass_for_a_solution() -> None:
     times = np.array([4.0, 8.0])
     fine = simulated(p, GENERALIZED_ALPHA, 2.0**-6, times).values
     run = simulated(p, GENERALIZED_ALPHA, 1.0, times)
-    assert (run.steps, run.changed, run.warnings) == (8, (), {"rejected_steps": 0})
+    assert (run.steps, run.changed_inputs, run.warnings) == (8, (), {"rejected_steps": 0})
     assert all(np.all(np.isfinite(value)) for value in run.values.values())
     assert abs(run.values["theta"][-1] / fine["theta"][-1] - 1) > 0.2
     # a step as long as the ramp sees the hub's acceleration at its zeros alone

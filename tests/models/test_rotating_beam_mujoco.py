@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from mbcheck.comparisons.engines.adapter import BoundModel
 from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.setup import Setup, run
 from mbcheck.comparisons.faults.mujoco import Edited, MujocoAdapter
@@ -190,10 +191,10 @@ def test_states_have_the_chains_coordinates_and_no_scheme_predicts_them() -> Non
     expected = ("theta", "joint_1", "joint_2", "joint_3", "joint_4")
     assert ENGINE.bind(case, "chain").coordinates == expected
     assert ENGINE.bind(case, "chain").own_equations == (chain_scene(4, "A"), SHORT)
-    assert {ENGINE.scheme(case, "chain", method) for method in ENGINE.methods} == {None}
+    assert {ENGINE.bind(case, "chain").scheme(method) for method in ENGINE.methods} == {None}
     hoop = Case("hula_hoop", "test", HulaHoop(), {})
     assert ENGINE.bind(hoop, "tree").coordinates == ("y", "theta")
-    assert ENGINE.scheme(hoop, "tree", METHODS["RK4"]) == "RK44"
+    assert ENGINE.bind(hoop, "tree").scheme(METHODS["RK4"]) == "RK44"
 
 
 def test_initial_states_may_name_hinges_but_nothing_else() -> None:
@@ -262,11 +263,17 @@ def test_runs_keep_their_order_through_the_end_of_the_drive(p: RotatingBeam) -> 
     assert coarse[0] / coarse[1] == pytest.approx(2, rel=0.4)
 
 
-class Endless(MujocoAdapter):
-    """MuJoCo whose actuators are never switched off."""
+class EndlessModel(BoundModel):
+    """A model whose actuators are never switched off."""
 
-    def source(self, case: Case, model: str) -> Mjcf:
-        return dataclasses.replace(super().source(case, model), stop=lambda p: None)
+    def read_source(self) -> Mjcf:
+        return dataclasses.replace(super().read_source(), stop=lambda p: None)
+
+
+class Endless(MujocoAdapter):
+    """MuJoCo with these models."""
+
+    bound = EndlessModel
 
 
 @pytest.mark.parametrize("p", [SHORT, PULSE])

@@ -10,7 +10,6 @@ import pytest
 import mbcheck
 from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.comparisons.engines.equations import scene_equations
-from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.models import kinematics, mechanism, mjcf
 from mbcheck.models.joints import JointLayout
 from mbcheck.models.system import System, term_force
@@ -52,15 +51,16 @@ def test_its_accelerations_are_those_of_the_reference(scene: str, model: str) ->
     own = (
         scene_equations(case)
         if reader.bind(case, model).has_constraints
-        else Setup(reader, case, model).equations
+        else reader.bind(case, model).equations
     )
     names = reader.bind(case, model).coordinates
     states = np.random.default_rng(7).normal(size=(4, 2 * len(names)))
     times = np.linspace(0.0, 0.3, 4)
-    held, q, v = reader.joint_states(case, model, times, states)
+    bound = reader.bind(case, model)
+    held, (q, v) = bound.origin, bound.joint_states(times, states)
     whole = mechanism.mechanism(held.mjcf)
     right = own.scene.right_hand_side(own.parameters)
-    factors = reader.joint_readout(case, model, held).factors()
+    factors = bound.readout.factors()
     for time, state, position, rate in zip(times, states, q, v, strict=True):
         found = factors @ accelerations(
             whole, held.force(float(time), position, rate), position, rate
@@ -142,7 +142,8 @@ def test_terms_add_up_to_the_force_while_they_last(time: float) -> None:
     states = np.random.default_rng(9).normal(
         size=(1, 2 * len(reader.bind(case, "forced").coordinates))
     )
-    system, (q,), (v,) = reader.joint_states(case, "forced", np.array([time]), states)
+    bound = reader.bind(case, "forced")
+    system, ((q,), (v,)) = bound.origin, bound.joint_states(np.array([time]), states)
     assert [term.until for term in system.terms if term.amplitude] == [1.5]
     parts = [term_force(term, system, time, q, v) for term in system.terms]
     assert np.sum(parts, axis=0) == pytest.approx(system.force(time, q, v), rel=1e-12)

@@ -193,7 +193,7 @@ class Hypothesis:
 
     def rows(self, setup: Setup, step: float, names: tuple[str, ...]) -> Array:
         """Return observables (k, n) after these numbers of steps [s]."""
-        equations = setup.with_case(self.case).equations
+        equations = setup.with_case(self.case).bound.equations
         scene = self.scene or equations.scene
         own = ModelEquations(scene, equations.parameters)
         scheme, parts = self.scheme or setup.scheme, 1

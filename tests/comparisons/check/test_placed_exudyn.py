@@ -80,7 +80,7 @@ def test_elements_in_space_move_as_those_in_the_plane(placement: str) -> None:
         begin = System(one, "elements", names, 0.4 * hub, 1.3 * hub)
         answers.append(
             [
-                engine.bind(begin, 0.3).accelerations(q, v),
+                engine.accelerations(begin, 0.3, q, v),
                 engine.mass_matrix(begin, q),
                 *engine.linearise(System(light, "elements", names, straight, hub)),
                 engine.simulate(begin, engine.methods[-2], 2.0**-9, times).positions,
@@ -169,11 +169,11 @@ def test_what_is_not_placed_says_why(
     scene: str, model: str, placement: str, words: str | None
 ) -> None:
     case = replace(get_scene(scene).cases[0], placement=placement)
-    reason = ExudynAdapter().unplaceable_reason(case, model)
+    reason = ExudynAdapter().bind(case, model).description.unplaceable_reason
     assert reason is None if words is None else words in str(reason)
 
 
 def test_geometrically_exact_elements_are_not_placed() -> None:
     case = get_scene("rotating_beam").case("steady_4_geometrically_exact")
-    reason = ExudynAdapter().unplaceable_reason(replace(case, placement="turned:1"), "elements")
-    assert "lie in a plane" in str(reason)
+    model = ExudynAdapter().bind(replace(case, placement="turned:1"), "elements")
+    assert "lie in a plane" in str(model.description.unplaceable_reason)

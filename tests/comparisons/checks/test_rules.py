@@ -13,12 +13,13 @@ from mbcheck.comparisons.checks.rules.cautions import RULES, Rule, cautions
 from mbcheck.comparisons.checks.rules.conditions import Statement
 from mbcheck.comparisons.checks.rules.model import frequency_error
 from mbcheck.comparisons.checks.rules.run import RunConditions
-from mbcheck.comparisons.engines.adapter import Adapter, adapted
+from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.exudyn.engine import Exudyn
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.setup import Setup, run
-from mbcheck.comparisons.faults.variants import Delegating
+from mbcheck.comparisons.faults.runs import Altered
 from mbcheck.comparisons.queries.simulate import simulate
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import EngineError
@@ -328,8 +329,8 @@ def test_an_engine_that_fails_while_a_rule_asks_it_says_nothing() -> None:
     coarse = replace(case, parameters=case.parameters.replace(segments=2))
     setting = (coarse, "GeneralizedAlpha", 2.0**-3, 1e3)
     assert {"discretisation", "coarse_step"} <= rules("exudyn", *setting)
-    assert "discretisation" not in rules(adapted(Failing()), *setting)
-    assert "coarse_step" in rules(adapted(Failing()), *setting)
+    assert "discretisation" not in rules(Adapter(Failing()), *setting)
+    assert "coarse_step" in rules(Adapter(Failing()), *setting)
 
 
 def test_a_rule_that_fails_is_not_hidden() -> None:
@@ -372,20 +373,11 @@ def test_simulate_tells_before_it_runs() -> None:
 def test_a_failed_check_names_its_rules() -> None:
     (check,) = suite.plan(ids=["verification/hula_hoop/rod_aligned/trajectory/mujoco/RK4/y"])
 
-    class Shifted(Delegating):
-        """An engine whose y is wrong."""
+    def shifted(found: Trajectory, case: Case) -> Trajectory:
+        return replace(found, values={**found.values, "y": found.values["y"] + 1.0})
 
-        def __init__(self) -> None:
-            self.engine = get_engine("mujoco")
-
-        def __getattr__(self, name: str) -> Any:
-            return getattr(self.engine, name)
-
-        def simulate(self, *rest: Any) -> Any:
-            found = self.engine.simulate(*rest)
-            return replace(found, values={**found.values, "y": found.values["y"] + 1.0})
-
-    reasons = [r.reason for r in suite.run_check(check, engine=Shifted()) if r.verdict != "pass"]
+    wrong = Altered(get_engine("mujoco"), shifted)
+    reasons = [r.reason for r in suite.run_check(check, engine=wrong) if r.verdict != "pass"]
     assert reasons
     assert all("rule amplification" in reason for reason in reasons)
     assert all("rule" not in r.reason for r in suite.run_check(check))

@@ -124,7 +124,7 @@ def test_errors_shrink_at_the_declared_order(
     engine: ExudynAdapter, name: str, model: str, state: dict[str, float], parameters: HulaHoop
 ) -> None:
     case = a_case(parameters, state)
-    reason = engine.why_not(case, model, method(name))
+    reason = engine.bind(case, model).unsupported_reason(case, method(name))
     if reason:
         assert "algebraic constraints" in reason
         return
@@ -291,7 +291,7 @@ def test_constraint_forces_add_to_the_stiffness() -> None:
                 readout=np.array([[0.0, 0.0, 1.0]]),
             )
 
-    found = Pendulum().linearise(still(), REDUNDANT, np.zeros(2))
+    found = Pendulum().bind(still(), REDUNDANT).linearise(np.zeros(2))
     inertia = mass * length**2
     np.testing.assert_allclose(found[0], [[inertia]], rtol=1e-12)
     np.testing.assert_allclose(found[2], [[mass * gravity * length]], rtol=1e-10)
@@ -320,8 +320,8 @@ def test_steps_shortened_in_silence_are_refused(engine: ExudynAdapter) -> None:
     halving.inner.adaptive_step = True
     step, end = 0.05, np.array([0.5])
     with contained():
-        silent = halving.simulate(
-            a_case(state=SPINNING), TREE, method("GeneralizedAlpha"), step, end
+        silent = halving.bind(a_case(), TREE).simulate(
+            a_case(state=SPINNING), method("GeneralizedAlpha"), step, end
         )
     assert np.all(np.isfinite(silent.matrix(SCENE.state_names)))
     with pytest.raises(EngineError, match="steps, 10 were asked for") as caught:

@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import contained
 from mbcheck.comparisons.engines.setup import Setup, run
-from mbcheck.comparisons.faults.mujoco import MujocoAdapter
+from mbcheck.comparisons.faults.mujoco import Edited, MujocoAdapter
 from mbcheck.models.hula_hoop.mjcf import MODELS
 from mbcheck.models.mjcf import bind, export, models, number
 from mbcheck.reference.errors import EngineError, EngineUnavailableError, UnknownNameError
@@ -338,11 +338,7 @@ def test_missing_mujoco_is_said_plainly(monkeypatch: pytest.MonkeyPatch, reason:
     "change", [('ref="0.06"', 'ref="0.06003"'), ('name="y" type', 'name="y" ref="0.001" type')]
 )
 def test_a_model_that_opens_in_the_wrong_state_is_refused(change: tuple[str, str]) -> None:
-    class Displaced(MujocoAdapter):
-        def text(self, case: Case, model: str) -> str:
-            text = super().text(case, model)
-            assert text.count(change[0]) == 1
-            return text.replace(*change)
-
+    displaced = Edited(change).bind(case_of(None, {}), "tree")
+    assert MujocoAdapter().bind(case_of(None, {}), "tree").text.count(change[0]) == 1
     with pytest.raises(EngineError, match="as opened"):
-        Displaced().joint_system(case_of(None, {}), "tree")
+        assert displaced.origin

@@ -52,7 +52,7 @@ def trajectory_of(model: Any, data: Any, times: Any) -> Trajectory:
         motion.clock,
         motion.steps,
         warnings=motion.warnings,
-        changed=motion.changed,
+        changed_inputs=motion.changed_inputs,
     )
 
 
@@ -128,6 +128,6 @@ def test_input_that_changes_during_the_run_is_caught(change: str) -> None:
         trajectory = trajectory_of(model, data, np.array([0.002]))
     finally:
         mujoco.set_mjcb_passive(None)
-    assert change in trajectory.changed
+    assert change in trajectory.changed_inputs
     on_time = dataclasses.replace(trajectory, clock=trajectory.times, steps=1)
     assert guarded(on_time, case_of(), 0.002) == "inputs_changed"

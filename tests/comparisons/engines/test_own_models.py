@@ -17,9 +17,10 @@ from mbcheck.comparisons.engines.equations import invariants_of, scene_equations
 from mbcheck.comparisons.engines.registry import remote_plugin
 from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.setup import Setup
-from mbcheck.comparisons.faults.variants import Wrapped
+from mbcheck.comparisons.faults.runs import Altered
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import UnknownNameError, UsageError
+from mbcheck.reference.scene import Case
 from mbcheck.reference.solve import schemes
 from mbcheck.reference.speed_regulator.soft import soft_scene
 from mbcheck.tests.support.engines.solved import Solved
@@ -155,7 +156,7 @@ def test_loops_that_are_soft_by_no_told_rule_are_skipped() -> None:
     )
     opened = REGULATOR.case("opened_loop")
     assert engine.bind(opened, "soft").unsupported_reason(opened, None) is None
-    assert "starts open" in str(engine.bind(opened, "rigid").unsupported_reason(opened, None))
+    assert "start open" in str(engine.bind(opened, "rigid").unsupported_reason(opened, None))
     assert Setup(engine, ROTATION, "soft").bound.has_soft_closure
 
 
@@ -179,7 +180,7 @@ def test_what_an_engine_declines_to_linearise_is_not_replaced() -> None:
 
 
 WRONG: dict[str, tuple[Any, str]] = {
-    "nothing": (None, "describe_model must return an ModelDescription, not NoneType None"),
+    "nothing": (None, "describe_model must return a ModelDescription, not NoneType None"),
     "a word": (mbcheck.ModelDescription("no"), "constrained must be True or False"),  # type: ignore[arg-type]
     "reactions": (
         mbcheck.ModelDescription(reactions=("here",)),
@@ -237,10 +238,10 @@ def test_models_that_an_engine_has_not_are_skipped_with_its_reason() -> None:
 
 def test_reasons_of_an_engine_with_models_of_its_own_are_answers_too() -> None:
     class Babbling(Own):
-        def why_not(self, system: Any, method: Any) -> Any:
+        def unsupported_reason(self, system: Any, method: Any) -> Any:
             return False
 
-    with pytest.raises(UsageError, match="engine own: why_not: why_not must return"):
+    with pytest.raises(UsageError, match="unsupported_reason: unsupported_reason must return"):
         adapt("own", Babbling()).bind(ROTATION, "rigid").unsupported_reason(ROTATION, None)
 
 
@@ -353,13 +354,11 @@ def test_elements_show_the_integrals_of_their_own_states(
 ) -> None:
     """By the closed form of their strain energy; of a beam drifts were looked at alone."""
 
-    class Off(Wrapped):
-        def simulate(self, *arguments: Any) -> Trajectory:
-            run = self.engine.simulate(*arguments)
-            return replace(run, values={**run.values, name: factor * run.values[name] + added})
+    def off(run: Trajectory, case: Case) -> Trajectory:
+        return replace(run, values={**run.values, name: factor * run.values[name] + added})
 
     subject = Subject("rotating_beam", "exudyn", "elements", "GeneralizedAlpha")
-    found = results_of(subject, "energy", Off(engines.get_engine("exudyn")), "pulse_quick")
+    found = results_of(subject, "energy", Altered(engines.get_engine("exudyn"), off), "pulse_quick")
     assert {item.verdict for item in found} == {verdict}
 
 
@@ -367,7 +366,7 @@ def test_integrals_may_be_told_where_they_are_not_conserved() -> None:
     case = get_scene("rotating_beam").case("spin_up_quick")
     exudyn = engines.get_engine("exudyn")
     times = np.array([0.0, 2.0**-8])
-    run = exudyn.simulate(case, "elements", exudyn.methods[-2], 2.0**-8, times)
+    run = exudyn.bind(case, "elements").simulate(case, exudyn.methods[-2], 2.0**-8, times)
     assert {"energy", "momentum"} <= set(run.values)
 
 
@@ -376,7 +375,8 @@ def test_a_continuum_takes_equations_of_a_models_own() -> None:
     assert "is a continuum" in str(
         adapt("own", Own()).bind(case, "rigid").unsupported_reason(case, None)
     )
-    assert engines.get_engine("exudyn").why_not(case, "elements", None) is None
+    elements = engines.get_engine("exudyn").bind(case, "elements")
+    assert elements.unsupported_reason(case, None) is None
 
 
 def test_names_of_models_are_those_of_the_engine() -> None:
@@ -413,4 +413,4 @@ def test_equations_do_not_come_from_another_process(
     assert engine.models(REGULATOR.name) == ("rigid", "soft")
     assert engine.bind(ROTATION, "rigid").has_constraints
     with pytest.raises(UsageError, match="in this process"):
-        engine.bind(ROTATION, "soft").own_equations
+        assert engine.bind(ROTATION, "soft").own_equations

@@ -75,7 +75,7 @@ LOADED: dict[str, tuple[Callable[[], Any], str]] = {
         "did you mean 'RK44'?",
     ),
     "an unknown linear scheme": (
-        lambda: with_attributes(methods=(mbcheck.Method("a", 2, linear="trapezoid"),)),
+        lambda: with_attributes(methods=(mbcheck.Method("a", 2, linear_scheme="trapezoid"),)),
         "unknown linear scheme of toy_engine:Toy a 'trapezoid'; did you mean 'trapezoidal'?",
     ),
     "a scheme that is no name": (
@@ -105,8 +105,8 @@ LOADED: dict[str, tuple[Callable[[], Any], str]] = {
         "options must be a function, not tuple",
     ),
     "a reason as text": (
-        lambda: with_attributes(why_not="no loops"),
-        "why_not must be a function, not str 'no loops'; rename it",
+        lambda: with_attributes(unsupported_reason="no loops"),
+        "unsupported_reason must be a function, not str 'no loops'; rename it",
     ),
     "models as text": (
         lambda: with_attributes(reads_mjcf=False, models=("a", "b")),
@@ -114,7 +114,7 @@ LOADED: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     "a model of its own beside the file": (
         lambda: with_attributes(describe_model=lambda self, system: mbcheck.ModelDescription()),
-        'describe_model needs reads_mjcf = False, or closure = "soft"',
+        'compliant_joints = True, or closure = "soft"',
     ),
     "a word for what it reads": (
         lambda: with_attributes(reads_mjcf="no"),

@@ -65,4 +65,4 @@ def test_the_reference_undone_declares_no_theory() -> None:
     case = get_scene("rotating_beam").cases[0]
     second_order = "second_order"
     assert get_engine("reference").bind(case, second_order).own_equations is not None
-    assert Undeclared().model_equations(case, second_order) is None
+    assert Undeclared().bind(case, second_order).own_equations is None
