@@ -10,6 +10,7 @@ import numpy as np
 
 from ...reference import get_scene
 from ...reference.cost import expected_end
+from ...reference.equations import scene_equations
 from ...reference.errors import MbcheckError, NoOrbitError, UsageError
 from ...reference.orbits import state_scale
 from ...reference.scene import Array, Case
@@ -25,7 +26,6 @@ from ..checks.truth import (
     sample_spacing,
     truth,
 )
-from ..engines.equations import scene_equations
 from ..engines.setup import STEPS_PER_PERIOD, shortest_period
 from ..queries.request import Query
 from ..reports.run.outcome import CustomReference

@@ -19,10 +19,10 @@ from ...reference.amplification import (
     vibrations,
 )
 from ...reference.differences import by_complex_step
+from ...reference.equations import ModelEquations
 from ...reference.errors import MbcheckError, NoOrbitError
 from ...reference.linear import linearise, linearise_at
 from ...reference.scene import Array
-from ..engines.equations import ModelEquations
 from ..engines.run import EPS
 from ..engines.setup import Setup
 from .tolerances import rows

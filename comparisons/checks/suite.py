@@ -9,6 +9,7 @@ from fnmatch import fnmatchcase
 from time import perf_counter
 
 from ...reference import get_scene
+from ...reference.equations import function_that_raised
 from ...reference.errors import (
     BrokenEngineError,
     CannotJudgeError,
@@ -19,7 +20,6 @@ from ...reference.errors import (
 )
 from ...reference.scene import Case
 from ..engines.adapter import Adapter
-from ..engines.equations import function_that_raised
 from ..engines.protocol import Method
 from ..engines.registry import (
     ENGINES,

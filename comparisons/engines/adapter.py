@@ -20,6 +20,7 @@ from ...models.readout import Readout
 from ...models.system import System
 from ...reference import get_scene
 from ...reference.differences import by_differences, one_by_one
+from ...reference.equations import ModelEquations, scene_equations
 from ...reference.errors import (
     BrokenEngineError,
     CannotJudgeError,
@@ -30,7 +31,6 @@ from ...reference.errors import (
     Unsupported,
 )
 from ...reference.scene import Array, Case
-from .equations import ModelEquations, scene_equations
 from .protocol import Engine, Method, ModelDescription, Motion, Option
 from .run import VIOLATIONS, Trajectory, call_engine, captured
 from .validation import (
@@ -151,17 +151,17 @@ class BoundModel:
         """
         engine, source, p = self.engine, self.source, self.case.parameters
         soft = engine.compliant_joints or (source.closed and engine.closure == "soft")
-        told, reason = ModelDescription(), None
+        description, reason = ModelDescription(), None
         if "describe_model" in engine.functions and (soft or not engine.reads_mjcf):
             try:
-                told = self.ask_description()
+                description = self.ask_description()
             except ArithmeticError:
                 pass  # as in `ask_reason`
             except Unsupported as error:
                 reason = str(error)
         if not engine.reads_mjcf:
-            return told, reason
-        equations = told.equations
+            return description, reason
+        equations = description.equations
         if not soft and source.equations and (engine.closure == "mjcf" or not source.closed):
             equations = source.equations(p)
         fixed = None
@@ -186,13 +186,13 @@ class BoundModel:
         engine, names = self.engine, self.scene.public
         bare = System(self.case, self.name, names, *np.zeros((2, len(names))))
         system = self.origin if engine.reads_mjcf else bare
-        told = engine.ahead(
+        description = engine.ahead(
             "describe_model",
             lambda: model_description(engine.inner.describe_model(system), self.scene.units),
         )
-        if told.equations is not None:
-            self.refuse_foreign_equations(ModelEquations(*told.equations))
-        return told
+        if description.equations is not None:
+            self.refuse_foreign_equations(ModelEquations(*description.equations))
+        return description
 
     def refuse_foreign_equations(self, equations: ModelEquations) -> None:
         """Refuse equations that fail in a state of the scene: those of another one, for instance.
@@ -234,8 +234,8 @@ class BoundModel:
     @cached_property
     def own_equations(self) -> ModelEquations | None:
         """The equations of motion that the model has, None where they are the scene's."""
-        told = self.description.equations
-        return None if told is None else ModelEquations(*told)
+        pair = self.description.equations
+        return None if pair is None else ModelEquations(*pair)
 
     @cached_property
     def equations(self) -> ModelEquations:
@@ -317,18 +317,21 @@ class BoundModel:
 
     def model_reason(self, case: Case) -> str | None:
         """Return why the model cannot stand for a case, whatever the engine says, or None."""
-        engine, told = self.engine, self.description
-        if case.inconsistency and not told.constrained:
+        engine, description = self.engine, self.description
+        if case.inconsistency and not description.constrained:
             return f"no constraint closes a loop of {self.name}: none can start open"
         if case.inconsistency and not self.knows_softness:
             return "the loop starts open, which only a soft closure can close"
-        if told.equations is None and engine.compliant_joints:
+        if description.equations is None and engine.compliant_joints:
             return self.described[1] or UNKNOWN_COMPLIANCE
-        if told.equations is None and told.constrained and engine.closure == "soft":
+        if description.equations is None and description.constrained and engine.closure == "soft":
             return self.described[1] or UNKNOWN_SOFTNESS
         if engine.reads_mjcf:
             return self.source.why_not(self.case.parameters)
-        if self.scene.discretisation_coordinates and told.equations is None is told.elements:
+        if (
+            self.scene.discretisation_coordinates
+            and description.equations is None is description.elements
+        ):
             return (
                 f"{self.scene.name} is a continuum: tell the equations of the model, or its "
                 "elements"
@@ -389,8 +392,8 @@ class BoundModel:
     @cached_property
     def file_equations(self) -> ModelEquations | None:
         """The equations that an MJCF model of a continuum has, which states belong to."""
-        told = self.source.equations if self.scene.discretisation_coordinates else None
-        return ModelEquations(*told(self.case.parameters)) if told else None
+        find = self.source.equations if self.scene.discretisation_coordinates else None
+        return ModelEquations(*find(self.case.parameters)) if find else None
 
     @cached_property
     def coordinates(self) -> tuple[str, ...]:
@@ -752,17 +755,19 @@ class BoundModel:
         if not inverse and self.knows_softness:
             raise Unsupported("accelerations of a soft closure show no modes of a closed loop")
         q, v = self.joint_states(times, state[None])
-        kept = 0 * v[0]  # a soft closure gives way even at rest, which a closed loop does not
+        acceleration = (
+            0 * v[0]
+        )  # a soft closure gives way even at rest, which a closed loop does not
         if inverse and not self.has_constraints:
-            kept = self.joint_accelerations(times, q, v)[0]
+            acceleration = self.joint_accelerations(times, q, v)[0]
 
         def force(moved: Array) -> Array:
             if not inverse:
                 force = self.own_mass_matrix(moved) @ self.accelerations(times, moved[None])[0]
                 return np.asarray(-force)
             at, speed = self.joint_motion(time, moved)
-            force = engine.inner.inverse_dynamics(self.origin, time, at, speed, kept.copy())
-            force = numbers("inverse_dynamics", force, kept.shape, finite=True)
+            force = engine.inner.inverse_dynamics(self.origin, time, at, speed, acceleration.copy())
+            force = numbers("inverse_dynamics", force, acceleration.shape, finite=True)
             return np.asarray(self.jacobian(time, moved) @ force)
 
         width = TURNING if self.origin.layout.is_spatial else DIFFERENCE

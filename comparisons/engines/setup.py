@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 
 from ...reference import get_scene
 from ...reference.amplification import AMPLIFICATION
+from ...reference.equations import ModelEquations
 from ...reference.errors import EngineError, MbcheckError, NoOrbitError, UsageError
 from ...reference.linear import linearise, modes
 from ...reference.scene import Array, Case, Scene
 from ...reference.solve import schemes
 from .adapter import Adapter, BoundModel
-from .equations import ModelEquations
 from .protocol import Method
 from .run import (
     EPS,

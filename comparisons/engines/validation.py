@@ -11,10 +11,10 @@ import numpy as np
 
 from ...reference import get_scene
 from ...reference.amplification import AMPLIFICATION
+from ...reference.equations import invariants_of, scene_equations
 from ...reference.errors import EngineError, UnknownNameError, UsageError
 from ...reference.scene import Array, Case, EquationsOfMotion
 from ...reference.solve.schemes import SCHEMES
-from .equations import invariants_of, scene_equations
 from .protocol import Engine, Method, ModelDescription, Motion, Option, System
 from .run import VIOLATIONS, Trajectory, grid_indices
 

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from ...reference.equations import ModelEquations
 from ...reference.scene import Array, Case, EquationsOfMotion
 from ...reference.solve import schemes
 from ..engines.adapter import Adapter, BoundModel
-from ..engines.equations import ModelEquations
 from ..engines.protocol import Method, ModelDescription
 from ..engines.reference import ReferenceEngine, ReferenceModel
 from ..engines.run import VIOLATIONS, Trajectory, grid_indices

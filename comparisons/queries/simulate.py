@@ -14,6 +14,7 @@ import numpy as np
 
 from ...reference import get_scene
 from ...reference.cost import expected_end, keep_steps
+from ...reference.equations import ModelEquations
 from ...reference.errors import EngineError, UnknownNameError, UsageError
 from ...reference.scene import Array, Case
 from ...reference.solve.single import solve
@@ -22,7 +23,6 @@ from ..checks.rules.cautions import Caution, cautions, explained
 from ..checks.truth import truncated, truth_of
 from ..documents import document
 from ..documents.fields import takes_fields_of
-from ..engines.equations import ModelEquations
 from ..engines.registry import REFERENCE
 from ..engines.run import VIOLATIONS, grid_indices
 from ..engines.setup import Setup, run

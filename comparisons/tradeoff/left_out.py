@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...reference import get_scene
+from ...reference.equations import scene_equations
 from ..checks.kinds.order import relative_error
 from ..checks.truth import roundoff_reference
-from ..engines.equations import scene_equations
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup, power_of_two, run
 from ..queries.query import choose_method

@@ -15,6 +15,7 @@ from itertools import pairwise, takewhile
 import numpy as np
 
 from ...reference import SCENES, get_scene
+from ...reference.equations import ModelEquations, scene_equations
 from ...reference.errors import EngineError
 from ...reference.scene import Array, Case
 from ..checks.free_vibrations import stable_step
@@ -22,7 +23,6 @@ from ..checks.kinds.order import relative_error
 from ..checks.suite import best_method
 from ..checks.tolerances import rounding
 from ..checks.truth import Truth, permitted_horizon, roundoff_reference
-from ..engines.equations import ModelEquations, scene_equations
 from ..engines.protocol import Option
 from ..engines.registry import get_engine
 from ..engines.run import Trajectory

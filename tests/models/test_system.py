@@ -9,11 +9,11 @@ import pytest
 
 import mbcheck
 from mbcheck.comparisons.engines.adapter import adapt
-from mbcheck.comparisons.engines.equations import scene_equations
 from mbcheck.models import kinematics, mechanism, mjcf
 from mbcheck.models.joints import JointLayout
 from mbcheck.models.system import System, term_force
 from mbcheck.reference import SCENES, get_scene
+from mbcheck.reference.equations import scene_equations
 from mbcheck.reference.errors import CannotJudgeError
 from mbcheck.reference.scene import Array
 

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.checks.free_vibrations import place, places
-from mbcheck.comparisons.engines.equations import scene_equations
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.reference import get_scene
@@ -23,6 +22,7 @@ from mbcheck.reference.amplification import (
     rates,
     vibrations,
 )
+from mbcheck.reference.equations import scene_equations
 from mbcheck.reference.hula_hoop.equations import SCENE, HulaHoop
 from mbcheck.reference.scene import Array, Case
 from mbcheck.reference.solve import schemes

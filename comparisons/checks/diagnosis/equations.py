@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from ....reference.equations import ModelEquations
 from ....reference.linear import linearise
 from ....reference.scene import Array
-from ...engines.equations import ModelEquations
 from ...engines.run import call_engine
 from ...engines.setup import Setup
 from ..kinds import algebra, frequency

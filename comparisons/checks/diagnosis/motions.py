@@ -12,10 +12,10 @@ from scipy.optimize import linear_sum_assignment
 from scipy.spatial.transform import Rotation
 
 from ....reference.body.rotation import ROTATION
+from ....reference.equations import ModelEquations
 from ....reference.quaternions import matrix
 from ....reference.scene import Array, Case
 from ....reference.solve import schemes
-from ...engines.equations import ModelEquations
 from ...engines.setup import Setup
 from ..tolerances import rows
 from ..truth import truth

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from ....reference import get_scene
+from ....reference.equations import ModelEquations, scene_equations
 from ....reference.errors import Unsupported
 from ....reference.scene import Array, Case
 from ....reference.solve.bounds import sensitivities
-from ...engines.equations import ModelEquations, scene_equations
 from ...engines.run import EPS, contained
 from ...engines.setup import Setup
 from ..tolerances import OPERATIONS, largest_inertias, matrix_rounding

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from ....reference.equations import ModelEquations, invariants_of, scene_equations
 from ....reference.errors import CannotJudgeError, EngineError
 from ....reference.scene import Array, Case
-from ...engines.equations import ModelEquations, invariants_of, scene_equations
 from ...engines.setup import Setup
 from ..tolerances import (
     RICHARDSON_SAFETY,

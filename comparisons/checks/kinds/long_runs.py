@@ -16,10 +16,10 @@ import numpy as np
 from scipy.linalg import eigh
 
 from ....reference import get_scene
+from ....reference.equations import invariants_of, scene_equations
 from ....reference.errors import MbcheckError
 from ....reference.linear import linearise
 from ....reference.scene import Array, Case
-from ...engines.equations import invariants_of, scene_equations
 from ...engines.run import EPS, VIOLATIONS, Trajectory
 from ...engines.setup import Setup, shortest_period
 from ..rules.cautions import cautions, noticing_rules

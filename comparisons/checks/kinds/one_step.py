@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from ....reference import get_scene
+from ....reference.equations import ModelEquations, scene_equations
 from ....reference.errors import EngineError
 from ....reference.scene import Array, Case
 from ....reference.solve.schemes import OF_VELOCITIES, VelocityEquations, mean_acceleration
-from ...engines.equations import ModelEquations, scene_equations
 from ...engines.setup import Setup, power_of_two, run_many
 from ..tolerances import (
     CAP,

@@ -13,10 +13,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ....reference.differences import by_complex_step
+from ....reference.equations import ModelEquations, scene_equations
 from ....reference.errors import CannotJudgeError, EngineError, MbcheckError, Unsupported
 from ....reference.scene import Array, Case
 from ....reference.solve.solution import run_sizes
-from ...engines.equations import ModelEquations, scene_equations
 from ...engines.run import VIOLATIONS
 from ...engines.setup import Setup
 from ..rules.cautions import cautions, noticing_rules

@@ -17,6 +17,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from ....reference import get_scene
+from ....reference.equations import ModelEquations, scene_equations
 from ....reference.errors import CannotJudgeError, NoOrbitError
 from ....reference.orbits import (
     Orbit,
@@ -29,7 +30,6 @@ from ....reference.periodic import harmonics
 from ....reference.scene import Array, Case
 from ....reference.solve.batched import solve_many
 from ....reference.solve.single import solve
-from ...engines.equations import ModelEquations, scene_equations
 from ...engines.setup import Setup, shortest_period
 from ..orbits import orbit_step
 from ..tolerances import (

@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ....reference import get_scene
+from ....reference.equations import scene_equations
 from ....reference.errors import CannotJudgeError, EngineError
 from ....reference.scene import Array, Case
-from ...engines.equations import scene_equations
 from ...engines.setup import Setup
 from ..free_vibrations import excitation
 from ..tolerances import (

@@ -11,8 +11,8 @@ from scipy.linalg import eigh
 
 from ....reference.amplification import excess, numerical_modes
 from ....reference.differences import PROBE, probed
+from ....reference.equations import scene_equations
 from ....reference.scene import Dynamics
-from ...engines.equations import scene_equations
 from ...engines.run import EPS
 from ..free_vibrations import stable_step, start_and_rests
 from ..tolerances import CAP

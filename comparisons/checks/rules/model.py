@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from ....reference.equations import ModelEquations, scene_equations
 from ....reference.errors import EngineError
 from ....reference.linear import linearise, modes
 from ....reference.scene import Case
 from ...engines.adapter import Adapter
-from ...engines.equations import ModelEquations, scene_equations
 from ...engines.run import EPS, attempt
 from ...engines.setup import Setup
 from ..free_vibrations import place

@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 
 from ....reference import get_scene
+from ....reference.equations import ModelEquations, scene_equations
 from ....reference.scene import Array, Case
-from ...engines.equations import ModelEquations, scene_equations
 from ...engines.setup import Setup, shortest_period
 from ..free_vibrations import Place, places, start_and_rests
 

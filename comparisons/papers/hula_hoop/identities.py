@@ -13,6 +13,7 @@ import numpy as np
 from scipy.special import jv
 
 from ....reference import get_scene
+from ....reference.equations import scene_equations
 from ....reference.hula_hoop.equations import (
     SEMICIRCLE,
     coefficients,
@@ -21,7 +22,6 @@ from ....reference.hula_hoop.equations import (
 )
 from ....reference.hula_hoop.theory import nondimensional, paper_solution, printed_residuals
 from ...checks.kinds.algebra import random_states
-from ...engines.equations import scene_equations
 from ...engines.registry import REFERENCE
 from ...engines.run import contained
 from ...queries.query import choose_engine

@@ -19,7 +19,6 @@ from mbcheck.comparisons.checks.suite import checks_of, run_check
 from mbcheck.comparisons.checks.truth import RATIO, truth
 from mbcheck.comparisons.checks.verdict import PROFILES, Finding, judge
 from mbcheck.comparisons.engines.adapter import NO_FILE, Adapter, BoundModel
-from mbcheck.comparisons.engines.equations import ModelEquations, scene_equations
 from mbcheck.comparisons.engines.exudyn.engine import EXPLICIT
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.reference import ExactEngine
@@ -34,6 +33,7 @@ from mbcheck.comparisons.faults.variants import Misread, Wrapped
 from mbcheck.models.exudyn_system import items
 from mbcheck.models.mjcf import Mjcf
 from mbcheck.models.rotating_beam import exudyn_model
+from mbcheck.reference.equations import ModelEquations, scene_equations
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.linear import linearise, modes
 from mbcheck.reference.rotating_beam import SCENE, beam_scene

@@ -13,12 +13,12 @@ import mbcheck
 from mbcheck.comparisons.checks.suite import checks_of
 from mbcheck.comparisons.engines import registry as engines
 from mbcheck.comparisons.engines.adapter import Adapter, adapt
-from mbcheck.comparisons.engines.equations import invariants_of, scene_equations
 from mbcheck.comparisons.engines.registry import remote_plugin
 from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.faults.runs import Altered
 from mbcheck.reference import get_scene
+from mbcheck.reference.equations import invariants_of, scene_equations
 from mbcheck.reference.errors import UnknownNameError, UsageError
 from mbcheck.reference.scene import Case
 from mbcheck.reference.solve import schemes

@@ -10,7 +10,6 @@ import pytest
 
 from mbcheck.comparisons.checks.suite import checks_of, run_check
 from mbcheck.comparisons.engines.adapter import Adapter, BoundModel
-from mbcheck.comparisons.engines.equations import ModelEquations
 from mbcheck.comparisons.engines.mujoco.engine import joint_force
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.faults.exudyn import ExudynAdapter
@@ -18,6 +17,7 @@ from mbcheck.comparisons.faults.mujoco import Edited, MujocoAdapter
 from mbcheck.comparisons.faults.variants import Wrapped
 from mbcheck.models.speed_regulator import exudyn_model
 from mbcheck.models.speed_regulator.mjcf import MODELS
+from mbcheck.reference.equations import ModelEquations
 from mbcheck.reference.errors import UnknownNameError
 from mbcheck.reference.scene import Array, Case, EquationsOfMotion
 from mbcheck.reference.solve.single import solve

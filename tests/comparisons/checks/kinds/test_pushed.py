@@ -18,7 +18,6 @@ from mbcheck.comparisons.checks.verdict import (
     REFERENCE,
     Result,
 )
-from mbcheck.comparisons.engines.equations import scene_equations
 from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.faults.exudyn import ExudynAdapter
@@ -26,6 +25,7 @@ from mbcheck.comparisons.faults.mujoco import MujocoAdapter
 from mbcheck.comparisons.faults.runs import Altered, Resetting
 from mbcheck.comparisons.faults.variants import Misread
 from mbcheck.reference import get_scene
+from mbcheck.reference.equations import scene_equations
 from mbcheck.reference.scene import Case
 
 SPINNING = get_scene("hula_hoop").case("spinning_3hz_60n")
