@@ -328,14 +328,10 @@ class BoundModel:
             return self.described[1] or UNKNOWN_SOFTNESS
         if engine.reads_mjcf:
             return self.source.why_not(self.case.parameters)
-        if (
-            self.scene.discretisation_coordinates
-            and description.equations is None is description.elements
-        ):
-            return (
-                f"{self.scene.name} is a continuum: tell the equations of the model, or its "
-                "elements"
-            )
+        own = description.equations or description.elements
+        if self.scene.discretisation_coordinates and not own:
+            name = self.scene.name
+            return f"{name} is a continuum: tell the equations of the model, or its elements"
         return None
 
     def ask_reason(self, case: Case, method: Method | None) -> str | None:
@@ -755,9 +751,8 @@ class BoundModel:
         if not inverse and self.knows_softness:
             raise Unsupported("accelerations of a soft closure show no modes of a closed loop")
         q, v = self.joint_states(times, state[None])
-        acceleration = (
-            0 * v[0]
-        )  # a soft closure gives way even at rest, which a closed loop does not
+        # a soft closure gives way even at rest, which a closed loop does not
+        acceleration = 0 * v[0]
         if inverse and not self.has_constraints:
             acceleration = self.joint_accelerations(times, q, v)[0]
 
