@@ -17,6 +17,7 @@ from mbcheck.comparisons.engines.registry import remote_plugin
 from mbcheck.comparisons.engines.setup import Setup, run
 from mbcheck.comparisons.engines.validation import RENAMED, RENAMED_ARGUMENTS
 from mbcheck.examples.mujoco_engine import MujocoPlugin
+from mbcheck.models import mjcf
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
@@ -412,27 +413,29 @@ def test_a_solver_is_no_argument_of_an_engine_that_takes_none() -> None:
 
 
 class Compliant(MujocoPlugin):
-    """An engine whose joints give way: here the platform moves as if it were heavier."""
+    """An engine whose joints give way: here as if the platform were heavier."""
 
-    name, compliant_joints, share = "compliant", True, 1.25
+    name, compliant_joints = "compliant", True
 
     def at(self, system: Any, *state: Any) -> Any:
-        mass = system.case.parameters.main_mass
-        number = f'mass="{mass!r}"'
-        assert number in system.mjcf
-        text = system.mjcf.replace(number, f'mass="{self.share * mass!r}"')
+        model = mjcf.models("hula_hoop")[system.model]
+        text = mjcf.export(model, heavier(system.case.parameters, 1.25))
         return super().at(replace(system, mjcf=text), *state)
 
 
 class Described(Compliant):
     """The same, with its equations."""
 
-    claimed = 1.25
+    share = 1.25
 
     def describe_model(self, system: Any) -> mbcheck.ModelDescription:
-        p = system.case.parameters
-        heavier = p.replace(main_mass=self.claimed * p.main_mass)
-        return mbcheck.ModelDescription(equations=(get_scene("hula_hoop"), heavier))
+        own = heavier(system.case.parameters, self.share)
+        return mbcheck.ModelDescription(equations=(get_scene("hula_hoop"), own))
+
+
+def heavier(p: HulaHoop, share: float) -> HulaHoop:
+    """Return parameters with a heavier platform."""
+    return p.replace(main_mass=share * p.main_mass)
 
 
 def test_joints_that_give_way_are_skipped_or_judged_by_their_equations() -> None:
@@ -444,7 +447,7 @@ def test_joints_that_give_way_are_skipped_or_judged_by_their_equations() -> None
     assert {item.kind for item in found} == {"algebra", "step", "trajectory"}
     assert not bad(found)
     assert "model_error" in {item.quantity for item in found}
-    wrong = type("Wrong", (Described,), {"claimed": 1.0})
+    wrong = type("Wrong", (Described,), {"share": 1.0})
     found = results(wrong(), "hula_hoop", ("algebra",), "semicircle_3hz_60n")
     assert "deviation" in {item.verdict for item in found}
 
