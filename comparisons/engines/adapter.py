@@ -409,14 +409,18 @@ class BoundModel:
         return np.array([float(values[name]) for name in self.scene.public_states])
 
     def system(self, case: Case) -> System:
-        """Return the system of a case for the engine; its loops may start open."""
+        """Return the system of a case for the engine, with the parameters that are bound.
+
+        Its loops may start open.
+        """
         origin, time, state = self.origin, float(case.start_time), self.start(case)
         q, v = np.split(state, 2)
         if self.engine.reads_mjcf:
             motion, off = self.motion(time, state), case.inconsistency
             q = np.hstack([motion[name][0] + off.get(name, 0.0) for name in origin.joints])
             v = np.hstack([motion[name][1] + off.get(f"{name}_dot", 0.0) for name in origin.joints])
-        return replace(origin, case=case, positions=q, velocities=v, start_time=time)
+        bound = replace(case, parameters=self.case.parameters, placement=self.case.placement)
+        return replace(origin, case=bound, positions=q, velocities=v, start_time=time)
 
     @cached_property
     def origin(self) -> System:
