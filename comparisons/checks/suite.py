@@ -492,7 +492,7 @@ def run_check(
     setup: Setup | None = None
     try:
         setup = check.setup(engine)
-        if check.model in setup.engine.twins(check.case.scene):
+        if setup.engine.reads_mjcf and not setup.bound.integrates_drive:
             refuse_undriven(setup)
         if kind_of(check.kind).runs_free:
             refuse_unstable(setup)
