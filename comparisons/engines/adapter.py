@@ -85,7 +85,8 @@ round-off of accelerations, whose stiffest modes are far faster than those of in
 the step."""
 
 TURNING = DIFFERENCE / 6
-"""The same step where quaternions turn: rotations have poles at the length 0, at the distance 1."""
+"""The same step where joints are no sums of coordinates: in loops, and where quaternions turn.
+Rotations have poles at the length 0, at the distance 1."""
 
 
 class BoundModel:
@@ -769,7 +770,8 @@ class BoundModel:
             force = numbers("inverse_dynamics", force, acceleration.shape, finite=True)
             return np.asarray(self.jacobian(time, moved) @ force)
 
-        width = TURNING if self.origin.layout.is_spatial else DIFFERENCE
+        curved = self.has_constraints or self.origin.layout.is_spatial
+        width = TURNING if curved else DIFFERENCE
         _, slopes = by_differences(one_by_one(force), state, ORDER, width)
         slopes[self.prescribed] = 0
         mass = self.mass_matrices(state[None])[0] if inverse else self.own_mass_matrix(state)
