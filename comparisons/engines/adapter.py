@@ -34,7 +34,7 @@ from ...reference.scene import Array, Case
 from .protocol import Engine, Method, ModelDescription, Motion, Option
 from .run import VIOLATIONS, Trajectory, call_engine, captured
 from .validation import (
-    ATTRIBUTES,
+    attributes,
     declared,
     functions_by_method,
     in_short,
@@ -927,8 +927,7 @@ class Reordered(Engine):
         self.inner, self.inputs_too = inner, inputs_too
         self.back = list(np.argsort(order))
         self.order = list(order) if inputs_too else list(range(len(order)))
-        for name in ATTRIBUTES:
-            setattr(self, name, getattr(inner, name))
+        vars(self).update(attributes(inner))
 
     def put(self, system: System) -> System:
         """Return a system whose initial state is in the other order.
