@@ -10,13 +10,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...reference.cost import expected_end
+from ...reference.equations import ModelEquations, scene_equations
 from ...reference.errors import UsageError
 from ...reference.scene import Array, Case
 from ...reference.solve import schemes
 from ...reference.solve.solution import floor_relative_to_largest
 from ..checks.tolerances import CAP, rounding, rows, sample_numbers
 from ..checks.truth import MOST_STEPS, Truth, moves, permitted_horizon, truth_to_the_end
-from ..engines.equations import ModelEquations, scene_equations
 from ..engines.setup import shortest_period
 from .recording import Recording
 

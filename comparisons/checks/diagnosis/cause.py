@@ -149,7 +149,7 @@ def of_joints(setup: Setup) -> str:
         return ""
     away = error_of if setup.method is None else (lambda one: after_steps(one, 1).error)
     error = away(setup)
-    joints = setup.engine.joint_system(setup.case, setup.model).joints
+    joints = setup.bound.system(setup.case).joints
     if error < EXPLAINED or len(joints) > MOST_JOINTS:
         return ""
     words: dict[int, list[str]] = {}

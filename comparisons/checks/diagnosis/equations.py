@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from ....reference.equations import ModelEquations
 from ....reference.linear import linearise
 from ....reference.scene import Array
-from ...engines.equations import ModelEquations
 from ...engines.run import call_engine
 from ...engines.setup import Setup
 from ..kinds import algebra, frequency
@@ -28,8 +28,8 @@ def accelerations_of(
     """
     case, (names, times, states) = setup.case, algebra.measured_states(setup)
     states = states * np.repeat([1.0, factor], len(names))
-    answer = call_engine(lambda: setup.engine.accelerations(case, setup.model, times, states))
-    equations = equations or setup.solved_equations
+    answer = call_engine(lambda: setup.bound.accelerations(times, states))
+    equations = equations or setup.bound.solved_equations
     right = algebra.expected(case, equations, times, states, names, ())["accelerations"]
     return np.asarray(answer), right
 
@@ -42,7 +42,7 @@ def error_of(setup: Setup, equations: ModelEquations | None = None) -> float:
 
 def of_accelerations(setup: Setup) -> str:
     """Return the mistake in the equations of motion that accelerations show."""
-    equations, error = setup.solved_equations, error_of(setup)
+    equations, error = setup.bound.solved_equations, error_of(setup)
     words = [
         said
         for said, scene in equations.scene.mistakes.items()
@@ -98,7 +98,7 @@ def of_matrices(setup: Setup) -> str:
         return ""
     scene, parameters, state, _ = frequency.resting(setup.case)
     still = setup.with_case(replace(setup.case, parameters=parameters))
-    answer = call_engine(lambda: still.engine.linearise(still.case, still.model, state))
+    answer = call_engine(lambda: still.bound.linearise(state))
     exact = linearise(scene, frequency.inertial(still), state)
     unit = 1 / np.sqrt(np.diag(exact[0]))
     names, off = scene.coordinates, dict[str, tuple[str, ...]]()

@@ -12,10 +12,10 @@ from scipy.optimize import linear_sum_assignment
 from scipy.spatial.transform import Rotation
 
 from ....reference.body.rotation import ROTATION
+from ....reference.equations import ModelEquations
 from ....reference.quaternions import matrix
 from ....reference.scene import Array, Case
 from ....reference.solve import schemes
-from ...engines.equations import ModelEquations
 from ...engines.setup import Setup
 from ..tolerances import rows
 from ..truth import truth
@@ -193,7 +193,7 @@ class Hypothesis:
 
     def rows(self, setup: Setup, step: float, names: tuple[str, ...]) -> Array:
         """Return observables (k, n) after these numbers of steps [s]."""
-        equations = setup.with_case(self.case).equations
+        equations = setup.with_case(self.case).bound.equations
         scene = self.scene or equations.scene
         own = ModelEquations(scene, equations.parameters)
         scheme, parts = self.scheme or setup.scheme, 1
@@ -203,7 +203,7 @@ class Hypothesis:
         begin, x = self.case.start_time - self.late * step, own.start(self.case)
         first = self.case.start_time if self.waits else -np.inf
         if self.frozen is None:
-            scalar = ChangedDrive(scene, own.parameters, setup.integrates_drive)
+            scalar = ChangedDrive(scene, own.parameters, setup.bound.integrates_drive)
             scalar.begin, scalar.end = first, self.end - self.late * step
             counts = parts * self.numbers
             return rows(
@@ -230,7 +230,7 @@ def mistakes(seen: Seen) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
         if words and states not in starts:
             yield words, partial(changed, keeps=keeps)
         starts.append(states)
-    for words, scene in setup.equations.scene.mistakes.items():
+    for words, scene in setup.bound.equations.scene.mistakes.items():
         yield words, partial(changed, scene=scene)
     if setup.scheme is None and setup.integrator.order < 2:
         return  # the error of a right one is of the size of what follows
@@ -239,7 +239,7 @@ def mistakes(seen: Seen) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
         yield f"{words}, by {abs(stretch):.3g} of it", partial(changed, stretch=stretch)
     yield "samples are one step late", partial(changed, ahead=-1)
     yield "samples are one step early", partial(changed, ahead=1)
-    if setup.equations.scene.drive is not None:
+    if setup.bound.equations.scene.drive is not None:
         end = float(setup.scene.drive_end_time(setup.case.parameters)) or np.inf
         for until in sorted({end, np.inf}):
             for words, how in SHIFTED:
@@ -278,7 +278,9 @@ def looked_at(setup: Setup, parts: list[Part], values: Array) -> Seen:
     step, names = setup.default_step, setup.scene.observables
     if takes_long(setup, parts):  # as the check itself has solved it
         ((case, numbers),) = parts
-        right = truth(setup.solved_equations, case, case.start_time + numbers * step, names).values
+        right = truth(
+            setup.bound.solved_equations, case, case.start_time + numbers * step, names
+        ).values
     else:
         right = np.hstack([Hypothesis(*part).rows(setup, step, names) for part in parts])
     size = np.max(np.abs(right), axis=1, keepdims=True)

@@ -33,7 +33,7 @@ def of_placement(setup: Setup, kind: str) -> str:
     if not setup.case.placement or kind not in MEASURES:
         return ""
     stands = setup.with_case(replace(setup.case, placement=""))
-    if stands.why_not is not None:
+    if stands.unsupported_reason is not None:
         return ""
     findings = MEASURES[kind](stands)
     if any(isinstance(one, Finding) and judge(one, 1.0)[0] == "deviation" for one in findings):
@@ -46,11 +46,13 @@ def of_frames(setup: Setup) -> str:
     """Return which frame was mistaken for which, if one such mistake explains a mass matrix."""
     if not setup.engine.reads_mjcf:
         return ""
-    times, states = algebra.random_states(setup.equations, setup.case, setup.coordinates)
-    system, q, _ = setup.engine.joint_states(setup.case, setup.model, times, states)
-    whole = mechanism(system.mjcf)
+    times, states = algebra.random_states(
+        setup.bound.equations, setup.case, setup.bound.coordinates
+    )
+    q, _ = setup.bound.joint_states(times, states)
+    whole = mechanism(setup.bound.text)
     try:
-        answer = call_engine(lambda: setup.engine.joint_mass_matrices(system, q))
+        answer = call_engine(lambda: setup.bound.joint_mass_matrices(q, whole.layout.size[1]))
     except Unsupported:
         return ""
 
@@ -97,12 +99,12 @@ def with_tensors_behind(whole: Mechanism, q: Array) -> Array:
 
 def of_reactions(setup: Setup) -> str:
     """Return that reactions are those in the frame of the world, where they are."""
-    case, equations, names = setup.case, setup.solved_equations, setup.coordinates
-    reactions = setup.engine.reaction_names(case, setup.model)
+    case, equations, names = setup.case, setup.bound.solved_equations, setup.bound.coordinates
+    reactions = setup.bound.reaction_names
     if not reactions:
         return ""
     times, states = algebra.random_states(equations, case, names)
-    answer = call_engine(lambda: setup.engine.reactions(case, setup.model, times, states))
+    answer = call_engine(lambda: setup.bound.reactions(times, states))
     right = algebra.expected(case, equations, times, states, names, reactions)
     axes = world_axes(case.placement)[:2, :2]
     firsts = [name for name in reactions if name.endswith("_x")]

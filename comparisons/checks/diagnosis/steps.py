@@ -42,9 +42,9 @@ UNMOVED = 1e-3
 
 def of_steps(setup: Setup) -> str:
     """Return the mistake in few steps or one; those of elements of others take long to predict."""
-    if setup.discrete:
+    if setup.bound.discrete:
         return ""
-    in_time = one_step.driven_in_time(setup, setup.equations)
+    in_time = one_step.driven_in_time(setup, setup.bound.equations)
     every = (explanation(after_steps(setup, count)) for count in ((FEW, 1) if in_time else (1,)))
     return next(filter(None, every), "")
 
@@ -62,14 +62,14 @@ def of_order(setup: Setup) -> str:
 
     Only where halved steps lead to what is right: then the equations of motion are.
     """
-    if setup.discrete or not one_step.quantities(setup):
+    if setup.bound.discrete or not one_step.quantities(setup):
         return ""
     order, scheme = setup.integrator.order, setup.scheme
     counts = PARTS if scheme else SETTLED_PARTS
     length = (one_step.LONGER if scheme else one_step.SETTLED) * setup.default_step
     if scheme:
         length = min(length, power_of_two(setup.stable_step_bound))
-    equations, names = setup.solved_equations, setup.scene.observables
+    equations, names = setup.bound.solved_equations, setup.scene.observables
     cases = one_step.starts(setup, length, scheme)
     right = one_step.truths(equations, cases, length, names)
 

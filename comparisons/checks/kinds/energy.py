@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from ....reference.equations import ModelEquations, invariants_of, scene_equations
 from ....reference.errors import CannotJudgeError, EngineError
 from ....reference.scene import Array, Case
-from ...engines.equations import ModelEquations, invariants_of, scene_equations
 from ...engines.setup import Setup
 from ..tolerances import (
     RICHARDSON_SAFETY,
@@ -70,11 +70,11 @@ def sensor_gaps(setup: Setup, step: float, values: Mapping[str, Array]) -> dict[
     energy is known up to a constant, the same from another start as well: a step of that tells a
     factor, where a run keeps its energy.
     """
-    equations = setup.discrete or scene_equations(setup.case)
+    equations = setup.bound.discrete or scene_equations(setup.case)
     scene, c = equations.scene, equations.scene.coefficients(equations.parameters)
     sensed = invariants_of(equations).keys() & values.keys()
     # a loop that gives way has energies that no formula has
-    rigid = setup.discrete or not setup.has_soft_closure
+    rigid = setup.bound.discrete or not setup.bound.has_soft_closure
     if not (sensed and rigid and set(scene.state_names) <= set(values)):
         return {}
     runs = [values]
@@ -118,7 +118,7 @@ def measure(setup: Setup) -> list[Finding]:
     Where the model's own equations do not conserve, its drift is what they make of it. What
     bends has its own energy, which it conserves whatever the number of its elements.
     """
-    scene, equations = setup.scene, setup.equations
+    scene, equations = setup.scene, setup.bound.equations
     formula = equations if scene.discretisation_coordinates else scene_equations(setup.case)
     step, epsilon = setup.default_step, setup.epsilon
     _, growth = permitted_horizon(setup.case, step, epsilon)

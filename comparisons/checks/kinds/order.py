@@ -38,7 +38,7 @@ FLOOR = 30.0
 def quantities(setup: Setup) -> tuple[str, ...]:
     """Return the names of what is measured."""
     if setup.case.watch == "elements":
-        bracket = ("bracket",) if setup.frequency_side else ()
+        bracket = ("bracket",) if setup.bound.frequency_side else ()
         return ("order", "extrapolated", "least_error", *bracket)
     return ("order", "extrapolated", *(() if setup.scheme else ("least_error",)))
 
@@ -54,7 +54,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     horizon = coarsest * min(max(4, round(horizon / coarsest)), MOST_MARKS)
     marks = np.arange(1, round(horizon / coarsest) + 1)
     right = roundoff_reference(
-        setup.equations, setup.case, setup.case.start_time + marks * coarsest, names
+        setup.bound.equations, setup.case, setup.case.start_time + marks * coarsest, names
     )
     trust = float(np.max(right.bound / right.size))
     steps: list[float] = []
@@ -149,12 +149,14 @@ def ideal_slope(setup: Setup, steps: list[float], floors: list[float], times: Ar
     Only of errors above round-off (``floors``), else a wrong engine might be as flat.
     """
     names = setup.scene.observables
-    right = roundoff_reference(setup.equations, setup.case, setup.case.start_time + times, names)
+    right = roundoff_reference(
+        setup.bound.equations, setup.case, setup.case.start_time + times, names
+    )
     errors: list[float] = []
     for step, floor in zip(steps, floors, strict=True):
         numbers = np.rint(times / step).astype(int)
         states = setup.scheme_states(step, numbers)
-        error = relative_error(rows(setup.equations, states, names), right)
+        error = relative_error(rows(setup.bound.equations, states, names), right)
         if error < floor:
             break
         errors += [error] if np.isfinite(error) else []

@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ....reference import get_scene
+from ....reference.equations import scene_equations
 from ....reference.errors import CannotJudgeError, EngineError
 from ....reference.scene import Array, Case
-from ...engines.equations import scene_equations
 from ...engines.setup import Setup
 from ..free_vibrations import excitation
 from ..tolerances import (
@@ -46,20 +46,20 @@ def quantities(setup: Setup) -> tuple[str, ...]:
     last = "scheme_residual" if setup.scheme else "extrapolated"
     scene = setup.scene
     whole = tuple(scene.run_quantities.units) if scene.run_quantities else ()
-    names = (*setup.observables, *whole, last)
-    return names if setup.is_exact else (*names, "model_error")
+    names = (*setup.bound.observables, *whole, last)
+    return names if setup.bound.is_exact else (*names, "model_error")
 
 
 def measure(setup: Setup) -> list[Finding | Inconclusive]:
     """Run the case with the method's default step and judge every observable."""
     scene = setup.scene
     units = scene.units
-    names = setup.observables
-    equations = setup.solved_equations
+    names = setup.bound.observables
+    equations = setup.bound.solved_equations
     scheme, epsilon = setup.scheme, setup.epsilon
     count = RUN_SAMPLES if scene.run_quantities else SAMPLES
-    by_elements = setup.approximates_continuum and not setup.discrete
-    in_space = setup.element_order if by_elements else 0
+    by_elements = setup.bound.approximates_continuum and not setup.bound.discrete
+    in_space = setup.bound.description.element_order if by_elements else 0
     for refinement in range(REFINEMENTS):
         step = setup.default_step / 2**refinement
         horizon = simulated_horizon(setup.case, step, scheme, epsilon)
@@ -89,7 +89,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         coarse = setup.with_segments(0.5).simulate(step, samples).matrix(names)
         prediction = prediction.with_elements(values - coarse, in_space)
     seen = last_trusted_sample(prediction.errors / size[:, None])
-    if setup.discrete and not (prediction.shrinks and seen):
+    if setup.bound.discrete and not (prediction.shrinks and seen):
         unfollowed = unfollowed_vibrations(setup, step, horizon, right, room)
         prediction = replace(prediction, unfollowed=unfollowed)
     if not seen and prediction.unfollowed:
@@ -145,7 +145,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         return conclusion(finding, window.largest(prediction.change), prediction.unfollowed)
 
     findings.append(relative_finding(last, away, 0.0, reason))
-    if not setup.is_exact:
+    if not setup.bound.is_exact:
         exact = truth(scene_equations(setup.case), setup.case, times, names).values
         off, expected = (
             window.largest(values - exact) for values in (prediction.limit, right.values)
@@ -168,7 +168,12 @@ def run_quantities(
 
     Errors that halved steps predict are granted only where they shrink as declared.
     """
-    scene, case, names, order = setup.scene, setup.case, setup.observables, setup.integrator.order
+    scene, case, names, order = (
+        setup.scene,
+        setup.case,
+        setup.bound.observables,
+        setup.integrator.order,
+    )
     assert scene.run_quantities is not None
     derived = [
         scene.run_quantities.evaluate(

@@ -113,12 +113,12 @@ def reactions(session: Session, who: str) -> Numbers | str:
         return {}
     case, names = Query(SCENE).case, list(REACTIONS.values())
     engine, model = choose_engine(who, case, None)
-    if not set(names) <= set(engine.reaction_names(case, model)):
+    if not set(names) <= set(engine.bind(case, model).reaction_names):
         return "does not tell"
     states = np.array([[phi, SPEED] for phi in (0.3, 1.9, 4.4)])
     phi, speed = states.T[:, None]
     exact = outputs(phi, speed, coefficients(EXAMPLE))
-    own = call_engine(lambda: engine.reactions(case, model, np.zeros(len(states)), states))
+    own = call_engine(lambda: engine.bind(case, model).reactions(np.zeros(len(states)), states))
     tables = (np.array([values[name] for name in names]) for values in (own, exact))
     return {"error": largest_difference(*tables)}
 
@@ -131,7 +131,7 @@ def accelerations(session: Session, who: str) -> Numbers:
     engine, model = choose_engine(who, case, None)
     states = np.array([np.linspace(0, 6, 16), SPEED * np.linspace(-1, 1, 16)]).T
     exact = get_scene(SCENE).accelerations(0.0, *states.T[:, None], coefficients(EXAMPLE))[0]
-    own = call_engine(lambda: engine.accelerations(case, model, np.zeros(len(states)), states))
+    own = call_engine(lambda: engine.bind(case, model).accelerations(np.zeros(len(states)), states))
     return {"error": largest_difference(own[:, 0], exact), "model": model}
 
 

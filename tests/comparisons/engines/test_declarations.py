@@ -15,7 +15,9 @@ from mbcheck.comparisons.engines import protocol
 from mbcheck.comparisons.engines.adapter import CLOSURE_TIME, adapt
 from mbcheck.comparisons.engines.registry import remote_plugin
 from mbcheck.comparisons.engines.setup import Setup, run
+from mbcheck.comparisons.engines.validation import RENAMED, RENAMED_ARGUMENTS
 from mbcheck.examples.mujoco_engine import MujocoPlugin
+from mbcheck.models import mjcf
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
@@ -51,7 +53,7 @@ class Rounding(MujocoPlugin):
 def test_options_are_set_and_limit_accuracy() -> None:
     engine = adapt("rounding", Rounding())
     setup = Setup(engine, HOOPS[0], "tree", RK4, 2.0**-6)
-    (option,) = engine.options(setup.case, "tree", RK4)
+    (option,) = engine.bind(setup.case, "tree").options(RK4)
     fine, coarse = (run(setup.with_option(option.name, value), TIMES) for value in (12.0, 3.0))
     assert 0 < np.max(np.abs(fine.values["y"] - coarse.values["y"])) < 1e-3
     assert engine.inner.digits == 12.0  # type: ignore[attr-defined]
@@ -59,15 +61,15 @@ def test_options_are_set_and_limit_accuracy() -> None:
 
 def test_an_engine_that_reads_the_softness_of_loops_has_that_as_an_option() -> None:
     engine = adapt("plugin", MujocoPlugin())
-    assert engine.options(ROTATION, "connect_hard", RK4) == (CLOSURE_TIME,)
-    assert engine.options(ROTATION, "connect", RK4) == ()
+    assert engine.bind(ROTATION, "connect_hard").options(RK4) == (CLOSURE_TIME,)
+    assert engine.bind(ROTATION, "connect").options(RK4) == ()
     softer = engine.with_option("closure_time", 0.02)
-    text = softer.joint_system(ROTATION, "connect_hard").mjcf
+    text = softer.bind(ROTATION, "connect_hard").text
     assert "-2500 -100" in text
-    equations = softer.model_equations(ROTATION, "connect_hard")
+    equations = softer.bind(ROTATION, "connect_hard").own_equations
     assert equations is not None
     assert equations.scene is not soft_scene()
-    assert engine.joint_system(ROTATION, "connect_hard").mjcf != text
+    assert engine.bind(ROTATION, "connect_hard").system(ROTATION).mjcf != text
 
 
 def test_options_reach_an_engine_in_another_process(
@@ -84,7 +86,7 @@ def test_options_reach_an_engine_in_another_process(
     )
     monkeypatch.chdir(tmp_path)
     engine = remote_plugin("rounds:Rounding")
-    assert [one.name for one in engine.options(HOOPS[0], "tree", RK4)] == ["digits"]
+    assert [one.name for one in engine.bind(HOOPS[0], "tree").options(RK4)] == ["digits"]
     setup = Setup(engine, HOOPS[0], "tree", RK4, 2.0**-6)
     fine, coarse = (run(setup.with_option("digits", value), TIMES) for value in (12.0, 3.0))
     assert np.array_equal(coarse.values["y"], np.round(coarse.values["y"], 3))
@@ -97,16 +99,17 @@ class Babbling(MujocoPlugin):
     def options(self, system: Any, method: Any) -> Any:
         return (("digits", 12.0),)
 
-    def why_not(self, system: Any, method: Any) -> Any:
+    def unsupported_reason(self, system: Any, method: Any) -> Any:
         return False
 
 
 def test_answers_that_have_no_sense_are_refused() -> None:
     engine = adapt("babbling", Babbling())
     with pytest.raises(EngineError, match=r"tuple of mbcheck\.Option, not"):
-        engine.options(HOOPS[0], "tree", RK4)
-    with pytest.raises(mbcheck.UsageError, match="why_not: why_not must return"):
-        engine.why_not(HOOPS[0], "tree", RK4)
+        engine.bind(HOOPS[0], "tree").options(RK4)
+    said = "unsupported_reason: unsupported_reason must return"
+    with pytest.raises(mbcheck.UsageError, match=said):
+        engine.bind(HOOPS[0], "tree").unsupported_reason(HOOPS[0], RK4)
 
 
 def test_states_that_are_one_buffer_are_refused() -> None:
@@ -128,7 +131,7 @@ def test_states_that_are_one_buffer_are_refused() -> None:
             run(setup, TIMES)
 
 
-@pytest.mark.parametrize("name", ["options", "reactions", "own_model", "why_not"])
+@pytest.mark.parametrize("name", ["options", "reactions", "describe_model", "unsupported_reason"])
 def test_a_table_under_the_name_of_a_function_is_refused(name: str) -> None:
     with pytest.raises(mbcheck.UsageError, match=f"{name} must be a function.*rename it"):
         adapt("tables", type("Tables", (MujocoPlugin,), {name: {}}))
@@ -147,18 +150,19 @@ def test_observables_at_which_nobody_looks_are_refused() -> None:
             return replace(motion, observables={"Y": motion.positions[:, 0]})
 
     with pytest.raises(EngineError, match=r"Motion\.observables holds 'Y'; known: y, theta, "):
-        adapt("chatty", Chatty).simulate(HOOPS[0], "tree", RK4, 2.0**-6, TIMES)
+        adapt("chatty", Chatty).bind(HOOPS[0], "tree").simulate(HOOPS[0], RK4, 2.0**-6, TIMES)
 
 
 class Refusing(MujocoPlugin):
     """An engine that raises where it should return a reason."""
 
-    def why_not(self, system: Any, method: Any) -> Any:
+    def unsupported_reason(self, system: Any, method: Any) -> Any:
         raise mbcheck.Unsupported("no springs")
 
 
 def test_unsupported_is_a_reason_too() -> None:
-    assert adapt("refusing", Refusing()).why_not(HOOPS[0], "tree", RK4) == "no springs"
+    model = adapt("refusing", Refusing()).bind(HOOPS[0], "tree")
+    assert model.unsupported_reason(HOOPS[0], RK4) == "no springs"
 
 
 class Single(mbcheck.Engine):
@@ -176,9 +180,9 @@ class Single(mbcheck.Engine):
 def test_quaternions_have_the_length_that_their_method_can_keep() -> None:
     engine, case = adapt("single", Single()), get_scene("rigid_body").case("free_euler")
     single, double = engine.methods
-    engine.simulate(case, "ball", single, 0.25, TIMES)
+    engine.bind(case, "ball").simulate(case, single, 0.25, TIMES)
     with pytest.raises(EngineError, match="a quaternion has the length"):
-        engine.simulate(case, "ball", double, 0.25, TIMES)
+        engine.bind(case, "ball").simulate(case, double, 0.25, TIMES)
 
 
 # Loops: reactions, inverse dynamics, sensors ---------------------------------------------------
@@ -274,11 +278,13 @@ class OwnSoftness(MujocoPlugin):
         assert softer != system.mjcf
         return super().at(replace(system, mjcf=softer), *state)
 
-    def own_model(self, system: Any) -> mbcheck.OwnModel:
+    def describe_model(self, system: Any) -> mbcheck.ModelDescription:
         assert system.mjcf
         if self.softness is None:
             raise mbcheck.Unsupported("its softness depends on the step")
-        return mbcheck.OwnModel(equations=(soft_scene(self.softness), system.case.parameters))
+        return mbcheck.ModelDescription(
+            equations=(soft_scene(self.softness), system.case.parameters)
+        )
 
 
 def test_a_softness_of_ones_own_is_judged_by_its_equations_where_they_are_told() -> None:
@@ -291,10 +297,12 @@ def test_a_softness_of_ones_own_is_judged_by_its_equations_where_they_are_told()
     silent = OwnSoftness()
     silent.softness = None
     assert not quantities(silent, "algebra", "rotation")
-    reason = adapt("silent", silent).why_not(ROTATION, "connect", RK4)
+    reason = adapt("silent", silent).bind(ROTATION, "connect").unsupported_reason(ROTATION, RK4)
     assert reason == "its softness depends on the step"
     opened = get_scene("speed_regulator").case("opened_loop")
-    assert adapt("own", OwnSoftness()).why_not(opened, "connect", RK4) is None
+    assert (
+        adapt("own", OwnSoftness()).bind(opened, "connect").unsupported_reason(opened, RK4) is None
+    )
 
 
 # Reasons, and the public names -----------------------------------------------------------------
@@ -305,15 +313,15 @@ class Reluctant(MujocoPlugin):
 
     name = "reluctant"
 
-    def why_not(self, system: Any, method: Any) -> str | None:
+    def unsupported_reason(self, system: Any, method: Any) -> str | None:
         return "no body may drive" if system.drivers else None
 
 
 def test_reasons_are_told_before_a_run() -> None:
     engine = adapt("reluctant", Reluctant())
-    assert engine.why_not(HOOPS[0], "tree", RK4) == "no body may drive"
-    assert engine.why_not(HOOPS[0], "forced", RK4) is None
-    assert "why_not" not in adapt("plugin", MujocoPlugin()).functions
+    assert engine.bind(HOOPS[0], "tree").unsupported_reason(HOOPS[0], RK4) == "no body may drive"
+    assert engine.bind(HOOPS[0], "forced").unsupported_reason(HOOPS[0], RK4) is None
+    assert "unsupported_reason" not in adapt("plugin", MujocoPlugin()).functions
 
 
 @pytest.mark.parametrize("folder", ["mujoco", "exudyn"])
@@ -329,3 +337,122 @@ def test_built_in_engines_take_public_names_alone(folder: str, clone: Path) -> N
                 assert {one.name for one in node.names} <= set(mbcheck.__all__)
             elif isinstance(node, ast.ImportFrom) and node.level > 2:
                 assert str(node.module).split(".")[0] in ("models", "reference"), path.name
+
+
+# Names of before ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("old", RENAMED)
+def test_an_engine_written_for_old_names_is_told_the_new_ones(old: str) -> None:
+    with pytest.raises(mbcheck.UsageError, match=f"{old} is now {RENAMED[old]}: rename it"):
+        adapt("older", type("Older", (MujocoPlugin,), {old: lambda *call: None}))
+    assert RENAMED[old] in dir(mbcheck.Engine)
+
+
+@pytest.mark.parametrize("old", RENAMED_ARGUMENTS)
+def test_arguments_of_before_are_told_their_new_names(
+    old: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    new = RENAMED_ARGUMENTS[old]
+    kinds = (mbcheck.ModelDescription, mbcheck.Method, mbcheck.Option, mbcheck.Motion)
+    (kind,) = (one for one in kinds if new in one.__dataclass_fields__)
+    (tmp_path / f"older_{old}.py").write_text(
+        f"import mbcheck\nmbcheck.{kind.__name__}({old}=1)\nclass Older(mbcheck.Engine): pass\n"
+    )
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(mbcheck.UsageError, match=f"{old}'.*it is now {new}, see CHANGELOG"):
+        remote_plugin(f"older_{old}:Older")
+
+
+def test_the_old_name_of_a_description_is_told() -> None:
+    with pytest.raises(AttributeError, match=r"is now mbcheck\.ModelDescription"):
+        assert mbcheck.OwnModel
+
+
+# Several solvers ----------------------------------------------------------------------------
+
+
+class Solvers(MujocoPlugin):
+    """An engine of which one solver adds an acceleration."""
+
+    name, added = "solvers", 1.0
+
+    def accelerations(self, system: Any, time: float, q: Any, v: Any, method: Any = None) -> Any:
+        wrong = method is not None and method.name == "Euler"
+        return super().accelerations(system, time, q, v) + self.added * wrong
+
+
+@pytest.mark.parametrize("as_object", [True, False])
+def test_accelerations_of_each_solver_are_checked(
+    as_object: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "several.py").write_text(
+        "from mbcheck.tests.comparisons.engines.test_declarations import Solvers\n"
+        "class Several(Solvers): name = 'solvers'\n"
+    )
+    monkeypatch.chdir(tmp_path)
+    engine = Solvers() if as_object else "several:Several"
+    selection: Any = {"scenes": ["hula_hoop"], "kinds": ["algebra", "parts"]}
+    report = mbcheck.check(engines=[engine], ids=["*/semicircle_3hz_60n/*"], **selection)
+    verdicts = {(r.kind, r.method, r.verdict) for r in report.results}
+    assert {("algebra", "RK4", "pass"), ("algebra", "Euler", "deviation")} <= verdicts
+    assert not {one for one in verdicts if one[1] == "RK4" and one[2] != "pass"}
+    assert None not in {method for _, method, _ in verdicts}
+
+
+def test_a_solver_is_no_argument_of_an_engine_that_takes_none() -> None:
+    model = adapt("plugin", MujocoPlugin()).bind(HOOPS[0], "tree")
+    at = np.zeros(1), np.array([[0.01, 0.2, 0.3, 4.0]])
+    assert np.array_equal(model.accelerations(*at), model.accelerations(*at, RK4))
+    solvers = adapt("solvers", Solvers()).bind(HOOPS[0], "tree")
+    euler = MujocoPlugin.methods[1]
+    assert np.max(np.abs(solvers.accelerations(*at, euler) - model.accelerations(*at))) > 0.5
+
+
+# Compliant joints ---------------------------------------------------------------------------
+
+
+class Compliant(MujocoPlugin):
+    """An engine whose joints give way: here as if the platform were heavier."""
+
+    name, compliant_joints = "compliant", True
+
+    def at(self, system: Any, *state: Any) -> Any:
+        model = mjcf.models("hula_hoop")[system.model]
+        text = mjcf.export(model, heavier(system.case.parameters, 1.25))
+        return super().at(replace(system, mjcf=text), *state)
+
+
+class Described(Compliant):
+    """The same, with its equations."""
+
+    share = 1.25
+
+    def describe_model(self, system: Any) -> mbcheck.ModelDescription:
+        own = heavier(system.case.parameters, self.share)
+        return mbcheck.ModelDescription(equations=(get_scene("hula_hoop"), own))
+
+
+def heavier(p: HulaHoop, share: float) -> HulaHoop:
+    """Return parameters with a heavier platform."""
+    return p.replace(main_mass=share * p.main_mass)
+
+
+def test_joints_that_give_way_are_skipped_or_judged_by_their_equations() -> None:
+    kinds = ("parts", "algebra", "step", "trajectory")
+    found = results(Compliant(), "hula_hoop", kinds, "semicircle_3hz_60n")
+    assert {item.verdict for item in found} == {"skipped"}
+    assert all("its joints give way by a rule of its own" in item.reason for item in found)
+    found = results(Described(), "hula_hoop", kinds, "semicircle_3hz_60n")
+    assert {item.kind for item in found} == {"algebra", "step", "trajectory"}
+    assert not bad(found)
+    assert "model_error" in {item.quantity for item in found}
+    wrong = type("Wrong", (Described,), {"share": 1.0})
+    found = results(wrong(), "hula_hoop", ("algebra",), "semicircle_3hz_60n")
+    assert "deviation" in {item.verdict for item in found}
+
+
+def test_an_engine_with_rigid_joints_describes_no_model_of_a_file() -> None:
+    rigid = type("Rigid", (Described,), {"compliant_joints": False})
+    with pytest.raises(mbcheck.UsageError, match="compliant_joints = True, or closure"):
+        adapt("rigid", rigid)

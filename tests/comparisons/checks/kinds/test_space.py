@@ -15,7 +15,6 @@ from mbcheck.comparisons.checks.diagnosis.motions import Part, explanation, look
 from mbcheck.comparisons.checks.kinds.energy import sensor_gaps
 from mbcheck.comparisons.checks.suite import plan_cases, run_check
 from mbcheck.comparisons.engines.adapter import adapt
-from mbcheck.comparisons.engines.equations import ModelEquations
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.faults.catalogue import scaled
 from mbcheck.comparisons.faults.exudyn import ReboundExudyn, Rebuilt
@@ -24,6 +23,7 @@ from mbcheck.examples.mujoco_engine import MujocoPlugin
 from mbcheck.models import exudyn_mjcf
 from mbcheck.reference import get_scene
 from mbcheck.reference.body.rotation import central_inertia
+from mbcheck.reference.equations import ModelEquations
 from mbcheck.reference.quaternions import matrix
 from mbcheck.reference.scene import Case
 from mbcheck.tests.support.draws import case_near, some_are_slow
