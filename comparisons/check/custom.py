@@ -13,8 +13,9 @@ from ...reference.cost import expected_end
 from ...reference.errors import MbcheckError, NoOrbitError, UsageError
 from ...reference.orbits import state_scale
 from ...reference.scene import Array, Case
-from ..checks.kinds.energy import drifts
-from ..checks.kinds.stability import PERIODS, true_orbit
+from ..checks.comparison import drifts
+from ..checks.kinds.stability import PERIODS
+from ..checks.orbits import true_orbit
 from ..checks.suite import Check
 from ..checks.truth import (
     MOST_AMPLIFICATION,

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from fnmatch import fnmatchcase
 from time import perf_counter
+from typing import TypeVar
 
 from ...reference import get_scene
 from ...reference.errors import (
@@ -16,6 +18,7 @@ from ...reference.errors import (
     MbcheckError,
     UnknownNameError,
     Unsupported,
+    UsageError,
 )
 from ...reference.scene import Case
 from ..engines.adapter import Adapter
@@ -30,22 +33,13 @@ from ..engines.registry import (
 from ..engines.run import describe, excerpt, noting, traceback_of
 from ..engines.setup import Setup
 from ..faults.variants import Variant
-from .diagnosis.cause import cause
-from .kinds import (
-    algebra,
-    energy,
-    frequency,
-    limits,
-    long_runs,
-    one_step,
-    order,
-    parts,
-    pushed,
-    stability,
-    trajectory,
-)
-from .refusals import narrowed, refuse_undriven, refuse_unstable
+from .comparison import Measured
+from .diagnosis.deviation import Deviation, cause
+from .mistakes.motions import seen_in
+from .mistakes.observables import other_measures
+from .refusals import refuse_undriven
 from .rules.cautions import Caution, cautions, explained, noticing_rules
+from .table import EXTREMES, KINDS, Kind, kind_of
 from .verdict import (
     ENGINE,
     PROFILES,
@@ -57,45 +51,6 @@ from .verdict import (
     detected_by,
     judge,
 )
-
-
-@dataclass(frozen=True)
-class Kind:
-    """One kind of check: what it measures, and how."""
-
-    quantities: Callable[[Setup], tuple[str, ...]]
-    measure: Callable[[Setup], Sequence[Finding | Inconclusive]]
-    integrates: bool
-    follows: str | None = None
-    """Cases of this kind have it too"""
-    runs_free: bool = False
-    """Whether all it does is to follow motions over many steps"""
-
-
-KINDS = {
-    "parts": Kind(parts.quantities, parts.measure, False, follows="algebra"),
-    "algebra": Kind(algebra.quantities, algebra.measure, False),
-    "step": Kind(one_step.quantities, one_step.measure, True, follows="trajectory"),
-    "trajectory": Kind(trajectory.quantities, trajectory.measure, True, runs_free=True),
-    "order": Kind(order.quantities, order.measure, True),
-    "frequency": Kind(frequency.quantities, frequency.measure, False),
-    "stability": Kind(stability.quantities, stability.measure, True, runs_free=True),
-    "energy": Kind(energy.quantities, energy.measure, True, runs_free=True),
-}
-
-EXTREMES = {
-    "limits": Kind(limits.quantities, limits.measure, True),
-    "parameters": Kind(pushed.quantities, pushed.measure, True),
-    "starts": Kind(pushed.quantities, pushed.measure, True),
-    "long": Kind(long_runs.quantities, long_runs.measure, True),
-    "failures": Kind(pushed.quantities, pushed.measure, True),
-}
-"""Kinds of checks at extremes; see `scenes.extremes`."""
-
-
-def kind_of(name: str) -> Kind:
-    """Return the kind of check of a name."""
-    return EXTREMES.get(name) or KINDS[name]
 
 
 class Task(ABC):
@@ -356,6 +311,26 @@ def matching(
     return narrowed(checks, "a run without --full", lambda one: full or not one.full_only)
 
 
+T = TypeVar("T", bound=Task)
+
+
+def narrowed(tasks: Sequence[T], option: str, keeps: Callable[[T], bool]) -> list[T]:
+    """Return the tasks that an option keeps.
+
+    Raises
+    ------
+    UsageError
+        If it keeps none: names the option, and the nearest ids of what it was given.
+    """
+    left = [task for task in tasks if keeps(task)]
+    if left:
+        return left
+    ids = [name for task in tasks for name in task.ids]
+    near = get_close_matches(option.partition(" ")[2].replace("*", ""), ids, cutoff=0)
+    hint = f"nearest ids: {', '.join(near)}" if near else "`mbcheck list` shows what there is"
+    raise UsageError(f"no check matches: none is left by {option}; {hint}")
+
+
 def planned(kind: str, case: Case, engine_name: str) -> list[Check]:
     """Return the checks of `checks_of`; none of an engine that fails as it is asked."""
     try:
@@ -364,10 +339,6 @@ def planned(kind: str, case: Case, engine_name: str) -> list[Check]:
         if not broken_engines([engine_name]):
             raise
         return []  # `execution.unavailable` tells it
-
-
-QUICK = ("parts", "algebra", "step", "trajectory")
-"""Kinds of check of a quick answer."""
 
 
 def quick(checks: Iterable[Check]) -> list[Check]:
@@ -381,7 +352,7 @@ def quick(checks: Iterable[Check]) -> list[Check]:
         level = check.case.scene, check.engine, check.kind
         here = *level, check.case.label
         key = level if check.kind == "trajectory" else (*level, check.model)
-        if check.kind not in QUICK or key in seen or check.why_not is not None:
+        if not KINDS[check.kind].quick or key in seen or check.why_not is not None:
             continue
         twins = check.setup().engine.twins(check.case.scene)
         if check.model in twins and not (check.kind == "step" and here in steps):
@@ -418,7 +389,7 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
     # where a run ends is the scene's doing: one model of each engine will do
     twins = engine.twins(case.scene)
     for model in models[:1] if case.watch == "outcome" else models:
-        if model in twins and (kind not in QUICK or engine.why_not(case, model, None)):
+        if model in twins and (not what.quick or engine.why_not(case, model, None)):
             continue
         beside, top = model != models[0], best_method(Setup(engine, case, model))
         for method in integrators(Setup(engine, case, model), kind):
@@ -477,20 +448,20 @@ def run_check(
 ) -> list[Result]:
     """Run one check; whatever goes wrong becomes results, one for each of its quantities.
 
-    With ``explain`` they say where deviations may come from, which runs the engine again.
+    With ``explain`` they say where deviations may come from, which may run the engine again.
     """
     if check.why_not is not None:
         return check.skipped(check.why_not, (ENGINE,))
-    begin = perf_counter()
+    begin, kind = perf_counter(), kind_of(check.kind)
     setup: Setup | None = None
     try:
         setup = check.setup(engine)
         if check.model in setup.engine.twins(check.case.scene):
             refuse_undriven(setup)
-        if kind_of(check.kind).runs_free:
-            refuse_unstable(setup)
+        if kind.refuse:
+            kind.refuse(setup)
         with noting() as notes:
-            findings = kind_of(check.kind).measure(setup)
+            measured = kind.measure(setup)
     except CannotJudgeError as error:
         said = cautioned(setup) if check.step is not None else []
         refused = (ENGINE,) if isinstance(error, Unsupported) else ()
@@ -505,45 +476,64 @@ def run_check(
         reason = origin(setup, error) + describe(error, "")
         return check.failed(reason, traceback_of(error))
     work = {"seconds": perf_counter() - begin}
-    judgements = {
-        item.quantity: judge(item, PROFILES[profile])
-        for item in findings
-        if isinstance(item, Finding)
-    }
-    verdicts = {name: verdict for name, (verdict, _) in judgements.items()}
-    explain = explain and not check.extreme and "deviation" in verdicts.values()
-    where = cause(setup, check.kind, verdicts) if explain else ""
-    said = cautioned(setup) if explain else []
-    about, results = check.subject, list[Result]()
-    for finding in findings:
-        if isinstance(finding, Inconclusive):
-            results.append(about.result(finding.quantity, "skipped", finding.reason))
-            continue
-        verdict, reason = judgements[finding.quantity]
-        deviates = verdict == "deviation"
-        reason = "; ".join(filter(None, (reason, *(f"note: {text}" for text in notes))))
-        noticed = finding.noticed_by or (*noticing_rules(said), REFERENCE)
-        if deviates and explain:
-            reason = explained("; ".join(filter(None, (reason, where))), said)
-        results.append(
-            about.result(
-                finding.quantity,
-                verdict,
-                reason,
-                unit=finding.unit,
-                value=float(finding.value),
-                reference=float(finding.reference),
-                error=float(finding.error),
-                tolerance=float(PROFILES[profile] * finding.tolerance),
-                work=work,
-                series=finding.series,
-                cause=(where or None) if deviates else None,
-                noticed_by=() if verdict == "pass" else noticed,
-            )
-        )
-    lost = set(check.quantities) - {finding.quantity for finding in findings}
-    missing = (about.result(name, "error", "was not measured") for name in sorted(lost))
-    return [*results, *missing]
+    results = [
+        result_of(check, item, profile, notes=notes, work=work) for item in measured.findings
+    ]
+    lost = set(check.quantities) - {item.quantity for item in results}
+    results += [check.subject.result(name, "error", "was not measured") for name in sorted(lost)]
+    return with_causes(results, setup, kind, measured) if explain else results
+
+
+def result_of(
+    check: Check,
+    finding: Finding | Inconclusive,
+    profile: str,
+    notes: Iterable[str],
+    work: Mapping[str, float],
+) -> Result:
+    """Return the verdict on a finding."""
+    if isinstance(finding, Inconclusive):
+        return check.subject.result(finding.quantity, "skipped", finding.reason)
+    verdict, reason = judge(finding, PROFILES[profile])
+    noticed = finding.noticed_by or (REFERENCE,)
+    return check.subject.result(
+        finding.quantity,
+        verdict,
+        "; ".join([reason, *(f"note: {text}" for text in notes)]),
+        unit=finding.unit,
+        value=float(finding.value),
+        reference=float(finding.reference),
+        error=float(finding.error),
+        tolerance=float(PROFILES[profile] * finding.tolerance),
+        work=work,
+        series=finding.series,
+        noticed_by=() if verdict == "pass" else noticed,
+    )
+
+
+def with_causes(
+    results: list[Result], setup: Setup, kind: Kind, measured: Measured
+) -> list[Result]:
+    """Return results, those that deviate with where that comes from, and what rules say of the run.
+
+    Where no mistake alone explains all, the measure in which an observable is told is.
+    """
+    verdicts = {one.quantity: one.verdict for one in results if one.verdict != "skipped"}
+    if "deviation" not in verdicts.values() or not kind.level:
+        return results
+    where = cause(Deviation(setup, kind.measure, verdicts, measured.runs), kind.searches)
+    said, told = cautioned(setup), dict[str, str]()
+    if measured.runs and not where:
+        told = other_measures(seen_in(measured.runs), least=0.0)
+    rules, explained_results = noticing_rules(said), []
+    for one in results:
+        if one.verdict == "deviation":
+            words = filter(None, (one.reason, told.get(one.quantity), where))
+            reason = explained("; ".join(words), said)
+            one = replace(one, reason=reason, cause=where or None)
+        noticed = (*rules, REFERENCE) if one.noticed_by == (REFERENCE,) else one.noticed_by
+        explained_results.append(replace(one, noticed_by=noticed))
+    return explained_results
 
 
 def origin(setup: Setup | None, error: BaseException) -> str:

@@ -22,6 +22,9 @@ RICHARDSON_SAFETY = 1.5
 CAP = 0.05
 """No predicted error above this share of a quantity's range is granted as tolerance."""
 
+ROUNDING = 1e-10
+"""Relative error granted to closed-form algebra; a thousand times what either engine needs."""
+
 UNITS = 256
 """Units of rounding that closed-form algebra of some joints may lose."""
 

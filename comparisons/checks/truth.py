@@ -54,6 +54,9 @@ STILL = 1e-9
 MARKS = 8
 """Places where a horizon may be cut."""
 
+RANDOM_STATES = 16
+SEED = 2011
+
 
 @dataclass(frozen=True)
 class Truth:
@@ -244,13 +247,29 @@ def roundoff_reference(
     equations: ModelEquations, case: Case, times: Array, names: tuple[str, ...]
 ) -> Truth:
     """Return the solution over a short time, down to round-off unless it is stiff."""
-    return roundoff_references(equations, [case], times[:, None], names)[0]
+    return _roundoff_references(equations, [case], times[:, None], names)[0]
 
 
-def roundoff_references(
+def after_starts(
+    equations: ModelEquations, cases: Sequence[Case], after: Any, names: tuple[str, ...]
+) -> Truth:
+    """Return the same (k, n m) some times (m,) [s] after each of n starts."""
+    times = np.add.outer(np.atleast_1d(after), [one.start_time for one in cases])
+    solutions = _roundoff_references(equations, cases, times, names)
+    return Truth(
+        times=np.concatenate([one.times for one in solutions]),
+        values=np.hstack([one.values for one in solutions]),
+        bound=np.max([one.bound for one in solutions], axis=0),
+        size=np.max([one.size for one in solutions], axis=0),
+        scale=np.max([one.scale for one in solutions], axis=0),
+        states=np.hstack([one.states for one in solutions]),
+    )
+
+
+def _roundoff_references(
     equations: ModelEquations, cases: Sequence[Case], times: Array, names: tuple[str, ...]
 ) -> tuple[Truth, ...]:
-    """Return the same of some starts, each at times (n_t, k) of its own; all solved together."""
+    """Return solutions from some starts, each at times (n_t, k) of its own; solved together."""
     begins, columns = [one.start_time for one in cases], list(map(tuple, times.T.tolist()))
     states = [tuple(map(float, equations.start(one))) for one in cases]
     each = list(zip(states, begins, columns, strict=True))
@@ -333,3 +352,21 @@ def simulated_horizon(case: Case, step: float, scheme: str | None, epsilon: floa
     if get_scene(case.scene).discretisation_coordinates:
         return horizon if case.full_only else min(horizon, MOST_STEPS * step)
     return min(horizon, (MOST_STEPS if scheme else MOST_STEPS // 8) * step)
+
+
+def random_states(
+    equations: ModelEquations, case: Case, names: tuple[str, ...]
+) -> tuple[Array, Array]:
+    """Return times (k,) and states (k, 2 n) of coordinates, of the size that the motion has."""
+    scene = equations.scene
+    horizon, _ = permitted_horizon(case)
+    spacing = sample_spacing(horizon)
+    times = np.asarray(case.start_time + spacing * np.arange(1, int(horizon / spacing) + 1), float)
+    states = (*names, *(f"{name}_dot" for name in names))
+    size = sizes(equations, case, times, states)
+    size[[i for i, name in enumerate(names) if name in scene.rotations_per_period]] = np.pi
+    random = np.random.default_rng(SEED)
+    period = float(scene.period(case.parameters))
+    moments = period * random.random(RANDOM_STATES)
+    drawn = size * random.uniform(-1, 1, (RANDOM_STATES, len(size)))
+    return moments, scene.on_unit_quaternions(drawn) if names == scene.coordinates else drawn

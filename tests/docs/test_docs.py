@@ -13,7 +13,7 @@ import pytest
 
 from mbcheck.comparisons.checks import tolerances
 from mbcheck.comparisons.checks.rules.cautions import RULES
-from mbcheck.comparisons.checks.suite import KINDS
+from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.checks.truth import MOST_AMPLIFICATION
 from mbcheck.comparisons.checks.verdict import PROFILES
 from mbcheck.comparisons.cli import catalogue

@@ -19,6 +19,7 @@ from ....reference.solve.solution import run_sizes
 from ...engines.equations import ModelEquations, scene_equations
 from ...engines.run import VIOLATIONS
 from ...engines.setup import Setup
+from ..comparison import Measured, Part, scheme_rows
 from ..rules.cautions import cautions, noticing_rules
 from ..tolerances import (
     CAP,
@@ -26,7 +27,6 @@ from ..tolerances import (
     SAFETY,
     VIOLATION,
     rounding,
-    rows,
     sample_numbers,
 )
 from ..truth import VIBRATION_GROWTH, Truth, truth_to_the_end
@@ -112,7 +112,7 @@ def quantities(setup: Setup) -> tuple[str, ...]:
     return (QUANTITY,)
 
 
-def measure(setup: Setup) -> list[Finding]:
+def measure(setup: Setup) -> Measured:
     """Run a case at an extreme with the setup's step, and judge the largest error of all."""
     case, step = setup.case, setup.step_size
     run = Sampled.over(setup, case.horizon)
@@ -139,7 +139,7 @@ def measure(setup: Setup) -> list[Finding]:
     bound = float(np.max(right.bound / sizes(setup.observables, right)))
     if finding.error <= finding.tolerance and not bound <= SHARPEST:
         raise CannotJudgeError(f"not judged: the reference may be off by {bound:.2g} of a size")
-    return [finding]
+    return Measured([finding])
 
 
 def builds(setup: Setup) -> bool:
@@ -172,8 +172,8 @@ def compare_run(run: Sampled, values: Array, exact: Truth, model: Truth) -> Find
     order = setup.integrator.order
     halving = failure or halving_shows(changes, order, max(FLOOR, 10 * room))
     if setup.scheme:
-        states = setup.scheme_states(setup.step_size, run.samples)
-        integration = np.abs(rows(setup.equations, states, names) - model.values)
+        ideal = scheme_rows(setup, [Part(setup.case, run.samples)], setup.step_size, names)
+        integration = np.abs(ideal - model.values)
         safety = SAFETY
     else:  # what does not shrink as declared cannot be predicted
         integration, safety = 0 * values, RICHARDSON_SAFETY

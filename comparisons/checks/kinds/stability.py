@@ -20,7 +20,6 @@ from ....reference import get_scene
 from ....reference.errors import CannotJudgeError, NoOrbitError
 from ....reference.orbits import (
     Orbit,
-    find_orbit,
     mean_powers,
     period_advance,
     state_scale,
@@ -31,7 +30,9 @@ from ....reference.solve.batched import solve_many
 from ....reference.solve.single import solve
 from ...engines.equations import ModelEquations, scene_equations
 from ...engines.setup import Setup, shortest_period
-from ..orbits import orbit_step
+from .. import boundary
+from ..comparison import Measured
+from ..orbits import orbit_step, true_orbit
 from ..tolerances import (
     CAP,
     CLEAR,
@@ -43,7 +44,6 @@ from ..tolerances import (
     sample_numbers,
 )
 from ..verdict import Finding, Inconclusive
-from . import boundary
 
 SAMPLES = 64
 PERIODS = 2
@@ -117,12 +117,6 @@ def measure_orbit(case: Case, orbit: Orbit, flow: Flow) -> Mapping[str, Array]:
 
 
 @lru_cache(maxsize=16)
-def true_orbit(scene: str, parameters: Any) -> Orbit:
-    """Return the periodic orbit of the reference."""
-    return find_orbit(get_scene(scene), parameters)
-
-
-@lru_cache(maxsize=16)
 def model_orbit(
     equations: ModelEquations, scene: str, parameters: Any
 ) -> tuple[Mapping[str, Array], float]:
@@ -159,7 +153,7 @@ def model_orbit(
 
 
 @dataclass(frozen=True)
-class Measured:
+class OrbitRuns:
     """The orbit through an engine with three steps, beside what its model claims.
 
     Attributes
@@ -207,7 +201,7 @@ class Measured:
 
 def measured(
     setup: Setup, orbit: Orbit, right: Mapping[str, Array], bound: float, count: int
-) -> Measured:
+) -> OrbitRuns:
     """Follow the orbit with ``count`` steps per period, twice and four times as many."""
     runs = [through(setup, orbit, count * k) for k in (1, 2, 4)]
     growth = max(float(np.linalg.norm(orbit.monodromy, 2)), 1.0)
@@ -229,15 +223,20 @@ def measured(
     )
     shrinks = together.shrinks(max(floors[name] / sizes[name] for name in right))
     small = all(estimates[name].predicted <= CAP * sizes[name] for name in right)
-    return Measured(runs, estimates, floors, sizes, share, together.ratio, shrinks, small)
+    return OrbitRuns(runs, estimates, floors, sizes, share, together.ratio, shrinks, small)
 
 
-def measure(setup: Setup) -> list[Finding | Inconclusive]:
-    """Follow the orbit and its neighbours with three steps, and compare."""
+def measure(setup: Setup) -> Measured:
+    """Measure an orbit, a boundary of stability or where a run ends, as the case says."""
     if setup.case.boundary is not None:
-        return boundary.measure(setup)
+        return Measured(boundary.measure(setup))
     if setup.case.watch == "outcome":
-        return [outcome(setup)]
+        return Measured([outcome(setup)])
+    return Measured(of_orbit(setup))
+
+
+def of_orbit(setup: Setup) -> list[Finding | Inconclusive]:
+    """Follow the orbit and its neighbours with three steps, and compare."""
     scene = setup.scene
     try:
         orbit = true_orbit(setup.case.scene, setup.case.parameters)

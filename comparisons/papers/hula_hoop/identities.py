@@ -20,7 +20,7 @@ from ....reference.hula_hoop.equations import (
     energy,
 )
 from ....reference.hula_hoop.theory import nondimensional, paper_solution, printed_residuals
-from ...checks.kinds.algebra import random_states
+from ...checks.truth import random_states
 from ...engines.equations import scene_equations
 from ...engines.registry import REFERENCE
 from ...engines.run import contained

@@ -15,7 +15,8 @@ import pytest
 from mbcheck.comparisons.checks import execution, suite
 from mbcheck.comparisons.checks.execution import run_checks
 from mbcheck.comparisons.checks.request import Execution
-from mbcheck.comparisons.checks.suite import KINDS, Check, plan, run_check
+from mbcheck.comparisons.checks.suite import Check, plan, run_check
+from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.checks.verdict import Finding, Result, judge
 from mbcheck.comparisons.engines import registry as engines
 from mbcheck.comparisons.engines.adapter import Adapter

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.checks.kinds.elements import measure_frequencies, measure_order
+from mbcheck.comparisons.checks.elements import measure_frequencies, measure_order
 from mbcheck.comparisons.checks.suite import checks_of, run_check
 from mbcheck.comparisons.checks.truth import RATIO, truth
 from mbcheck.comparisons.checks.verdict import PROFILES, Finding, judge

@@ -10,16 +10,16 @@ import numpy as np
 import pytest
 from scipy.linalg import null_space
 
-from mbcheck.comparisons.checks.diagnosis.shares import Effect, explain
+from mbcheck.comparisons.checks import elements
 from mbcheck.comparisons.checks.kinds import (
     algebra,
-    elements,
     energy,
     frequency,
     one_step,
     order,
     stability,
 )
+from mbcheck.comparisons.checks.mistakes.shares import Effect, explain
 from mbcheck.comparisons.checks.tolerances import NEXT_ORDERS, Richardson
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup
@@ -74,7 +74,7 @@ def test_a_drift_is_predicted_and_no_more_is_granted(engine: str, model: str, me
     setup = check_of(subject, "energy", "free_undamped").setup()
     blind = replace(setup)
     blind.__dict__["scheme"] = None  # as if it were no published scheme
-    (drift,) = energy.measure(blind)
+    (drift,) = energy.measure(blind).findings
     assert drift.error > 1e-9
     assert 1.2 < drift.tolerance / drift.error < 1.8
 
@@ -206,7 +206,7 @@ def test_what_converges_as_declared_can_be_extrapolated(
     change: float, ratio: float, regular: bool
 ) -> None:
     one = Richardson(0.0, np.zeros(1), np.full(1, 0.1 * change), change, ratio, 4)
-    orbits = stability.Measured([], {"q": one}, {"q": 1.0}, {"q": 1e9}, 0.1, ratio, True, True)
+    orbits = stability.OrbitRuns([], {"q": one}, {"q": 1.0}, {"q": 1e9}, 0.1, ratio, True, True)
     assert orbits.regular == ["q"] * regular
     assert orbits.room("q") == pytest.approx(NEXT_ORDERS * 0.1 * change + 1)
 

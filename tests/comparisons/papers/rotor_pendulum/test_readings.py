@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.checks.kinds.boundary import engine_point
+from mbcheck.comparisons.checks.boundary import engine_point
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.papers.rotor_pendulum import regions
 from mbcheck.comparisons.papers.rotor_pendulum.cases import (

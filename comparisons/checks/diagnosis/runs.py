@@ -1,7 +1,8 @@
-"""Mistakes in single steps from right states: a force, a method, an order."""
+"""Mistakes in runs: repeated, with another clock or start, by another force, method or order."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -9,11 +10,20 @@ import numpy as np
 from ....reference.errors import CannotJudgeError, EngineError
 from ....reference.scene import Array
 from ....reference.solve.schemes import TABLEAUS
+from ...engines.run import EPS
 from ...engines.setup import Setup, power_of_two
+from ..comparison import Part, Runs
 from ..kinds import algebra, one_step
-from ..units import EXPLAINED
+from ..mistakes.motions import LONG, explanation, reset, seen_in, with_expected
+from ..mistakes.observables import EXPLAINED, SEEN
+from ..orbits import true_orbit
+from ..tolerances import matrix_rounding, sample_numbers
+from ..truth import after_starts, simulated_horizon
 from ..verdict import Finding, judge
-from .motions import Part, Seen, explanation, looked_at
+from .deviation import DISTINCT, Deviation
+
+SHORT = 512
+"""Steps of a run whose first part is looked at before the whole; a continuum's take long."""
 
 FEW = 3
 """Steps after which a force that is held shows whether it is late as well: in the first of a run
@@ -40,28 +50,77 @@ UNMOVED = 1e-3
 """Share of an error of rates by which they would move positions in some steps, were they used."""
 
 
-def of_steps(setup: Setup) -> str:
+# One free run, and few steps
+
+
+def of_run(deviation: Deviation) -> str:
+    """Return the mistake in a free run: in its first part, if that is wrong, or in the whole."""
+    return mistake_in_run(deviation.setup, deviation.runs)
+
+
+def of_orbit(deviation: Deviation) -> str:
+    """Return the mistake in a run that starts on the periodic orbit of the reference."""
+    setup, case = deviation.setup, deviation.setup.case
+    if case.watch != "outcome":
+        orbit = true_orbit(case.scene, case.parameters)
+        state = dict(zip(setup.scene.state_names, map(float, orbit.state), strict=True))
+        setup = setup.with_case(replace(case, state=state))
+    return mistake_in_run(setup)
+
+
+def mistake_in_run(setup: Setup, runs: Runs | None = None) -> str:
+    """Return the mistake in a free run, of which these runs, if any, are the whole."""
+    if setup.method is None or setup.case.watch == "elements":
+        return ""
+    step = setup.default_step if runs is None else runs.step
+    beam = bool(setup.scene.discretisation_coordinates)
+    horizon, short = simulated_horizon(setup.case, step, setup.scheme), SHORT * step
+    if beam:
+        short = LONG * step
+    for length in (min(horizon, short), horizon):
+        whole = runs if length == horizon else None
+        seen = seen_in(whole or free_run(setup, step, length))
+        if seen.error > SEEN:
+            said = explanation(seen) or reset(seen)
+            if said or not beam:
+                return said
+    return ""
+
+
+def free_run(setup: Setup, step: float, length: float) -> Runs:
+    """Return what an engine computes in a free run with a step over a length [s]."""
+    numbers = sample_numbers(length, step)
+    answer = setup.simulate(step, numbers).matrix(setup.scene.observables)
+    return with_expected(setup, step, [Part(setup.case, numbers)], answer)
+
+
+def of_steps(deviation: Deviation) -> str:
     """Return the mistake in few steps or one; those of elements of others take long to predict."""
-    if setup.discrete:
+    setup, one = deviation.setup, deviation.runs
+    if setup.discrete or one is None:
         return ""
     in_time = one_step.driven_in_time(setup, setup.equations)
-    every = (explanation(after_steps(setup, count)) for count in ((FEW, 1) if in_time else (1,)))
-    return next(filter(None, every), "")
+    few = explanation(seen_in(after_steps(setup, FEW))) if in_time else ""
+    return few or explanation(seen_in(one))
 
 
-def after_steps(setup: Setup, count: int) -> Seen:
+def after_steps(setup: Setup, count: int) -> Runs:
     """Return what an engine computes in so many steps from each start."""
     step = setup.default_step
     cases = one_step.starts(setup, step, setup.scheme)
     answer = one_step.after(setup, cases, count * step, count)[: len(setup.scene.observables)]
-    return looked_at(setup, [Part(one, np.array([count])) for one in cases], answer)
+    return with_expected(setup, step, [Part(one, np.array([count])) for one in cases], answer)
 
 
-def of_order(setup: Setup) -> str:
+# Schemes and orders
+
+
+def of_order(deviation: Deviation) -> str:
     """Return that steps are not those of the declared scheme, or not of the declared order.
 
     Only where halved steps lead to what is right: then the equations of motion are.
     """
+    setup = deviation.setup
     if setup.discrete or not one_step.quantities(setup):
         return ""
     order, scheme = setup.integrator.order, setup.scheme
@@ -71,7 +130,7 @@ def of_order(setup: Setup) -> str:
         length = min(length, power_of_two(setup.stable_step_bound))
     equations, names = setup.solved_equations, setup.scene.observables
     cases = one_step.starts(setup, length, scheme)
-    right = one_step.truths(equations, cases, length, names)
+    right = after_starts(equations, cases, length, names)
 
     def relative(change: Array) -> float:
         """Return the largest change, relative to the size of each observable."""
@@ -85,7 +144,7 @@ def of_order(setup: Setup) -> str:
         away.append(float(np.max(errors)))
     turning = {rate for one in setup.scene.quaternions for rate in one.rates}
     rates = np.array([name.endswith("_dot") or name in turning for name in names])
-    half = one_step.truths(equations, cases, length * (1 - 0.5 / counts[-1]), names)
+    half = after_starts(equations, cases, length * (1 - 0.5 / counts[-1]), names)
     behind = np.max((np.abs(answers[-1] - half.values) / right.size[:, None])[rates], initial=0.0)
     if behind < EXPLAINED * np.max(errors[rates], initial=0.0):
         return "rates are half a step behind positions, as those of a leapfrog are"
@@ -122,7 +181,45 @@ def order_of(errors: list[float]) -> int:
 def wrong_forces(setup: Setup) -> bool | None:
     """Return whether accelerations at random states are wrong, None if an engine tells none."""
     try:
-        findings = algebra.measure(setup)
+        findings = algebra.measure(setup).findings
     except (CannotJudgeError, EngineError):
         return None
     return any(isinstance(one, Finding) and judge(one, 1.0)[0] == "deviation" for one in findings)
+
+
+# Any numbers
+
+
+def of_limit(deviation: Deviation) -> str:
+    """Return what halved steps lead to, of kinds that halve them."""
+    verdicts = deviation.verdicts
+    if verdicts.get("extrapolated") == "pass":
+        return "extrapolated to h -> 0 it is right"
+    right = verdicts.get("order") == "pass" and "extrapolated" in verdicts
+    return ANOTHER_MODEL if right else ""
+
+
+def of_repetition(deviation: Deviation) -> str:
+    """Return that an engine does not repeat itself."""
+    first, second = deviation.numbers, deviation.repeated()
+    size = np.max(np.abs(first), axis=1, keepdims=True)
+    apart = float(np.max(np.abs(second - first) / np.where(size > 0, size, 1.0)))
+    if apart > matrix_rounding(deviation.setup.epsilon, algebra.ROUNDING):
+        return f"it does not repeat itself: two identical calls differ by {apart:.2g} of their size"
+    return ""
+
+
+def of_numbers(deviation: Deviation) -> str:
+    """Return that an engine's numbers have 32 bits, of one that does not declare it."""
+    if deviation.setup.epsilon > EPS:
+        return ""
+    with np.errstate(over="ignore"):  # what no 32 bits hold
+        rows = deviation.numbers
+        single = rows.astype(np.float32).astype(float)
+    fit = (
+        np.array_equal(row, rounded)
+        for row, rounded in zip(rows, single, strict=True)
+        if len(np.unique(row)) >= DISTINCT / 2
+    )
+    said = 'its numbers have 32 bits: an engine that means to declares precision = "float32"'
+    return said if any(fit) else ""

@@ -14,18 +14,18 @@ from typing import Any
 
 import numpy as np
 
-from ....reference import get_scene
-from ....reference.continuation.along import BoundaryAlong, ConnectionAlong
-from ....reference.continuation.bifurcations import HOMOCLINIC
-from ....reference.continuation.curve import correct
-from ....reference.errors import CannotJudgeError, EngineError, NoOrbitError
-from ....reference.parameters import BoundarySearch
-from ....reference.scene import Array
-from ...engines.run import EPS
-from ...engines.setup import Setup
-from ..orbits import engine_paths, engine_tracer, orbit_step
-from ..tolerances import CAP, NEXT_ORDERS, OPEN, ORBIT_REFINEMENTS, richardson, rounding
-from ..verdict import Finding, Inconclusive
+from ...reference import get_scene
+from ...reference.continuation.along import BoundaryAlong, ConnectionAlong
+from ...reference.continuation.bifurcations import HOMOCLINIC
+from ...reference.continuation.curve import correct
+from ...reference.errors import CannotJudgeError, EngineError, NoOrbitError
+from ...reference.parameters import BoundarySearch
+from ...reference.scene import Array
+from ..engines.run import EPS
+from ..engines.setup import Setup
+from .orbits import engine_paths, engine_tracer, orbit_step
+from .tolerances import CAP, NEXT_ORDERS, OPEN, ORBIT_REFINEMENTS, richardson, rounding
+from .verdict import Finding, Inconclusive
 
 SETTLED = 0.25
 """Change of the order seen from one halving to the next below which it is another than declared."""
