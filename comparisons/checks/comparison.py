@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...reference.errors import UsageError
 from ...reference.scene import Array, Case
 from ...reference.solve import schemes
 from ..engines.equations import ModelEquations, invariants_of
@@ -114,6 +115,13 @@ class Prediction:
         return conclusion(finding, change, self.unfollowed)
 
 
+def exact_prediction(errors: Array, values: Array) -> Prediction:
+    """Return that of errors (k,) which are granted as they are, of values (k, n) at any step."""
+    none = np.zeros_like(values)
+    errors = np.broadcast_to(errors[:, None], values.shape)
+    return Prediction(errors, 1.0, values, none, shrinks=True, reason="", change=none)
+
+
 def by_scheme(scheme: str, values: Array, ideal: Array, right: Truth) -> Prediction:
     """Predict errors by the method's own scheme on the claimed equations of motion."""
     error = ideal - right.values
@@ -152,27 +160,33 @@ def by_extrapolation(
 
 
 def scheme_rows(
-    setup: Setup,
+    equations: ModelEquations,
+    scheme: str | None,
     parts: Sequence[Part],
     step: float,
     names: tuple[str, ...],
-    equations: schemes.ScalarEquations | None = None,
-    scheme: str | None = None,
+    integrates_drive: bool = False,
 ) -> Array:
     """Return observables (k, n) that a scheme reaches in parts of runs with a step [s].
 
-    By default the setup's own, on the equations of its model; the cases of all parts have the
-    parameters of the setup's.
+    Raises
+    ------
+    UsageError
+        If it is none that is published.
     """
-    model = setup.equations
-    of = equations or schemes.ScalarEquations(model.scene, model.parameters, setup.integrates_drive)
-    scheme = scheme or setup.scheme
-    assert scheme is not None
+    if scheme is None:
+        raise UsageError("the method is no published scheme: no error can be computed from it")
+    of = schemes.ScalarEquations(equations.scene, equations.parameters, integrates_drive)
     states = [
-        schemes.integrate(of, scheme, model.start(case), step, numbers, case.start_time)
+        schemes.integrate(of, scheme, equations.start(case), step, numbers, case.start_time)
         for case, numbers in parts
     ]
-    return rows(model, np.hstack(states), names)
+    return rows(equations, np.hstack(states), names)
+
+
+def ideal_rows(setup: Setup, parts: Sequence[Part], step: float, names: tuple[str, ...]) -> Array:
+    """Return observables (k, n) that a right engine reaches by the scheme of a setup."""
+    return scheme_rows(setup.equations, setup.scheme, parts, step, names, setup.integrates_drive)
 
 
 # What of a run is compared -------------------------------------------------------------------

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
@@ -45,11 +45,9 @@ from .verdict import (
     PROFILES,
     REFERENCE,
     Finding,
-    Inconclusive,
     Result,
     Subject,
     detected_by,
-    judge,
 )
 
 
@@ -476,39 +474,17 @@ def run_check(
         reason = origin(setup, error) + describe(error, "")
         return check.failed(reason, traceback_of(error))
     work = {"seconds": perf_counter() - begin}
-    results = [
-        result_of(check, item, profile, notes=notes, work=work) for item in measured.findings
-    ]
+    about, results = check.subject, list[Result]()
+    for finding in measured.findings:
+        result = about.judged(finding, PROFILES[profile], work=work)
+        if isinstance(finding, Finding):
+            noticed = () if result.verdict == "pass" else finding.noticed_by or (REFERENCE,)
+            reason = "; ".join([result.reason, *(f"note: {text}" for text in notes)])
+            result = replace(result, reason=reason, noticed_by=noticed)
+        results.append(result)
     lost = set(check.quantities) - {item.quantity for item in results}
-    results += [check.subject.result(name, "error", "was not measured") for name in sorted(lost)]
+    results += [about.result(name, "error", "was not measured") for name in sorted(lost)]
     return with_causes(results, setup, kind, measured) if explain else results
-
-
-def result_of(
-    check: Check,
-    finding: Finding | Inconclusive,
-    profile: str,
-    notes: Iterable[str],
-    work: Mapping[str, float],
-) -> Result:
-    """Return the verdict on a finding."""
-    if isinstance(finding, Inconclusive):
-        return check.subject.result(finding.quantity, "skipped", finding.reason)
-    verdict, reason = judge(finding, PROFILES[profile])
-    noticed = finding.noticed_by or (REFERENCE,)
-    return check.subject.result(
-        finding.quantity,
-        verdict,
-        "; ".join([reason, *(f"note: {text}" for text in notes)]),
-        unit=finding.unit,
-        value=float(finding.value),
-        reference=float(finding.reference),
-        error=float(finding.error),
-        tolerance=float(PROFILES[profile] * finding.tolerance),
-        work=work,
-        series=finding.series,
-        noticed_by=() if verdict == "pass" else noticed,
-    )
 
 
 def with_causes(

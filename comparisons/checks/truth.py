@@ -84,6 +84,15 @@ class Truth:
     scale: Array
     states: Array
 
+    def at(self, places: Array) -> Truth:
+        """Return it at some of its times; bounds and sizes remain those of all."""
+        return replace(
+            self,
+            times=self.times[places],
+            values=self.values[:, places],
+            states=self.states[:, places],
+        )
+
 
 def sample_spacing(horizon: float) -> float:
     """Return the spacing [s] of the times at which a case's reference is kept.

@@ -11,7 +11,7 @@ from ....reference.errors import CannotJudgeError, EngineError
 from ....reference.scene import Array
 from ...engines.equations import ModelEquations, invariants_of, scene_equations
 from ...engines.setup import Setup
-from ..comparison import Measured, Part, drifts, invariant_size, scheme_rows
+from ..comparison import Measured, Part, drifts, ideal_rows, invariant_size
 from ..tolerances import (
     RICHARDSON_SAFETY,
     SAFETY,
@@ -92,7 +92,7 @@ def measure(setup: Setup) -> Measured:
         expected = drift_of(dict(zip(names, right.values, strict=True)))
         bound = float(np.max(right.bound / right.size))
     if scheme:
-        ideal = scheme_rows(setup, [part], step, names)
+        ideal = ideal_rows(setup, [part], step, names)
         others = drift_of(dict(zip(names, ideal, strict=True)))
         factor, safety, reason = 1.0, SAFETY, f"what {scheme} alone drifts"
     else:

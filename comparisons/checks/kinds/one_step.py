@@ -26,8 +26,8 @@ from ..comparison import (
     by_extrapolation,
     by_scheme,
     conclusion,
+    ideal_rows,
     largest_share,
-    scheme_rows,
     unfollowed_vibrations,
 )
 from ..tolerances import (
@@ -271,7 +271,7 @@ def ideal(
     setup: Setup, cases: list[Case], step: float, parts: int, names: tuple[str, ...]
 ) -> Array:
     """Return observables (k, n) that the setup's scheme reaches one step [s] after each start."""
-    return scheme_rows(setup, [Part(one, np.array([parts])) for one in cases], step / parts, names)
+    return ideal_rows(setup, [Part(one, np.array([parts])) for one in cases], step / parts, names)
 
 
 def velocities_at(

@@ -15,7 +15,7 @@ from ....reference.errors import EngineError
 from ....reference.scene import Array
 from ...engines.setup import Setup, shortest_period
 from .. import elements
-from ..comparison import Measured, Part, scheme_rows
+from ..comparison import Measured, Part, ideal_rows
 from ..tolerances import least_error, richardson, taylor_remainder
 from ..truth import Truth, permitted_horizon, roundoff_reference
 from ..verdict import Finding, Inconclusive, Series
@@ -170,7 +170,7 @@ def ideal_slope(
     errors: list[float] = []
     for step, floor in zip(steps, floors, strict=True):
         part = Part(setup.case, np.rint(times / step).astype(int))
-        values = scheme_rows(setup, [part], step, setup.scene.observables)
+        values = ideal_rows(setup, [part], step, setup.scene.observables)
         error = relative_error(values, right)
         if error < floor:
             break

@@ -19,7 +19,7 @@ from ....reference.solve.solution import run_sizes
 from ...engines.equations import ModelEquations, scene_equations
 from ...engines.run import VIOLATIONS
 from ...engines.setup import Setup
-from ..comparison import Measured, Part, scheme_rows
+from ..comparison import Measured, Part, ideal_rows
 from ..rules.cautions import cautions, noticing_rules
 from ..tolerances import (
     CAP,
@@ -172,7 +172,7 @@ def compare_run(run: Sampled, values: Array, exact: Truth, model: Truth) -> Find
     order = setup.integrator.order
     halving = failure or halving_shows(changes, order, max(FLOOR, 10 * room))
     if setup.scheme:
-        ideal = scheme_rows(setup, [Part(setup.case, run.samples)], setup.step_size, names)
+        ideal = ideal_rows(setup, [Part(setup.case, run.samples)], setup.step_size, names)
         integration = np.abs(ideal - model.values)
         safety = SAFETY
     else:  # what does not shrink as declared cannot be predicted

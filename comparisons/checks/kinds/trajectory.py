@@ -24,7 +24,7 @@ from ..comparison import (
     RunComparison,
     by_extrapolation,
     by_scheme,
-    scheme_rows,
+    ideal_rows,
     unfollowed_vibrations,
 )
 from ..tolerances import (
@@ -138,7 +138,7 @@ def with_step(setup: Setup, step: float) -> FreeRun:
     values, finer = setup.simulate(step, numbers).matrix(names), list[Array]()
     parts, units = [Part(case, numbers)], setup.scene.units
     if scheme:
-        ideal = scheme_rows(setup, parts, step, names)
+        ideal = ideal_rows(setup, parts, step, names)
         prediction = by_scheme(scheme, values, ideal, right)
     else:
         finer = [setup.simulate(step / k, numbers * k).matrix(names) for k in (2, 4)]

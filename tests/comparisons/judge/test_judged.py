@@ -217,7 +217,7 @@ def test_many_steps_are_scaled_by_the_order(simulated: Simulation) -> None:
     scene = get_scene("hula_hoop")
     case = replace(scene.case("spinning_3hz_60n"), state=START)
     problem = recording(columns(simulated)), case, scene.state_names, METHOD
-    direct, scaled = (compare(*problem, *steps).predicted for steps in ((), (200,)))
+    direct, scaled = (compare(*problem, *steps).prediction.errors for steps in ((), (200,)))
     assert direct is not None
     assert scaled == pytest.approx(direct, rel=0.35)
     with pytest.raises(UsageError, match="cannot be scaled"):
