@@ -42,6 +42,9 @@ class Kind:
         Whether it needs a method.
     follows : str or None
         Cases of this kind have it too.
+    needs : tuple of str
+        What a user's own case must have for it: ``motion``, a state of ``rest``, a periodic
+        ``orbit``, or something ``conserved``.
     refuse : callable ``(setup) -> None``, optional
         Refuses a setup that it cannot judge, before anything runs.
     quick : bool
@@ -54,6 +57,7 @@ class Kind:
     searches: Sequence[Search] = ()
     integrates: bool = True
     follows: str | None = None
+    needs: tuple[str, ...] = ()
     refuse: Callable[[Setup], None] | None = None
     quick: bool = False
 
@@ -97,6 +101,7 @@ KINDS = {
         frequency.measure,
         (models.of_matrices, runs.of_numbers),
         integrates=False,
+        needs=("rest",),
     ),
     "step": Kind(
         "a single step from a right state",
@@ -104,6 +109,7 @@ KINDS = {
         one_step.measure,
         (runs.of_repetition, models.of_placement, runs.of_steps, *IN_STEPS),
         follows="trajectory",
+        needs=("motion",),
         quick=True,
     ),
     "trajectory": Kind(
@@ -111,6 +117,7 @@ KINDS = {
         trajectory.quantities,
         trajectory.measure,
         (runs.of_repetition, models.of_placement, runs.of_run, *IN_STEPS),
+        needs=("motion",),
         refuse=refuse_unstable,
         quick=True,
     ),
@@ -119,12 +126,14 @@ KINDS = {
         order.quantities,
         order.measure,
         (runs.of_repetition, runs.of_run, *IN_STEPS, runs.of_limit),
+        needs=("motion",),
     ),
     "energy": Kind(
         "what it conserves",
         energy.quantities,
         energy.measure,
         (runs.of_repetition, runs.of_run, runs.of_numbers),
+        needs=("motion", "conserved"),
         refuse=refuse_unstable,
     ),
     "stability": Kind(
@@ -132,6 +141,7 @@ KINDS = {
         stability.quantities,
         stability.measure,
         (runs.of_repetition, runs.of_orbit, runs.of_numbers, runs.of_limit),
+        needs=("orbit",),
         refuse=refuse_unstable,
     ),
 }

@@ -54,6 +54,9 @@ STILL = 1e-9
 MARKS = 8
 """Places where a horizon may be cut."""
 
+SHARP = 1e-14
+"""Relative tolerance of what is solved down to round-off."""
+
 RANDOM_STATES = 16
 SEED = 2011
 
@@ -260,11 +263,18 @@ def roundoff_reference(
 
 
 def after_starts(
-    equations: ModelEquations, cases: Sequence[Case], after: Any, names: tuple[str, ...]
+    equations: ModelEquations,
+    cases: Sequence[Case],
+    after: Any,
+    names: tuple[str, ...],
+    tolerance: float = SHARP,
 ) -> Truth:
-    """Return the same (k, n m) some times (m,) [s] after each of n starts."""
+    """Return the same (k, n m) some times (m,) [s] after each of n starts.
+
+    A relative tolerance larger than `SHARP` saves the steps that fight with round-off.
+    """
     times = np.add.outer(np.atleast_1d(after), [one.start_time for one in cases])
-    solutions = _roundoff_references(equations, cases, times, names)
+    solutions = _roundoff_references(equations, cases, times, names, tolerance)
     return Truth(
         times=np.concatenate([one.times for one in solutions]),
         values=np.hstack([one.values for one in solutions]),
@@ -276,7 +286,11 @@ def after_starts(
 
 
 def _roundoff_references(
-    equations: ModelEquations, cases: Sequence[Case], times: Array, names: tuple[str, ...]
+    equations: ModelEquations,
+    cases: Sequence[Case],
+    times: Array,
+    names: tuple[str, ...],
+    tolerance: float = SHARP,
 ) -> tuple[Truth, ...]:
     """Return solutions from some starts, each at times (n_t, k) of its own; solved together."""
     begins, columns = [one.start_time for one in cases], list(map(tuple, times.T.tolist()))
@@ -287,7 +301,7 @@ def _roundoff_references(
             _truth(equations, state, begin, column, column[-1] - begin, names)
             for state, begin, column in each
         )
-    return _sharp(equations, tuple(each), names)
+    return _sharp(equations, tuple(each), names, tolerance)
 
 
 @lru_cache(maxsize=64)
@@ -295,10 +309,11 @@ def _sharp(
     equations: ModelEquations,
     each: tuple[tuple[tuple[float, ...], float, tuple[float, ...]], ...],
     names: tuple[str, ...],
+    tolerance: float,
 ) -> tuple[Truth, ...]:
     states, begins, times = (np.array(values).T for values in zip(*each, strict=True))
     start = begins if len(each) > 1 else float(begins[0])
-    solution = solve_many(equations.scene, equations.parameters, states, times, start, 1e-14)
+    solution = solve_many(equations.scene, equations.parameters, states, times, start, tolerance)
     return tuple(
         truth_of(
             equations,

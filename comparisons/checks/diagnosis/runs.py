@@ -12,7 +12,7 @@ from ....reference.scene import Array
 from ....reference.solve.schemes import TABLEAUS
 from ...engines.run import EPS
 from ...engines.setup import Setup, power_of_two
-from ..comparison import Part, Runs
+from ..comparison import Part, Runs, ideal_rows
 from ..kinds import algebra, one_step
 from ..mistakes.motions import LONG, explanation, reset, seen_in, with_expected
 from ..mistakes.observables import EXPLAINED, SEEN
@@ -139,7 +139,10 @@ def of_order(deviation: Deviation) -> str:
     away, answers = [], []
     for parts in counts:
         answers.append(one_step.after(setup, cases, length, parts)[: len(names)])
-        should = one_step.ideal(setup, cases, length, parts, names) if scheme else right.values
+        should = right.values
+        if scheme:
+            steps = [Part(one, np.array([parts])) for one in cases]
+            should = ideal_rows(setup, steps, length / parts, names)
         errors = np.max(np.abs(answers[-1] - should), axis=1) / right.size
         away.append(float(np.max(errors)))
     turning = {rate for one in setup.scene.quaternions for rate in one.rates}

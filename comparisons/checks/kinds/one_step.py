@@ -165,7 +165,8 @@ def limit_of_steps(
 ) -> Finding | Inconclusive:
     """Judge what some steps [s] from each start extrapolate to, where they are halved twice."""
     names, whole = setup.observables, SETTLED * step
-    right = after_starts(setup.solved_equations, cases, whole, names)
+    unsharp = rounding(4 * SETTLED, 1.0)  # no less is granted
+    right = after_starts(setup.solved_equations, cases, whole, names, unsharp)
     runs = [after(setup, cases, whole, parts * SETTLED) for parts in (1, 2, 4)]
     estimate = richardson(runs, setup.integrator.order)
     count, size = len(setup.scene.observables), np.maximum(size, right.size)
@@ -264,14 +265,8 @@ def predict(
             places, bounds = first_order_errors(setup, cases, step, right)
             errors[places] = np.minimum(errors[places], bounds)
         return replace(prediction, errors=errors)
-    return by_scheme(setup.scheme, values, ideal(setup, cases, step, 1, names), right)
-
-
-def ideal(
-    setup: Setup, cases: list[Case], step: float, parts: int, names: tuple[str, ...]
-) -> Array:
-    """Return observables (k, n) that the setup's scheme reaches one step [s] after each start."""
-    return ideal_rows(setup, [Part(one, np.array([parts])) for one in cases], step / parts, names)
+    ideal = ideal_rows(setup, [Part(one, np.array([1])) for one in cases], step, names)
+    return by_scheme(setup.scheme, values, ideal, right)
 
 
 def velocities_at(
