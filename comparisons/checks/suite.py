@@ -34,7 +34,7 @@ from ..engines.run import describe, excerpt, noting, traceback_of
 from ..engines.setup import Setup
 from ..faults.variants import Variant
 from .comparison import Measured
-from .diagnosis.deviation import Deviation, cause
+from .diagnosis.runs import Deviation, cause
 from .mistakes.motions import seen_in
 from .mistakes.observables import other_measures
 from .refusals import refuse_undriven

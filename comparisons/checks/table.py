@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ..engines.setup import Setup
 from .comparison import Measured
 from .diagnosis import models, runs
-from .diagnosis.deviation import Search
+from .diagnosis.runs import Search
 from .kinds import (
     algebra,
     energy,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -209,3 +209,16 @@ def richardson(values: list[Array], order: int) -> Richardson:
         ratio=change / finer if finer > 0 else np.inf,
         order=order,
     )
+
+
+def converging(
+    finding: Finding, estimate: Richardson, floor: float, shrinks: bool, moving: bool = True
+) -> Finding | Inconclusive:
+    """Grant what three steps predict of a finding's error, where it shrinks as declared.
+
+    Where it does not, and its order is ``moving`` from one halving to the next, an error that
+    halving may still take away tells neither right nor wrong.
+    """
+    if not shrinks and moving and floor < finding.error < OPEN * estimate.change:
+        return Inconclusive(finding.quantity, f"too coarse to tell: {finding.reason}")
+    return replace(finding, tolerance=(estimate.predicted if shrinks else 0.0) + floor)

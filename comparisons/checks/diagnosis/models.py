@@ -25,8 +25,7 @@ from ..mistakes.terms import with_axes_of_world, with_tensors_behind
 from ..tolerances import matrix_rounding
 from ..truth import random_states
 from ..verdict import Finding, judge
-from .deviation import Deviation
-from .runs import after_steps
+from .runs import Deviation, after_steps
 
 ENTRY = 1e-8
 """Part of a matrix by which an entry is off that is no rounding."""

@@ -1,8 +1,10 @@
-"""Mistakes in runs: repeated, with another clock or start, by another force, method or order."""
+"""A check that deviates, and mistakes in runs: another clock, start, force, method or order."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -10,9 +12,9 @@ import numpy as np
 from ....reference.errors import CannotJudgeError, EngineError
 from ....reference.scene import Array
 from ....reference.solve.schemes import TABLEAUS
-from ...engines.run import EPS
+from ...engines.run import EPS, call_engine
 from ...engines.setup import Setup, power_of_two
-from ..comparison import Part, Runs, ideal_rows
+from ..comparison import Measured, Part, Runs, ideal_rows
 from ..kinds import algebra, one_step
 from ..mistakes.motions import LONG, explanation, reset, seen_in, with_expected
 from ..mistakes.observables import EXPLAINED, SEEN
@@ -20,7 +22,9 @@ from ..orbits import true_orbit
 from ..tolerances import matrix_rounding, sample_numbers
 from ..truth import after_starts, simulated_horizon
 from ..verdict import Finding, judge
-from .deviation import DISTINCT, Deviation
+
+DISTINCT = 8
+"""Numbers that are not taken for numbers of 32 bits by chance."""
 
 SHORT = 512
 """Steps of a run whose first part is looked at before the whole; a continuum's take long."""
@@ -48,6 +52,58 @@ ANOTHER_MODEL = (
 
 UNMOVED = 1e-3
 """Share of an error of rates by which they would move positions in some steps, were they used."""
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """A check that deviates.
+
+    Attributes
+    ----------
+    setup : Setup
+    measure : callable ``(setup) -> Measured``
+        The measurement of its kind.
+    verdicts : mapping of str to str
+        On each quantity that was measured.
+    runs : Runs or None
+        What was measured.
+    """
+
+    setup: Setup
+    measure: Callable[[Setup], Measured]
+    verdicts: Mapping[str, str]
+    runs: Runs | None
+
+    def repeated(self) -> Array:
+        """Return accelerations at random states, or observables of a short run, row by row."""
+        setup = self.setup
+        if setup.method is None:
+            _, times, states = algebra.measured_states(setup)
+            ask = setup.engine.accelerations
+            return np.asarray(call_engine(lambda: ask(setup.case, setup.model, times, states))).T
+        run = setup.simulate(setup.default_step, np.arange(1, DISTINCT + 1))
+        return run.matrix(setup.scene.public_states)
+
+    @cached_property
+    def numbers(self) -> Array:
+        """What `repeated` returned first."""
+        return self.repeated()
+
+
+Search = Callable[[Deviation], str]
+"""The mistake that explains a deviation, in words, empty if none of those that it tries does."""
+
+
+def cause(deviation: Deviation, searches: Sequence[Search]) -> str:
+    """Return where a check's deviations come from, by the first search that finds it."""
+    for search in searches:
+        try:
+            found = search(deviation)
+        except (Exception, SystemExit):  # the engine runs again, which may do anything
+            found = ""
+        if found:
+            return found
+    return ""
 
 
 # One free run, and few steps

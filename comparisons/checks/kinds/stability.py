@@ -37,9 +37,9 @@ from ..tolerances import (
     CAP,
     CLEAR,
     NEXT_ORDERS,
-    OPEN,
     ORBIT_REFINEMENTS,
     Richardson,
+    converging,
     richardson,
     sample_numbers,
 )
@@ -265,22 +265,16 @@ def of_orbit(setup: Setup) -> list[Finding | Inconclusive]:
             findings.append(Inconclusive(name, f"rounding may leave {share:.2g} of its size"))
             continue
         value = orbits.runs[0][name]
-        error = float(np.max(np.abs(value - right[name])))
-        tolerance = estimate.predicted if orbits.shrinks else 0.0
-        if not orbits.shrinks and orbits.floors[name] < error < OPEN * estimate.change:
-            findings.append(Inconclusive(name, f"too coarse to tell: {note}"))
-            continue
-        findings.append(
-            Finding(
-                name,
-                units.get(name, "1"),
-                number_of(value, name, units),
-                number_of(right[name], name, units),
-                error,
-                tolerance + orbits.floors[name],
-                note,
-            )
+        finding = Finding(
+            name,
+            units.get(name, "1"),
+            number_of(value, name, units),
+            number_of(right[name], name, units),
+            float(np.max(np.abs(value - right[name]))),
+            0.0,
+            note,
         )
+        findings.append(converging(finding, estimate, orbits.floors[name], orbits.shrinks))
     regular = [name for name in orbits.regular if name not in orbits.drowned]
     if not regular:
         silence = "nothing converges with the declared order that could be extrapolated"

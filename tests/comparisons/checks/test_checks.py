@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.checks import execution, suite
+from mbcheck.comparisons.checks.comparison import Measured
 from mbcheck.comparisons.checks.execution import run_checks
 from mbcheck.comparisons.checks.request import Execution
 from mbcheck.comparisons.checks.suite import Check, plan, run_check
@@ -184,10 +185,8 @@ def test_whatever_an_engine_raises_is_an_error_for_each_of_its_quantities() -> N
 
 
 def test_a_quantity_that_was_not_measured_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    def forgetful(*_: object) -> list[Finding]:
-        return []
-
-    monkeypatch.setitem(KINDS, "algebra", replace(KINDS["algebra"], measure=forgetful))
+    forgetful = replace(KINDS["algebra"], measure=lambda setup: Measured([]))
+    monkeypatch.setitem(KINDS, "algebra", forgetful)
     results = run_check(one_check("mujoco", "algebra"))
     assert {item.verdict for item in results} == {"error"}
     assert len(results) == 3
@@ -264,10 +263,8 @@ def test_half_a_run_is_not_green(tmp_path: Path) -> None:
 
 
 def test_fail_fast_stops_at_the_first_deviation(monkeypatch: pytest.MonkeyPatch) -> None:
-    def failing(*_: object) -> list[Finding]:
-        return [Finding("energy_drift", "1", 1.0, 0.0, 1.0, 0.5)]
-
-    monkeypatch.setitem(KINDS, "energy", replace(KINDS["energy"], measure=failing))
+    failing = Measured([Finding("energy_drift", "1", 1.0, 0.0, 1.0, 0.5)])
+    monkeypatch.setitem(KINDS, "energy", replace(KINDS["energy"], measure=lambda setup: failing))
     checks = plan(scenes=["hula_hoop"], kinds=["energy"], engines=["mujoco"])
     able = [check for check in checks if not check.why_not]
     assert len(run_checks(able, execution=Execution(fail_fast=True))) == 1
