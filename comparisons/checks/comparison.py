@@ -45,7 +45,7 @@ class Part(NamedTuple):
     numbers: Any
 
 
-class Runs(NamedTuple):
+class EngineRuns(NamedTuple):
     """What an engine computed in some parts with a step [s], and what it should have.
 
     Values and expected ones are arrays (k, n) of the scene's observables, all parts side by side.
@@ -62,7 +62,7 @@ class Measured(NamedTuple):
     """The findings of a check, and the runs from which they were made, if a cause shows in them."""
 
     findings: Sequence[Finding | Inconclusive]
-    runs: Runs | None = None
+    runs: EngineRuns | None = None
 
 
 # What a right engine would do ----------------------------------------------------------------
@@ -298,12 +298,12 @@ class RunComparison(Comparison):
     parts: Sequence[Part]
 
     @property
-    def runs(self) -> Runs:
+    def runs(self) -> EngineRuns:
         """The runs beside those of a right engine: of a scheme with its error, else the truth."""
         count, expected = len(self.setup.scene.observables), self.right.values
         if self.setup.scheme:
             expected = expected + self.values - self.prediction.limit
-        return Runs(self.setup, self.step, self.parts, self.values[:count], expected[:count])
+        return EngineRuns(self.setup, self.step, self.parts, self.values[:count], expected[:count])
 
 
 def largest_share(errors: Array, size: Array) -> float:

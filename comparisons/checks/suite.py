@@ -476,7 +476,7 @@ def run_check(
     work = {"seconds": perf_counter() - begin}
     about, results = check.subject, list[Result]()
     for finding in measured.findings:
-        result = about.judged(finding, PROFILES[profile], work=work)
+        result = about.with_verdict(finding, PROFILES[profile], work=work)
         if isinstance(finding, Finding):
             noticed = () if result.verdict == "pass" else finding.noticed_by or (REFERENCE,)
             reason = "; ".join([result.reason, *(f"note: {text}" for text in notes)])
@@ -498,13 +498,13 @@ def with_causes(
     if "deviation" not in verdicts.values() or not kind.level:
         return results
     where = cause(Deviation(setup, kind.measure, verdicts, measured.runs), kind.searches)
-    said, told = cautioned(setup), dict[str, str]()
+    said, measures = cautioned(setup), dict[str, str]()
     if measured.runs and not where:
-        told = other_measures(seen_in(measured.runs), least=0.0)
+        measures = other_measures(seen_in(measured.runs), least=0.0)
     rules, explained_results = noticing_rules(said), []
     for one in results:
         if one.verdict == "deviation":
-            words = filter(None, (one.reason, told.get(one.quantity), where))
+            words = filter(None, (one.reason, measures.get(one.quantity), where))
             reason = explained("; ".join(words), said)
             one = replace(one, reason=reason, cause=where or None)
         noticed = (*rules, REFERENCE) if one.noticed_by == (REFERENCE,) else one.noticed_by

@@ -131,7 +131,7 @@ class Subject:
         """Return a result about it; ``more`` are further fields of `Result`."""
         return Result(**vars(self), quantity=quantity, verdict=verdict, reason=reason, **more)
 
-    def judged(self, finding: Finding | Inconclusive, factor: float, **more: Any) -> Result:
+    def with_verdict(self, finding: Finding | Inconclusive, factor: float, **more: Any) -> Result:
         """Return the verdict on a finding, all tolerances times a factor, see `PROFILES`."""
         if isinstance(finding, Inconclusive):
             return self.result(finding.quantity, "skipped", finding.reason)

@@ -159,8 +159,8 @@ def compare(
     right = right.at(np.searchsorted(right.times, times[:seen]))
     values = np.array([file.columns[name][:seen] for name in names])
     units, prediction = get_scene(case.scene).units, exact_prediction(granted + printed, values)
-    told = names, units, values, right, prediction, room, seen
-    return FileComparison(*told, case, growth, printed, tuple(notes))
+    compared = names, units, values, right, prediction, room, seen
+    return FileComparison(*compared, case, growth, printed, tuple(notes))
 
 
 def refuse_outside(times: Array, case: Case) -> None:
@@ -311,14 +311,14 @@ def fastest(problem: Problem) -> float:
 # What looks like a mistake
 
 
-def likely_mistakes(found: FileComparison) -> list[str]:
+def likely_mistakes(compared: FileComparison) -> list[str]:
     """Return in words what would explain the errors: times, places, units, signs, the start."""
-    scene, right = get_scene(found.case.scene), found.right
-    every = slice(None, None, max(1, found.seen // SHIFTED))
-    seen = Observed(scene, found.names, found.values, right.values, right.size[:, None])
+    scene, right = get_scene(compared.case.scene), compared.right
+    every = slice(None, None, max(1, compared.seen // SHIFTED))
+    seen = Observed(scene, compared.names, compared.values, right.values, right.size[:, None])
     some = replace(seen, values=seen.values[:, every], right=seen.right[:, every])
     others = list[str]()
-    rates = scene.right_hand_side(found.case.parameters)
+    rates = scene.right_hand_side(compared.case.parameters)
     if shifted := late(some, rates(right.times[every], right.states[:, every]), NOTICEABLE):
         return [shifted]
     if np.all(np.isfinite(some.values)) and some.error > NOTICEABLE:
@@ -327,22 +327,26 @@ def likely_mistakes(found: FileComparison) -> list[str]:
         return others
     measures = other_measures(seen, NOTICEABLE)
     fitting = [said for said in measures.values() if said]
-    start = started_elsewhere(found, [name for name in measures if not measures[name]])
+    start = started_elsewhere(compared, [name for name in measures if not measures[name]])
     return [*fitting, *([start] if start else [])]
 
 
-def started_elsewhere(found: FileComparison, among: list[str]) -> str:
+def started_elsewhere(compared: FileComparison, among: list[str]) -> str:
     """Return where the first row differs from the initial state, if it stands there."""
-    if found.right.times[0] > found.case.start_time + ON_START * found.span:
+    if compared.right.times[0] > compared.case.start_time + ON_START * compared.span:
         return ""
     firsts = zip(
-        found.names, found.values[:, 0], found.right.values[:, 0], found.right.size, strict=True
+        compared.names,
+        compared.values[:, 0],
+        compared.right.values[:, 0],
+        compared.right.size,
+        strict=True,
     )
     apart = [
         f"{name} = {value:.6g}, the case with {true:.6g}"
         for name, value, true, size in firsts
         if name in among
-        and name in get_scene(found.case.scene).state_names
+        and name in get_scene(compared.case.scene).state_names
         and abs(value - true) > NOTICEABLE * size
     ]
     if not apart:

@@ -416,7 +416,7 @@ def verdicts(
         else:
             finding = findings[name]
             drawn = replace(finding, series=drawn_series(finding))
-            result = about.judged(drawn, PROFILES[profile])
+            result = about.with_verdict(drawn, PROFILES[profile])
             if result.verdict == "deviation":
                 result = replace(result, reason="; ".join([result.reason, *notes]))
             results.append(result)

@@ -14,7 +14,7 @@ from ....reference.scene import Array
 from ....reference.solve.schemes import TABLEAUS
 from ...engines.run import EPS, call_engine
 from ...engines.setup import Setup, power_of_two
-from ..comparison import Measured, Part, Runs, ideal_rows
+from ..comparison import EngineRuns, Measured, Part, ideal_rows
 from ..kinds import algebra, one_step
 from ..mistakes.motions import LONG, explanation, reset, seen_in, with_expected
 from ..mistakes.observables import EXPLAINED, SEEN
@@ -65,14 +65,14 @@ class Deviation:
         The measurement of its kind.
     verdicts : mapping of str to str
         On each quantity that was measured.
-    runs : Runs or None
+    runs : EngineRuns or None
         What was measured.
     """
 
     setup: Setup
     measure: Callable[[Setup], Measured]
     verdicts: Mapping[str, str]
-    runs: Runs | None
+    runs: EngineRuns | None
 
     def repeated(self) -> Array:
         """Return accelerations at random states, or observables of a short run, row by row."""
@@ -98,11 +98,11 @@ def cause(deviation: Deviation, searches: Sequence[Search]) -> str:
     """Return where a check's deviations come from, by the first search that finds it."""
     for search in searches:
         try:
-            found = search(deviation)
+            said = search(deviation)
         except (Exception, SystemExit):  # the engine runs again, which may do anything
-            found = ""
-        if found:
-            return found
+            said = ""
+        if said:
+            return said
     return ""
 
 
@@ -124,7 +124,7 @@ def of_orbit(deviation: Deviation) -> str:
     return mistake_in_run(setup)
 
 
-def mistake_in_run(setup: Setup, runs: Runs | None = None) -> str:
+def mistake_in_run(setup: Setup, runs: EngineRuns | None = None) -> str:
     """Return the mistake in a free run, of which these runs, if any, are the whole."""
     if setup.method is None or setup.case.watch == "elements":
         return ""
@@ -143,7 +143,7 @@ def mistake_in_run(setup: Setup, runs: Runs | None = None) -> str:
     return ""
 
 
-def free_run(setup: Setup, step: float, length: float) -> Runs:
+def free_run(setup: Setup, step: float, length: float) -> EngineRuns:
     """Return what an engine computes in a free run with a step over a length [s]."""
     numbers = sample_numbers(length, step)
     answer = setup.simulate(step, numbers).matrix(setup.scene.observables)
@@ -160,7 +160,7 @@ def of_steps(deviation: Deviation) -> str:
     return few or explanation(seen_in(one))
 
 
-def after_steps(setup: Setup, count: int) -> Runs:
+def after_steps(setup: Setup, count: int) -> EngineRuns:
     """Return what an engine computes in so many steps from each start."""
     step = setup.default_step
     cases = one_step.starts(setup, step, setup.scheme)

@@ -47,7 +47,7 @@ def quantities(setup: Setup) -> tuple[str, ...]:
 
 
 class Halved(NamedTuple):
-    """Runs with a step that is halved again and again, until the order is decided.
+    """EngineRuns with a step that is halved again and again, until the order is decided.
 
     Attributes
     ----------
@@ -116,26 +116,26 @@ def halved(setup: Setup, right: Truth, coarsest: float, growth: float) -> Halved
     """Run with halved steps [s], to the times of the truth, until finer ones tell no more."""
     names, count = setup.scene.observables, right.values.shape[1]
     trust = float(np.max(right.bound / right.size))
-    found = Halved([], [], [], [], trust)
+    runs = Halved([], [], [], [], trust)
     for level in range(LEVELS):
         step, marks = coarsest / 2**level, np.arange(1, count + 1) * 2**level
-        found = found._replace(bound=noise(count * 2**level, growth, setup.epsilon) + trust)
+        runs = runs._replace(bound=noise(count * 2**level, growth, setup.epsilon) + trust)
         try:
             values = setup.simulate(step, marks).matrix(names)
         except EngineError as error:
             if error.kind not in ("non_finite", "warning", "solver") or level > LEVELS // 2:
                 raise
             continue  # too coarse for this method; finer ones follow
-        error_now, lowest = relative_error(values, right), FLOOR * found.bound
-        if error_now < lowest and len(found.errors) >= 2:
+        error_now, lowest = relative_error(values, right), FLOOR * runs.bound
+        if error_now < lowest and len(runs.errors) >= 2:
             break
-        found.steps.append(step)
-        found.floors.append(lowest)
-        found.runs.append(values)
-        found.errors.append(error_now)
-        if enough(found.errors, setup.integrator.order):
+        runs.steps.append(step)
+        runs.floors.append(lowest)
+        runs.runs.append(values)
+        runs.errors.append(error_now)
+        if enough(runs.errors, setup.integrator.order):
             break
-    return found
+    return runs
 
 
 def error_from_below(

@@ -13,10 +13,10 @@ from ....reference.scene import Array, Case
 from ....reference.solve import schemes
 from ...engines.equations import ModelEquations
 from ...engines.setup import Setup
-from ..comparison import Part, Runs
+from ..comparison import EngineRuns, Part
 from ..tolerances import rows
 from ..truth import truth
-from .observables import EXPLAINED, SEEN, Observed, as_told, limited
+from .observables import EXPLAINED, SEEN, Observed, limited, otherwise_observed
 
 LONG = 32
 """Steps of a continuum that take long to predict."""
@@ -236,15 +236,15 @@ def changed(
     return Hypothesis(replace(part.case, state=state), part.numbers + ahead, **how)
 
 
-def seen_in(runs: Runs) -> Seen:
+def seen_in(runs: EngineRuns) -> Seen:
     """Return runs as what an engine computed, beside what it should have."""
     size = np.max(np.abs(runs.expected), axis=1, keepdims=True)
     size, scene = np.where(size > 0, size, 1.0), runs.setup.scene
-    told = scene.observables, runs.values, runs.expected, size
-    return Seen(scene, *told, runs.setup, runs.step, runs.parts)
+    observed = scene.observables, runs.values, runs.expected, size
+    return Seen(scene, *observed, runs.setup, runs.step, runs.parts)
 
 
-def with_expected(setup: Setup, step: float, parts: Sequence[Part], values: Array) -> Runs:
+def with_expected(setup: Setup, step: float, parts: Sequence[Part], values: Array) -> EngineRuns:
     """Return what an engine computed with a step [s] (k, n), beside what it should have."""
     names = setup.scene.observables
     if takes_long(setup, parts):  # as the check itself has solved it
@@ -252,7 +252,7 @@ def with_expected(setup: Setup, step: float, parts: Sequence[Part], values: Arra
         right = truth(setup.solved_equations, case, case.start_time + numbers * step, names).values
     else:
         right = np.hstack([Hypothesis(*part).rows(setup, step, names) for part in parts])
-    return Runs(setup, step, parts, values, right)
+    return EngineRuns(setup, step, parts, values, right)
 
 
 def takes_long(setup: Setup, parts: Sequence[Part]) -> bool:
@@ -266,7 +266,7 @@ def explanation(seen: Seen) -> str:
     error = seen.error
     if not SEEN < error < np.inf:
         return ""
-    words = [*as_told(seen)]
+    words = [*otherwise_observed(seen)]
     if not takes_long(seen.setup, seen.parts):
         left: dict[str, float] = {}
         for said, change in mistakes(seen):

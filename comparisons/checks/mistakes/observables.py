@@ -62,7 +62,7 @@ class Observed:
         return float(np.max(np.abs(values - other) / self.size))
 
 
-def as_told(seen: Observed) -> Iterator[str]:
+def otherwise_observed(seen: Observed) -> Iterator[str]:
     """Yield in which other convention, place or measure all that is off is told."""
     error, measures = seen.error, other_measures(seen).values()
     others = ["; ".join(measures)] if measures and all(measures) else []
