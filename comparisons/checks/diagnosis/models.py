@@ -14,7 +14,7 @@ from ....models.mechanism import mechanism
 from ....models.placement import world_axes
 from ....reference.errors import Unsupported
 from ....reference.linear import linearise
-from ....reference.scene import Array
+from ....reference.scene import Array, Dynamics
 from ...engines.equations import ModelEquations
 from ...engines.run import call_engine
 from ...engines.setup import Setup
@@ -43,40 +43,49 @@ RIGHT = 1e-3
 # Accelerations and matrices
 
 
-def accelerations_of(
-    setup: Setup, equations: ModelEquations | None = None, factor: float = 1.0
-) -> tuple[Array, Array]:
-    """Return accelerations at random states (k, n), an engine's and those of equations.
+def accelerations_of(setup: Setup, factor: float = 1.0) -> tuple[Array, Array]:
+    """Return accelerations at random states (k, n), an engine's and those of its equations.
 
-    The model's own by default; all rates are so many times those of the states.
+    All rates are so many times those of the states.
     """
     case, (names, times, states) = setup.case, algebra.measured_states(setup)
     states = states * np.repeat([1.0, factor], len(names))
     answer = call_engine(lambda: setup.engine.accelerations(case, setup.model, times, states))
-    equations = equations or setup.solved_equations
-    right = algebra.expected(case, equations, times, states, names, ())["accelerations"]
-    return np.asarray(answer), right
+    right = algebra.expected(case, setup.solved_equations, times, states, names, ())
+    return np.asarray(answer), right["accelerations"]
 
 
-def error_of(setup: Setup, equations: ModelEquations | None = None) -> float:
+def error_of(setup: Setup) -> float:
     """Return the relative error of accelerations at random states."""
-    answer, right = accelerations_of(setup, equations)
+    answer, right = accelerations_of(setup)
     return algebra.distance(answer, right, right)
 
 
 def of_accelerations(deviation: Deviation) -> str:
     """Return the mistake in the equations of motion that accelerations show."""
-    setup = deviation.setup
-    equations, error = setup.solved_equations, error_of(setup)
+    setup, answer = deviation.setup, deviation.numbers.T
+    names, times, states = algebra.measured_states(setup)
+    scene, parameters = setup.solved_equations
+
+    def right_of(one: Dynamics) -> Array:
+        equations = ModelEquations(one, parameters)
+        rows = algebra.expected(setup.case, equations, times, states, names, ())
+        return rows["accelerations"]
+
+    def error_from(right: Array) -> float:
+        return algebra.distance(answer, right, right)
+
+    right = right_of(scene)
+    error = error_from(right)
     words = [
         said
-        for said, scene in equations.scene.mistakes.items()
-        if scene.coordinates == equations.scene.coordinates
-        if error_of(setup, ModelEquations(scene, equations.parameters)) < EXPLAINED * error
+        for said, one in scene.mistakes.items()
+        if one.coordinates == scene.coordinates
+        if error_from(right_of(one)) < EXPLAINED * error
     ]
     if words:
         return words[0] if len(words) == 1 else ""
-    return of_softness(setup, error) or of_motion(setup)
+    return of_softness(setup, error) or of_motion(setup, answer, right)
 
 
 def of_parts(deviation: Deviation) -> str:
@@ -104,14 +113,14 @@ def of_softness(setup: Setup, closed: float) -> str:
     )
 
 
-def of_motion(setup: Setup) -> str:
+def of_motion(setup: Setup, moved: Array, right_moved: Array) -> str:
     """Return that accelerations are right at rest and wrong in motion, where that is so.
 
     Where nothing acts at rest there is nothing to be right.
     """
-    moving, (answer, right), back = (accelerations_of(setup, factor=by) for by in (1.0, 0.0, -1.0))
-    acts = np.max(np.abs(right)) > algebra.ROUNDING * np.max(np.abs(moving[1]))
-    there, away = np.subtract(*moving), np.subtract(*back)
+    (answer, right), back = (accelerations_of(setup, by) for by in (0.0, -1.0))
+    acts = np.max(np.abs(right)) > algebra.ROUNDING * np.max(np.abs(right_moved))
+    there, away = moved - right_moved, np.subtract(*back)
     most = EXPLAINED * float(np.max(np.abs(there)))
     if not acts or not np.max(np.abs(answer - right)) < most:
         return ""

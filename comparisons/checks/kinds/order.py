@@ -47,7 +47,7 @@ def quantities(setup: Setup) -> tuple[str, ...]:
 
 
 class Halved(NamedTuple):
-    """EngineRuns with a step that is halved again and again, until the order is decided.
+    """Runs with a step that is halved again and again, until the order is decided.
 
     Attributes
     ----------
