@@ -5,7 +5,7 @@ prints; `compute_map`, `read_map` and `compare_maps` are for maps, `tradeoff` is
 costs, `judge_trajectory` for runs of other simulators.
 `check_engine` is `check` of an engine that is given as an object. `budget` limits the time of all
 that is called within it.
-`Engine`, `Method`, `Option`, `OwnModel`, `System`, `Motion`, `Unsupported`, `EngineError`,
+`Engine`, `Method`, `Option`, `ModelDescription`, `System`, `Motion`, `Unsupported`, `EngineError`,
 `UsageError`, `EngineUnavailableError`, `import_library` and `refuse_older` are for engines that
 are plugged in. All are loaded when first used, and engines when first asked for.
 """
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
         EngineError,
         EngineUnavailableError,
         Method,
+        ModelDescription,
         Motion,
         Option,
-        OwnModel,
         System,
         Unsupported,
         UsageError,
@@ -52,7 +52,7 @@ PLACES = {
     "Method": ("comparisons.engines.protocol", "Method"),
     "Motion": ("comparisons.engines.protocol", "Motion"),
     "Option": ("comparisons.engines.protocol", "Option"),
-    "OwnModel": ("comparisons.engines.protocol", "OwnModel"),
+    "ModelDescription": ("comparisons.engines.protocol", "ModelDescription"),
     "System": ("comparisons.engines.protocol", "System"),
     "Unsupported": ("comparisons.engines.protocol", "Unsupported"),
     "UsageError": ("comparisons.engines.protocol", "UsageError"),
@@ -79,9 +79,9 @@ __all__ = [
     "EngineError",
     "EngineUnavailableError",
     "Method",
+    "ModelDescription",
     "Motion",
     "Option",
-    "OwnModel",
     "System",
     "Unsupported",
     "UsageError",

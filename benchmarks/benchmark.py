@@ -183,7 +183,7 @@ def reference_table(counts: tuple[int, ...], sampled: int, turns: int) -> Table:
 
 def bare_mujoco(engine: Any, case: Case, model: str, method: Method, steps: int) -> float:
     """CPU time [s] of ``mj_step`` on a loaded model."""
-    mujoco, system = engine.inner.mujoco, engine.joint_system(case, model)
+    mujoco, system = engine.inner.mujoco, engine.bind(case, model).system(case)
     compiled = engine.inner.compiled(Order(system, method.name, STEP))
     data = engine.inner.data(compiled, 0.0, system.positions, system.velocities)
     return cpu_time(lambda: mujoco.mj_step(compiled, data, steps))

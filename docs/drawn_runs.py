@@ -55,7 +55,11 @@ def model_of(case: Case, curve: Curve) -> str | None:
     engine = get_engine(curve.engine)
     method = next(item for item in engine.methods if item.name == curve.method)
     return curve.model or next(
-        (name for name in engine.models(case.scene) if engine.why_not(case, name, method) is None),
+        (
+            name
+            for name in engine.models(case.scene)
+            if engine.bind(case, name).unsupported_reason(case, method) is None
+        ),
         None,
     )
 

@@ -38,7 +38,7 @@ class DartEngine(mbcheck.Engine):
     """Trees in a DART `World`, stepped by `World.step`."""
 
     name = "dart"
-    methods = (mbcheck.Method("World.step", 1, "semi_implicit_euler", evaluations=1),)
+    methods = (mbcheck.Method("World.step", 1, "semi_implicit_euler", evaluations_per_step=1),)
 
     def __init__(self) -> None:
         try:

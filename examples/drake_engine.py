@@ -50,12 +50,12 @@ class DrakeEngine(mbcheck.Engine):
     name = "drake"
     stretch = 1.001
     methods = (
-        mbcheck.Method("runge_kutta5", 5, "DOPRI5", evaluations=7),
-        mbcheck.Method("runge_kutta3", 3, evaluations=3),
-        mbcheck.Method("bogacki_shampine3", 3, evaluations=4),
-        mbcheck.Method("runge_kutta2", 2, evaluations=2),
-        mbcheck.Method("semi_explicit_euler", 1, evaluations=1),
-        mbcheck.Method("explicit_euler", 1, "ExplicitEuler", evaluations=1),
+        mbcheck.Method("runge_kutta5", 5, "DOPRI5", evaluations_per_step=7),
+        mbcheck.Method("runge_kutta3", 3, evaluations_per_step=3),
+        mbcheck.Method("bogacki_shampine3", 3, evaluations_per_step=4),
+        mbcheck.Method("runge_kutta2", 2, evaluations_per_step=2),
+        mbcheck.Method("semi_explicit_euler", 1, evaluations_per_step=1),
+        mbcheck.Method("explicit_euler", 1, "ExplicitEuler", evaluations_per_step=1),
     )
 
     def __init__(self) -> None:

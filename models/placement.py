@@ -131,7 +131,7 @@ def placed_motion(motion: Motion, placement: str) -> Motion:
     }
 
 
-def why_not_placed(text: str, placement: str) -> str | None:
+def unplaceable_reason(text: str, placement: str) -> str | None:
     """Return why a model cannot be placed in the world otherwise than it stands, or None."""
     root = ET.fromstring(text)
     world, defaults = root.find("worldbody"), default_classes(root)

@@ -165,7 +165,7 @@ def refuse_impossible(asked: BoundaryRequest) -> None:
     setup = asked.middle
     for ends in ((asked.x.low, asked.y.low), (asked.x.high, asked.y.high)):
         setup.case.parameters.replace(**dict(zip((asked.x.name, asked.y.name), ends, strict=True)))
-    if setup.engine.name == REFERENCE and setup.equations[0] is not scene:
+    if setup.engine.name == REFERENCE and setup.bound.equations[0] is not scene:
         raise UsageError(f"the reference follows the equations of {scene.name}, not {setup.model}")
     _ = asked.subjects
 
@@ -181,7 +181,7 @@ def why_no_orbits(asked: BoundaryRequest) -> MbcheckError | None:
         )
     if not scene.orbit.guesses(setup.case.parameters):
         return NoOrbitError(f"{scene.name} has no periodic orbit to follow: {why_none(scene)}")
-    if setup.engine.name != REFERENCE and setup.coordinates != scene.coordinates:
+    if setup.engine.name != REFERENCE and setup.bound.coordinates != scene.coordinates:
         return UsageError(
             f"{setup.engine.name} {setup.model} has other coordinates than {scene.name}: its "
             "orbits cannot be followed"

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...reference import get_scene
 from ...reference.cost import expected_end
+from ...reference.equations import scene_equations
 from ...reference.errors import MbcheckError, NoOrbitError, UsageError
 from ...reference.orbits import state_scale
 from ...reference.scene import Array, Case
@@ -28,7 +29,6 @@ from ..checks.truth import (
     sample_spacing,
     truth,
 )
-from ..engines.equations import scene_equations
 from ..engines.setup import STEPS_PER_PERIOD, shortest_period
 from ..queries.request import Query
 from ..reports.run.outcome import CustomReference
@@ -251,7 +251,7 @@ def applied(checks: Sequence[Check], custom: CustomCase) -> list[Check]:
             reason = "no reference tells from how many elements on they converge as declared"
         if not reason and check.kind == "algebra":
             setup = check.setup()
-            if setup.approximates_continuum and not setup.discrete:
+            if setup.bound.approximates_continuum and not setup.bound.discrete:
                 reason = "elements converge to the continuum, and have no closed form"
         skipped.append(replace(check, why_not=reason or check.why_not))
     return skipped

@@ -33,7 +33,7 @@ SETTLED = 0.25
 
 def quantities(setup: Setup) -> tuple[str, ...]:
     """Return the names of what is measured: of models with the scene's own equations alone."""
-    same = setup.is_exact and setup.coordinates == setup.scene.coordinates
+    same = setup.bound.is_exact and setup.bound.coordinates == setup.scene.coordinates
     return ("boundary", "extrapolated") if same else ()
 
 

@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...reference.equations import ModelEquations, invariants_of
 from ...reference.errors import UsageError
 from ...reference.scene import Array, Case
 from ...reference.solve import schemes
-from ..engines.equations import ModelEquations, invariants_of
 from ..engines.setup import Setup
 from .free_vibrations import excitation
 from .tolerances import (
@@ -186,7 +186,9 @@ def scheme_rows(
 
 def ideal_rows(setup: Setup, parts: Sequence[Part], step: float, names: tuple[str, ...]) -> Array:
     """Return observables (k, n) that a right engine reaches by the scheme of a setup."""
-    return scheme_rows(setup.equations, setup.scheme, parts, step, names, setup.integrates_drive)
+    return scheme_rows(
+        setup.bound.equations, setup.scheme, parts, step, names, setup.bound.integrates_drive
+    )
 
 
 # What of a run is compared -------------------------------------------------------------------

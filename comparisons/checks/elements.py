@@ -65,13 +65,13 @@ def steady(setup: Setup) -> Setup:
 def engine_modes(setup: Setup) -> list[Mode]:
     """Return the modes from the engine's own matrices, without those of what is held."""
     setup = steady(setup)
-    names = setup.coordinates
+    names = setup.bound.coordinates
     state = np.array(
         [setup.case.state.get(name, 0.0) for name in (*names, *(f"{n}_dot" for n in names))]
     )
     with contained():
-        mass, damping, stiffness = setup.engine.linearise(setup.case, setup.model, state)
-    if setup.equations.scene.continuum.refined is None:
+        mass, damping, stiffness = setup.bound.linearise(state)
+    if setup.bound.equations.scene.continuum.refined is None:
         damping = 0 * mass  # rods turn across themselves: no Coriolis force is linear
     # a model that eliminates what keeps its speed tells fewer or more coordinates than it takes
     places = steady_places(setup.case, names) if len(mass) == len(names) else ()
@@ -90,16 +90,16 @@ def of_model_equations(setup: Setup) -> Array:
     Rods are straight in steady rotation; elements stretch until nothing accelerates them.
     """
     setup = steady(setup)
-    equations = setup.solved_equations
+    equations = setup.bound.solved_equations
     scene = equations.scene
     c, state = scene.coefficients(equations.parameters), equations.start(setup.case)
     places = steady_places(setup.case, scene.coordinates)
     free = np.delete(np.arange(len(scene.coordinates)), places)
     mass, damping, stiffness, forces = linearise_at(scene, c, state)
-    for _ in range(STRETCHES if setup.discrete else 0):
+    for _ in range(STRETCHES if setup.bound.discrete else 0):
         state[free] += np.linalg.solve(stiffness[np.ix_(free, free)], forces[free])
         mass, damping, stiffness, forces = linearise_at(scene, c, state)
-    if not setup.discrete:
+    if not setup.bound.discrete:
         damping = 0 * mass  # see `engine_modes`
     vibrations = modes(mass, damping, stiffness, places, 0.0)[len(places) :]
     return np.array([mode.omega for mode in vibrations[:COUNT]])
@@ -113,7 +113,7 @@ def steady_places(case: Case, names: tuple[str, ...]) -> tuple[int, ...]:
 
 def of_continuum(setup: Setup) -> Array:
     """Return the frequencies that a model's converge to."""
-    equations = setup.equations
+    equations = setup.bound.equations
     known = equations.scene.continuum.spectrum or setup.scene.continuum.spectrum
     assert known is not None
     return known(equations.parameters, PLANE, COUNT)[0]
@@ -129,9 +129,9 @@ def exact(case: Case) -> Array:
 def measure_frequencies(setup: Setup) -> list[Finding]:
     """Compare with the discrete system claimed, or with the continuum that elements approach."""
     omegas, truth = of_engine(setup), exact(setup.case)
-    if setup.approximates_continuum and not setup.discrete:
+    if setup.bound.approximates_continuum and not setup.bound.discrete:
         right = of_continuum(setup)
-        order = setup.element_order
+        order = setup.bound.description.element_order
         gain = 2**order - 1
         coarse = of_engine(setup.with_segments(0.5))
         error = np.abs(omegas - coarse) / gain
@@ -142,7 +142,7 @@ def measure_frequencies(setup: Setup) -> list[Finding]:
     else:
         right = predicted = of_model_equations(setup)
         room = ROUNDING * right
-        reasons = [f"the same of {setup.solved_equations.scene.title}"] * COUNT
+        reasons = [f"the same of {setup.bound.solved_equations.scene.title}"] * COUNT
     findings = [
         Finding(
             f"omega_{i + 1}",
@@ -156,7 +156,7 @@ def measure_frequencies(setup: Setup) -> list[Finding]:
         for i in range(COUNT)
     ]
     off, expected = (float(np.max(np.abs(item / truth - 1))) for item in (omegas, predicted))
-    title = setup.equations.scene.title
+    title = setup.bound.equations.scene.title
     findings.append(
         Finding(
             "model_error",
@@ -205,7 +205,7 @@ def measure_order(setup: Setup) -> list[Finding]:
     Where their own equations are known, no more is asked than these do: a mass off the ends of
     equal elements is in each mesh elsewhere, and errors of coarse elements shrink as they like.
     """
-    order = setup.element_order
+    order = setup.bound.description.element_order
     truth = float(of_continuum(setup)[0])
     several = [setup.with_segments(factor) for factor in (0.5, 1, 2)]
     seen = refinement([float(of_engine(one)[0]) for one in several], truth, order)
@@ -215,7 +215,7 @@ def measure_order(setup: Setup) -> list[Finding]:
     listed = ", ".join(f"{error:.2g}" for error in errors)
     reason = f"relative errors {listed} of the first frequency with {counts} elements"
     expected, left = float(order), 0.0
-    known = setup.discrete or not setup.approximates_continuum
+    known = setup.bound.discrete or not setup.bound.approximates_continuum
     if known and (order - seen.slope > SLACK or seen.away > room / 2):
         right = refinement([float(of_model_equations(one)[0]) for one in several], truth, order)
         expected, left = min(expected, right.slope), right.away
@@ -246,7 +246,7 @@ def measure_order(setup: Setup) -> list[Finding]:
             "leaves less does not come of elements",
         )
     )
-    if expected := setup.frequency_side:
+    if expected := setup.bound.frequency_side:
         wrong = float(any(np.sign(error) != expected for error in errors))
         where = "above" if expected > 0 else "below"
         findings.append(

@@ -19,10 +19,10 @@ from ...reference.amplification import (
     vibrations,
 )
 from ...reference.differences import by_complex_step
+from ...reference.equations import ModelEquations
 from ...reference.errors import MbcheckError, NoOrbitError
 from ...reference.linear import linearise, linearise_at
 from ...reference.scene import Array
-from ..engines.equations import ModelEquations
 from ..engines.run import EPS
 from ..engines.setup import Setup
 from .tolerances import rows
@@ -86,12 +86,12 @@ def places(setup: Setup, scheme: str) -> tuple[Place, ...]:
 
     Where nothing grows of itself, if there is such a place.
     """
-    equations = setup.equations
+    equations = setup.bound.equations
     start = tuple(equations.start(setup.case)[: len(equations.scene.coordinates)].tolist())
     # others take all dampers at the end of a step but a soft closure's, which implicit Euler does
-    only_joints = scheme == "semi_implicit_euler" or setup.has_soft_closure
+    only_joints = scheme == "semi_implicit_euler" or setup.bound.has_soft_closure
     only_joints = only_joints and scheme != "implicit_euler"
-    first, *rests = start_and_rests(equations, start, setup.integrates_drive, only_joints)
+    first, *rests = start_and_rests(equations, start, setup.bound.integrates_drive, only_joints)
     if not any(np.array_equal(first.state, other.state) for other in rests):
         rests.append(first)
     steady = tuple(at for at in rests if not np.any(at.rates.real > 0))
@@ -198,7 +198,7 @@ def excitation(setup: Setup, step: float, horizon: float) -> Excitation:
     it should. Where that adds up to more than 1 rad halved steps say nothing of the error: it
     falls as fewer such vibrations are left, more slowly than the order says.
     """
-    equations, case, order = setup.solved_equations, setup.case, setup.integrator.order
+    equations, case, order = setup.bound.solved_equations, setup.case, setup.integrator.order
     scene, parameters = equations.scene, equations.parameters
     c, start = scene.coefficients(parameters), equations.start(case)
     q, v = np.split(start, 2)

@@ -39,9 +39,8 @@ def refuse_undriven(setup: Setup) -> None:
         if setup.method is None:
             step = float(setup.scene.period(case.parameters)) / (2 * UNDRIVEN)
             times = np.asarray(case.start_time + step * steps, dtype=float)
-            states: Array = np.zeros((UNDRIVEN, 2 * len(setup.coordinates)))
-            ask = one.engine.accelerations
-            return call_engine(lambda: ask(one.case, one.model, times, states))
+            states: Array = np.zeros((UNDRIVEN, 2 * len(setup.bound.coordinates)))
+            return call_engine(lambda: one.bound.accelerations(times, states))
         return one.simulate(setup.default_step, steps).matrix(setup.scene.observables)
 
     undriven = setup.with_case(still)
@@ -74,7 +73,7 @@ def is_driven(setup: Setup, undriven: Setup, motion: Array, steps: NDArray[np.in
     names = setup.scene.observables
     times = np.asarray(setup.case.start_time + setup.default_step * steps, dtype=float)
     driven, still = (
-        roundoff_reference(one.solved_equations, one.case, times, names).values
+        roundoff_reference(one.bound.solved_equations, one.case, times, names).values
         for one in (setup, undriven)
     )
     change = np.max(np.abs(driven - still), axis=1)

@@ -11,6 +11,7 @@ from time import perf_counter
 from typing import TypeVar
 
 from ...reference import get_scene
+from ...reference.equations import function_that_raised
 from ...reference.errors import (
     BrokenEngineError,
     CannotJudgeError,
@@ -22,7 +23,6 @@ from ...reference.errors import (
 )
 from ...reference.scene import Case
 from ..engines.adapter import Adapter
-from ..engines.equations import function_that_raised
 from ..engines.protocol import Method
 from ..engines.registry import (
     ENGINES,
@@ -387,7 +387,9 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
     # where a run ends is the scene's doing: one model of each engine will do
     twins = engine.twins(case.scene)
     for model in models[:1] if case.watch == "outcome" else models:
-        if model in twins and (not what.quick or engine.why_not(case, model, None)):
+        if model in twins and (
+            not what.quick or engine.bind(case, model).unsupported_reason(case, None)
+        ):
             continue
         beside, top = model != models[0], best_method(Setup(engine, case, model))
         for method in integrators(Setup(engine, case, model), kind):
@@ -395,7 +397,7 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
             left = kind == "stability" and (beside or (case.boundary is not None and method != top))
             if kind == "step" or (kind == "trajectory" and beside):
                 left = method != top
-            if kind == "step" and setup.discrete:
+            if kind == "step" and setup.bound.discrete:
                 left = left or case.name in later_motions(case.scene)
             if model in twins and case.methods != "best":
                 left = left or case.name in later_motions(case.scene)
@@ -409,7 +411,7 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
                     quantities,
                     not beside,
                     case.full_only or left,
-                    setup.why_not,
+                    setup.unsupported_reason,
                     engine_name if engine_name != engine.name else None,
                 )
 
@@ -420,10 +422,14 @@ def later_motions(scene: str) -> list[str]:
 
 
 def integrators(setup: Setup, kind: str) -> tuple[Method | None, ...]:
-    """Return the methods that a kind of check is made with."""
+    """Return the methods that a kind of check is made with.
+
+    An engine whose solvers differ in accelerations is asked for them by each.
+    """
     case = setup.case
     if not KINDS[kind].integrates or case.watch == "elements":
-        return (None,)
+        by_method = KINDS[kind].asks_forces and setup.engine.takes_method
+        return setup.engine.methods if by_method else (None,)
     if case.methods == "best" and kind != "order":
         best = best_method(setup)
         return () if best is None else (best,)
@@ -432,7 +438,8 @@ def integrators(setup: Setup, kind: str) -> tuple[Method | None, ...]:
 
 def best_method(setup: Setup) -> Method | None:
     """Return the method of highest order that a model takes."""
-    methods = [one for one in setup.engine.methods if replace(setup, method=one).why_not is None]
+    reason, case = setup.bound.unsupported_reason, setup.case
+    methods = [method for method in setup.engine.methods if reason(case, method) is None]
     return max(methods, key=lambda method: method.order, default=None)
 
 
@@ -497,7 +504,9 @@ def with_causes(
     verdicts = {one.quantity: one.verdict for one in results if one.verdict != "skipped"}
     if "deviation" not in verdicts.values() or not kind.level:
         return results
-    where = cause(Deviation(setup, kind.measure, verdicts, measured.runs), kind.searches)
+    where = cause(
+        Deviation(setup, kind.measure, verdicts, measured.runs, kind.asks_forces), kind.searches
+    )
     said, measures = cautioned(setup), dict[str, str]()
     if measured.runs and not where:
         measures = other_measures(seen_in(measured.runs), least=0.0)
@@ -515,14 +524,14 @@ def with_causes(
 def origin(setup: Setup | None, error: BaseException) -> str:
     """Return whose equations raised an exception, where an engine tells some of its own."""
     try:
-        if setup is None or setup.is_exact:
+        if setup is None or setup.bound.is_exact:
             return ""
-        own = setup.discrete, setup.equations
+        own = setup.bound.discrete, setup.bound.equations
     except Exception:  # an engine that fails in telling them, too
         return ""
     for equations in filter(None, own):
         if function := function_that_raised(equations, error):
-            return f"{setup.engine.name}: own_model: {function} of its equations: "
+            return f"{setup.engine.name}: describe_model: {function} of its equations: "
     return ""
 
 

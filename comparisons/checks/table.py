@@ -47,6 +47,8 @@ class Kind:
         ``orbit``, or something ``conserved``.
     refuse : callable ``(setup) -> None``, optional
         Refuses a setup that it cannot judge, before anything runs.
+    asks_forces : bool
+        Whether it asks for accelerations.
     quick : bool
         Whether it belongs to a quick answer.
     """
@@ -59,6 +61,7 @@ class Kind:
     follows: str | None = None
     needs: tuple[str, ...] = ()
     refuse: Callable[[Setup], None] | None = None
+    asks_forces: bool = False
     quick: bool = False
 
 
@@ -79,6 +82,7 @@ KINDS = {
         ),
         integrates=False,
         follows="algebra",
+        asks_forces=True,
         quick=True,
     ),
     "algebra": Kind(
@@ -93,6 +97,7 @@ KINDS = {
             models.of_joints,
         ),
         integrates=False,
+        asks_forces=True,
         quick=True,
     ),
     "frequency": Kind(

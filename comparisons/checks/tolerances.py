@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...reference.equations import ModelEquations
 from ...reference.scene import Array
-from ..engines.equations import ModelEquations
 from ..engines.run import EPS
 from .verdict import Finding, Inconclusive
 

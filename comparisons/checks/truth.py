@@ -11,12 +11,12 @@ import numpy as np
 
 from ...reference import get_scene
 from ...reference.differences import by_complex_step
+from ...reference.equations import ModelEquations
 from ...reference.errors import CannotJudgeError, MbcheckError
 from ...reference.scene import Array, Case, Scene
 from ...reference.solve.batched import growths, solve_many
 from ...reference.solve.single import solve
 from ...reference.solve.solution import Solution, state_size
-from ..engines.equations import ModelEquations
 from ..engines.run import EPS, VIOLATIONS
 from ..engines.setup import power_of_two
 from .tolerances import rounding, rows

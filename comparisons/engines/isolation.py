@@ -32,7 +32,7 @@ from ...reference.cost import keep_budget, time_left
 from ...reference.errors import BrokenEngineError, EngineError, MbcheckError, UsageError
 from . import THREADS, use_one_thread
 from .messages import encoded, received, sent
-from .protocol import Engine
+from .protocol import Engine, Method
 from .run import call_engine, describe, engine_error, traceback_of
 from .validation import ATTRIBUTES, CALLS
 
@@ -483,7 +483,8 @@ class RemoteEngine(Engine):
     ----------
     describe : callable
         Returns the engine's attributes by name, and as ``functions`` the names of the functions
-        that it has of its own; called in that process.
+        that it has of its own, and as ``by_method`` those that take a method; called in that
+        process.
     local : callable ``(options) -> Engine``
         Returns the engine itself, with options (name, value) set; called in that process.
 
@@ -502,6 +503,7 @@ class RemoteEngine(Engine):
             about = self.call(describe, SECONDS_TO_LOAD)
             vars(self).update({name: about[name] for name in ATTRIBUTES})
             self.functions = (set(CALLS) - {"with_option"}) & set(about["functions"])
+            self.by_method = frozenset(about.get("by_method", ()))
         except EngineError as error:
             reason = f"it cannot be loaded: {error.message}"
             raise BrokenEngineError(reason, error.traceback) from error
@@ -512,7 +514,8 @@ class RemoteEngine(Engine):
     def connect(self) -> None:
         """Have each function that the engine has of its own called in its process."""
         for name in self.functions:
-            setattr(self, name, partial(self.ask, name))
+            ask = self.ask_by_method if name in self.by_method else self.ask
+            setattr(self, name, partial(ask, name))
 
     def call(self, work: Callable[[], Any], most: float = math.inf) -> Any:
         """Return what work in the engine's process returns, which may take so long [s] at most.
@@ -538,17 +541,25 @@ class RemoteEngine(Engine):
         other.connect()
         return other
 
-    def ask(self, function: str, *arguments: Any) -> Any:
+    def ask(self, function: str, *arguments: Any, **how: Any) -> Any:
         """Return what a function of the engine returns."""
-        return self.call(partial(asked, self.local, self.settings, function, arguments))
+        return self.call(partial(asked, self.local, self.settings, function, arguments, how))
+
+    def ask_by_method(self, function: str, *arguments: Any, method: Method | None = None) -> Any:
+        """Return what a function of the engine returns for a method."""
+        return self.ask(function, *arguments, method=method)
 
 
 def asked(
-    local: Local, settings: tuple[tuple[str, float], ...], function: str, arguments: tuple[Any, ...]
+    local: Local,
+    settings: tuple[tuple[str, float], ...],
+    function: str,
+    arguments: tuple[Any, ...],
+    how: Mapping[str, Any],
 ) -> Any:
     """Return what a function of an engine of this process returns."""
     call = getattr(local(settings), function)
-    return call_engine(lambda: call(*arguments))
+    return call_engine(lambda: call(*arguments, **how))
 
 
 def guarded(work: Callable[[], Any]) -> Any:

@@ -27,15 +27,15 @@ from ...reference.errors import (
     Unsupported,
     UsageError,
 )
-from .protocol import Method, Motion, Option, OwnModel
+from .protocol import Method, ModelDescription, Motion, Option
 from .run import describe, engine_error, excerpt, in_sight
 from .validation import in_short
 
 CLASSES: dict[str, type] = {
     one.__name__: one
     for one in (
-        Method, Motion, Option, OwnModel, BrokenEngineError, EngineUnavailableError, UsageError,
-        Unsupported, CannotJudgeError, EngineError, MbcheckError,
+        Method, Motion, Option, ModelDescription, BrokenEngineError, EngineUnavailableError,
+        UsageError, Unsupported, CannotJudgeError, EngineError, MbcheckError,
     )
 }  # fmt: skip
 """Classes whose objects a message may hold, each before those that it derives from."""

@@ -23,9 +23,9 @@ __all__ = [
     "EngineError",
     "EngineUnavailableError",
     "Method",
+    "ModelDescription",
     "Motion",
     "Option",
-    "OwnModel",
     "System",
     "Unsupported",
     "UsageError",
@@ -52,22 +52,22 @@ class Method:
         the error is predicted exactly, without it by Richardson extrapolation.
     scheme_with_loops : bool
         Whether it is this scheme of models with loops too, if these give way as the file says.
-    linear : str or None
+    linear_scheme : str or None
         The scheme in `mbcheck.reference.amplification` that it is on a linear system without
         constraints, where that is not ``scheme``: what stability and damping are predicted by.
+    evaluations_per_step : int, optional
+        How often a step evaluates forces. A run whose `Motion.rhs_evaluations` differs took other
+        steps than requested.
     precision : str or None
         Of the numbers that its states are kept in, ``float32`` or ``float64``; that of the engine
         where it is None.
-    evaluations : int, optional
-        How often a step evaluates forces. A run whose `Motion.rhs_evaluations` says otherwise took
-        other steps than were asked for.
     """
 
     name: str
     order: int
     scheme: str | None = None
-    linear: str | None = None
-    evaluations: int | None = None
+    linear_scheme: str | None = None
+    evaluations_per_step: int | None = None
     precision: str | None = None
     scheme_with_loops: bool = True
 
@@ -82,37 +82,37 @@ class Option:
     default : float
     values : tuple of float
         From coarse to fine; the default is one of them.
-    limits : str
-        What it leaves as an error that no step removes: ``closure softness``, ...
+    error_source : str
+        The error that it leaves and no step removes: ``closure softness``, ...
     """
 
     name: str
     unit: str
     default: float
     values: tuple[float, ...]
-    limits: str
+    error_source: str
 
 
 @dataclass(frozen=True)
-class OwnModel:
-    """What is to be known of a model that an engine which reads no MJCF has of a scene.
+class ModelDescription:
+    """What an engine tells of a model that it makes itself, or whose parts give way.
 
     Attributes
     ----------
     constrained : bool
         Whether constraints close loops; `Motion.observables` then tells how far they are open.
     reactions : tuple of str
-        Outputs of the scene that are forces in its joints, which `Engine.reactions` tells.
+        Outputs of the scene that are forces in its joints, which `Engine.reactions` returns.
     equations : (EquationsOfMotion, parameters), or None
-        The equations of motion that it really has, or converges to, where they are not the
-        scene's: those of a closure that gives way, for one.
+        The equations of motion that the model really has, or converges to, where they are not the
+        scene's: those of a closure or of joints that give way, for instance.
     elements : EquationsOfMotion or None
         Of a model that converges to a continuum: the equations of its elements. The engine then
         takes states in their coordinates, and returns these of a run.
     element_order : int
         Order with which it converges as its elements are halved; 0 without elements.
-    why_not_placed : str or None
-        Why it cannot be placed in the world as `Case.placement` says.
+    unplaceable_reason : str or None
+        Why it cannot be placed in the world as `Case.placement` says; None if it can.
     """
 
     constrained: bool = False
@@ -120,19 +120,19 @@ class OwnModel:
     equations: tuple[EquationsOfMotion, Any] | None = None
     elements: EquationsOfMotion | None = None
     element_order: int = 0
-    why_not_placed: str | None = "it is no MJCF, the text of which could be turned"
+    unplaceable_reason: str | None = "it is no MJCF, the text of which could be turned"
 
 
 @dataclass(frozen=True)
 class Motion:
-    """What a plugged-in engine returns of a run.
+    """What an engine returns of a run.
 
     Attributes
     ----------
     positions, velocities : array (n_t, n)
-        Of the joints, in the order of `System.joints`, at the times that were asked for.
+        Of the joints, in the order of `System.joints`, at the requested times.
     clock : array (n_t,), optional
-        The engine's own clock at these times [s]. Without it a reset in silence goes unnoticed.
+        The engine's own clock at these times [s]. Without it a silent reset goes unnoticed.
     steps : int, optional
         Steps that the engine counted itself.
     warnings : mapping of str to int
@@ -141,7 +141,7 @@ class Motion:
         How often forces were evaluated.
     newton_iterations : int, optional
         Of an implicit method, or of a solver of constraints; all steps together.
-    changed : tuple of str
+    changed_inputs : tuple of str
         Inputs that the engine changed on its own (controls, parameters, step): they fail the run.
     seconds : float
         Wall time of the stepping alone [s]; that of the whole call counts where it is 0.
@@ -158,7 +158,7 @@ class Motion:
     warnings: Mapping[str, int] = field(default_factory=dict)
     rhs_evaluations: int | None = None
     newton_iterations: int | None = None
-    changed: tuple[str, ...] = ()
+    changed_inputs: tuple[str, ...] = ()
     seconds: float = 0.0
     observables: Mapping[str, Any] = field(default_factory=dict)
 
@@ -175,19 +175,24 @@ class Engine:
     reads_mjcf : bool
         Whether the engine reads `System.mjcf`. One that does not models the scenes itself, and
         takes their coordinates for joints.
-    reads_all_mjcf : bool
+    needs_only_mjcf : bool
         Whether it needs nothing of `System` but the file and the state: then it is also asked for
         models of which `System.terms` cannot tell the forces, and is empty.
     precision : str
         Of the numbers that it computes with, ``float64`` or ``float32``. All tolerances follow.
     closure : str
         How it holds loops closed: ``rigid``, or as ``solref`` and ``solimp`` of the file say
-        (``mjcf``), or ``soft`` by a rule of its own; then checks that need rigid ones are skipped.
+        (``mjcf``), or ``soft`` by a rule of its own; then models with loops are skipped, unless
+        `describe_model` returns their equations.
+    compliant_joints : bool
+        Whether its joints give way by a rule of its own, as those of position-based dynamics or of
+        maximal coordinates with penalties do. Then models are skipped, unless `describe_model`
+        returns their equations.
     accumulates_clock : bool
         Whether its clock adds up its steps.
-    least_inertia : float
+    min_inertia : float
         Largest inertia (SI) that it refuses.
-    largest_value : float
+    max_value : float
         Position, rate or acceleration (SI) above which it counts a run as failed.
     newton_tolerance : float
         Increment (m, rad) at which Newton's method stops in implicit methods.
@@ -197,12 +202,13 @@ class Engine:
     version: str
     methods: tuple[Method, ...]
     reads_mjcf: bool = True
-    reads_all_mjcf: bool = False
+    needs_only_mjcf: bool = False
     precision: str = "float64"
     closure: str = "rigid"
+    compliant_joints: bool = False
     accumulates_clock: bool = False
-    least_inertia: float = 0.0
-    largest_value: float = math.inf
+    min_inertia: float = 0.0
+    max_value: float = math.inf
     newton_tolerance: float = 0.0
 
     def simulate(self, system: System, method: Method, step: float, times: Array) -> Motion:
@@ -228,34 +234,44 @@ class Engine:
     def accelerations(
         self, system: System, time: float, positions: Array, velocities: Array
     ) -> Array:
-        """Return the joints' accelerations (n,) at a time [s] and a state (n,), (n,)."""
+        """Return the joints' accelerations (n,) at a time [s] and a state (n_q,), (n,).
+
+        An engine whose solvers differ in them takes one more keyword, ``method=None``: one of
+        `methods`, or None for its default.
+        """
         raise Unsupported(f"{self.name} {NO_ACCELERATIONS}")
 
     def mass_matrix(self, system: System, positions: Array) -> Array:
-        """Return the joints' mass matrix (n, n) at positions (n,)."""
+        """Return the joints' mass matrix (n, n) at positions (n_q,).
+
+        The keyword ``method=None`` may be taken as in `accelerations`.
+        """
         raise Unsupported(f"{self.name} has no mass_matrix(...)")
 
     def linearise(self, system: System) -> tuple[Array, Array, Array]:
         """Return M, C, K, each (n, n), about the system's initial state, a state of rest."""
         raise Unsupported(f"{self.name} has no linearise(...)")
 
-    def why_not(self, system: System, method: Method | None) -> str | None:
-        """Return why this method cannot run this system, or None: then no check is planned.
+    def unsupported_reason(self, system: System, method: Method | None) -> str | None:
+        """Return why this method cannot run this system; its checks are then skipped. Else None.
 
         Without a method: why the system cannot be modelled at all.
         """
         return None
 
     def models(self, scene: str) -> tuple[str, ...]:
-        """Return the names of the models that it has of a scene, default first.
+        """Return the names of the models that an engine which reads no MJCF has of a scene.
 
-        Of an engine that reads no MJCF.
+        The first is the default; none where it has no model.
         """
         return ("scene",)
 
-    def own_model(self, system: System) -> OwnModel:
-        """Return what is to be known of a model, of an engine that reads no MJCF."""
-        return OwnModel()
+    def describe_model(self, system: System) -> ModelDescription:
+        """Return what is to be known of a model.
+
+        Of an engine that reads no MJCF, or one whose joints or loops give way.
+        """
+        return ModelDescription()
 
     def inverse_dynamics(
         self,
@@ -265,9 +281,9 @@ class Engine:
         velocities: Array,
         accelerations: Array,
     ) -> Array:
-        """Return the forces (n,) on the joints that a motion takes beside those of the model.
+        """Return the forces (n,) that must act on the joints, beside the model's, for a motion.
 
-        Forces of closed loops may be part of it or not: they do no work.
+        Constraint forces of closed loops may be included or not: they do no work.
         """
         raise Unsupported(f"{self.name} has no inverse_dynamics(...)")
 

@@ -22,11 +22,11 @@ from ...reference.errors import (
     UsageError,
 )
 from . import REFERENCE as REFERENCE
-from .adapter import Adapter, adapt, adapted
+from .adapter import Adapter, adapt
 from .isolation import RemoteEngine
 from .protocol import Engine
 from .run import IN_SIGHT, call_engine, captured
-from .validation import attributes
+from .validation import attributes, named_anew
 
 ENGINES = (REFERENCE, "mujoco", "exudyn")
 """Engines that come with mbcheck."""
@@ -224,11 +224,11 @@ def _load(name: str) -> Adapter:
     if name == "mujoco":
         from .mujoco.engine import MuJoCo
 
-        return adapted(MuJoCo())
+        return Adapter(MuJoCo())
     if name == "exudyn":
         from .exudyn.engine import Exudyn
 
-        return adapted(Exudyn())
+        return Adapter(Exudyn())
     if name == REFERENCE:
         from .reference import ReferenceEngine
 
@@ -273,7 +273,8 @@ def remote_plugin(name: str) -> Adapter:
 def describe_plugin(name: str) -> dict[str, Any]:
     """Return the attributes of a plugged-in engine of this process, and its own functions."""
     adapter = load_plugin(name)
-    return attributes(adapter.inner) | {"functions": sorted(adapter.functions)}
+    own = {"functions": sorted(adapter.functions), "by_method": sorted(adapter.takes_method)}
+    return attributes(adapter.inner) | own
 
 
 @cache
@@ -360,7 +361,8 @@ def _imported(module: str, attribute: str) -> Any:
             f"{cause.name}."
         )
         kind = EngineUnavailableError if missing else BrokenEngineError
-        raise kind(f"{module} cannot be imported ({error})", error.traceback) from error
+        reason = named_anew(f"{module} cannot be imported ({error})")
+        raise kind(reason, error.traceback) from error
     try:
         place: Any = loaded
         for part in attribute.split("."):

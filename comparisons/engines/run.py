@@ -61,7 +61,7 @@ class Trajectory:
         Of an implicit method, or of a solver of constraints; all steps together.
     warnings : mapping of str to int
         The engine's warning counters; any that is not zero is a failure.
-    changed : tuple of str
+    changed_inputs : tuple of str
         Inputs that the engine changed on its own (controls, parameters, step).
     seconds : float
         Wall time of the stepping alone [s]; `run` puts that of the whole call where it is 0.
@@ -74,7 +74,7 @@ class Trajectory:
     rhs_evaluations: int | None = None
     newton_iterations: int | None = None
     warnings: Mapping[str, int] = field(default_factory=dict)
-    changed: tuple[str, ...] = ()
+    changed_inputs: tuple[str, ...] = ()
     seconds: float = 0.0
 
     def matrix(self, names: tuple[str, ...]) -> Array:

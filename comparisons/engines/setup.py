@@ -1,4 +1,4 @@
-"""A setup: an engine's model of a case, with a method and its step; its runs, and their guard.
+"""A setup: a bound model with a case, a method and its step; its runs, and their guard.
 
 Engines fail silently; what `run` returns has not.
 """
@@ -16,17 +16,16 @@ from numpy.typing import NDArray
 
 from ...reference import get_scene
 from ...reference.amplification import AMPLIFICATION
+from ...reference.equations import ModelEquations
 from ...reference.errors import EngineError, MbcheckError, NoOrbitError, UsageError
 from ...reference.linear import linearise, modes
 from ...reference.scene import Array, Case, Scene
 from ...reference.solve import schemes
-from .adapter import Adapter
-from .equations import ModelEquations, scene_equations
+from .adapter import Adapter, BoundModel
 from .protocol import Method
 from .run import (
     EPS,
     NOTES,
-    VIOLATIONS,
     Console,
     Trajectory,
     attempt,
@@ -63,7 +62,7 @@ SLIVERS = "the engine counts slivers of steps to times that are off its clock by
 
 @dataclass(frozen=True)
 class Setup:
-    """An engine's model of a case, with a method and its step.
+    """An engine's model of a case, `bound` to its parameters, with a method and its step.
 
     Attributes
     ----------
@@ -113,80 +112,22 @@ class Setup:
         return self.default_step if self.step is None else self.step
 
     @cached_property
-    def equations(self) -> ModelEquations:
-        """The equations of motion that the model has."""
-        equations = self.engine.model_equations(self.case, self.model)
-        return scene_equations(self.case) if equations is None else equations
-
-    @cached_property
-    def discrete(self) -> ModelEquations | None:
-        """The equations of the model's elements, where it has any and the engine tells them."""
-        return self.engine.discrete_equations(self.case, self.model)
-
-    @property
-    def solved_equations(self) -> ModelEquations:
-        """What runs converge to as steps are halved: its elements' equations, or the model's."""
-        return self.discrete or self.equations
-
-    @property
-    def is_exact(self) -> bool:
-        """Whether these are the equations of the scene."""
-        return self.equations.is_exact_for(self.case)
+    def bound(self) -> BoundModel:
+        """The engine's model, with the parameters of the case."""
+        return self.engine.bind(self.case, self.model)
 
     @cached_property
     def scheme(self) -> str | None:
         """The published scheme that the method is on this model, None if it is none."""
-        return self.engine.scheme(self.case, self.model, self.integrator)
+        return self.bound.scheme(self.integrator)
 
     @property
     def linear_scheme(self) -> str | None:
         """The scheme of `AMPLIFICATION` that the method is on free vibrations of the model."""
-        if self.approximates_continuum:
+        if self.bound.approximates_continuum:
             return None
-        scheme = self.integrator.linear or self.integrator.scheme
+        scheme = self.integrator.linear_scheme or self.integrator.scheme
         return scheme if scheme in AMPLIFICATION else None
-
-    @property
-    def coordinates(self) -> tuple[str, ...]:
-        """The coordinates in which the engine takes states and gives matrices."""
-        return self.engine.coordinates(self.case, self.model)
-
-    @property
-    def integrates_drive(self) -> bool:
-        """Whether the drive is a body of the model, integrated like the rest."""
-        return self.engine.integrates_drive(self.case, self.model)
-
-    @property
-    def has_constraints(self) -> bool:
-        """Whether constraints close loops of the model."""
-        return self.engine.has_constraints(self.case, self.model)
-
-    @property
-    def has_soft_closure(self) -> bool:
-        """Whether a constraint closes a loop of the model, and gives way."""
-        return self.has_constraints and self.equations.scene is not self.scene
-
-    @property
-    def approximates_continuum(self) -> bool:
-        """Whether the model converges to a continuum, and does not solve equations of its own."""
-        scene = self.equations.scene
-        return bool(scene.discretisation_coordinates) and self.coordinates != scene.coordinates
-
-    @property
-    def element_order(self) -> int:
-        """The order of convergence with the number of elements, 0 without any."""
-        return self.engine.element_order(self.case, self.model)
-
-    @property
-    def frequency_side(self) -> int:
-        """On which side of the continuum the first frequency lies, 0 where none is known."""
-        return self.engine.frequency_side(self.case, self.model)
-
-    @property
-    def observables(self) -> tuple[str, ...]:
-        """What is compared of a run; closed loops also show how far they are open."""
-        names = self.scene.observables
-        return (*names, *VIOLATIONS) if self.has_constraints else names
 
     @cached_property
     def default_step(self) -> float:
@@ -196,13 +137,12 @@ class Setup:
     @cached_property
     def stable_step_bound(self) -> float:
         """The longest step [s] for the equations of a closure; a continuum sets none."""
-        return stable_step_bound(self.case, self.equations)
+        return stable_step_bound(self.case, self.bound.equations)
 
     @property
-    def why_not(self) -> str | None:
+    def unsupported_reason(self) -> str | None:
         """Why the engine cannot run this, or None."""
-        fixed = self.engine.why_not_placed(self.case, self.model) if self.case.placement else None
-        return fixed or self.engine.why_not(self.case, self.model, self.method)
+        return self.bound.unsupported_reason(self.case, self.method)
 
     def with_case(self, case: Case) -> Setup:
         """Return the setup of another case."""
@@ -240,9 +180,9 @@ class Setup:
         scheme = scheme or self.scheme
         if scheme is None:
             raise UsageError(f"{self.integrator.name} of {self.engine.name} is no published scheme")
-        equations, case = self.equations, self.case
+        equations, case = self.bound.equations, self.case
         scalar = schemes.ScalarEquations(
-            equations.scene, equations.parameters, self.integrates_drive
+            equations.scene, equations.parameters, self.bound.integrates_drive
         )
         start = equations.start(case)
         return schemes.integrate(scalar, scheme, start, step, samples, case.start_time)
@@ -325,7 +265,7 @@ def guard(
         ``clock_reversed``, ``step_count``, ``work_count``, ``inputs_changed`` or ``branch``.
     """
     expected = np.asarray(times, dtype=float)
-    case, step, evaluations = setup.case, setup.step_size, setup.integrator.evaluations
+    case, step, evaluations = setup.case, setup.step_size, setup.integrator.evaluations_per_step
     if trajectory.times.shape != expected.shape or not np.array_equal(trajectory.times, expected):
         raise EngineError("shape", "the engine did not return the times that were asked for")
     for name, values in trajectory.values.items():
@@ -362,9 +302,10 @@ def guard(
         )
     slivers = slivers or partial(most_slivers, setup, expected)
     refuse_other_steps(trajectory, asked, evaluations, slivers)
-    if trajectory.changed:
+    if trajectory.changed_inputs:
         raise EngineError(
-            "inputs_changed", f"the engine changed its inputs: {', '.join(trajectory.changed)}"
+            "inputs_changed",
+            f"the engine changed its inputs: {', '.join(trajectory.changed_inputs)}",
         )
     scene = get_scene(case.scene)
     missing = set(scene.observables) - set(trajectory.values)
@@ -449,7 +390,7 @@ def short_run(setup: Setup, times: NDArray[Any]) -> Trajectory:
     """
     case, method, step = setup.case, setup.integrator, setup.step_size
     room = missed(setup, times)
-    short = call_engine(lambda: setup.engine.simulate(case, setup.model, method, step, times))
+    short = call_engine(lambda: setup.bound.simulate(case, method, step, times))
     with noting():
         guard(short, setup, times, lambda: room)
     return short
@@ -484,7 +425,7 @@ def run(setup: Setup, times: Array) -> Trajectory:
 
     def simulate() -> tuple[Trajectory, float]:
         begin = perf_counter()
-        trajectory = setup.engine.simulate(case, setup.model, method, step, times)
+        trajectory = setup.bound.simulate(case, method, step, times)
         return trajectory, perf_counter() - begin
 
     console = Console()
@@ -514,8 +455,7 @@ def run_many(
         grid_indices(grid, case.start_time, float(step))
 
     def simulate(case: Case, step: float, grid: Array) -> Trajectory:
-        engine, method = setup.engine, setup.integrator
-        return engine.simulate(case, setup.model, method, step, grid)
+        return setup.with_case(case).bound.simulate(case, setup.integrator, step, grid)
 
     rows = zip(cases, steps.tolist(), times, strict=True)
     results = call_engine(lambda: [attempt(partial(simulate, *row)) for row in rows])

@@ -11,12 +11,12 @@ import numpy as np
 
 from ...reference import get_scene
 from ...reference.amplification import AMPLIFICATION
+from ...reference.equations import invariants_of, scene_equations
 from ...reference.errors import EngineError, UnknownNameError, UsageError
 from ...reference.scene import Array, Case, EquationsOfMotion
 from ...reference.solve.schemes import SCHEMES
-from .equations import invariants_of, scene_equations
-from .protocol import Engine, Method, Motion, Option, OwnModel, System
-from .run import VIOLATIONS, grid_indices
+from .protocol import Engine, Method, ModelDescription, Motion, Option, System
+from .run import VIOLATIONS, Trajectory, grid_indices
 
 PRECISIONS = ("float64", "float32")
 CLOSURES = ("rigid", "mjcf", "soft")
@@ -127,19 +127,61 @@ def refuse_one_state(system: System, positions: Array, velocities: Array) -> Non
         )
 
 
-def refuse_no_tables(motion: Motion) -> None:
-    """Refuse a motion with other things where it must have values by name.
+def motion_of(
+    system: System, motion: Any, times: Array, precision: str
+) -> tuple[Array, Array, dict[str, Array]]:
+    """Return positions (n_t, n_q), velocities (n_t, n) and sensors (n_t,) by name of a run.
+
+    Raises
+    ------
+    EngineError
+        ``returned``, if they have no sense, or what was returned in place of a motion.
+    """
+    if isinstance(motion, Exception):
+        raise motion
+    if not isinstance(motion, Motion):
+        raise EngineError("returned", f"simulate must return a Motion, not {in_short(motion)}")
+    for name, what in (("warnings", "counts"), ("observables", "values")):
+        if not isinstance(value := vars(motion)[name], Mapping):
+            raise EngineError(
+                "returned", f"Motion.{name} must be {what} by name, not {in_short(value)}"
+            )
+    shape, (positions, rates) = (len(times),), system.layout.size
+    q = numbers("Motion.positions", motion.positions, (*shape, positions))
+    v = numbers("Motion.velocities", motion.velocities, (*shape, rates))
+    refuse_lost_length(system, times, q, precision)
+    if not any(motion.warnings.values()) and np.allclose(clock_of(motion, times), times):
+        refuse_one_state(system, q, v)
+    return q, v, observables_of(motion, system.case, shape)
+
+
+def clock_of(motion: Motion, times: Array) -> Array:
+    """Return what an engine's clock shows (n_t,) [s]: the requested times where it has none."""
+    return times if motion.clock is None else numbers("Motion.clock", motion.clock, times.shape)
+
+
+def trajectory_of(
+    system: System, motion: Motion, step: float, times: Array, values: Mapping[str, Array]
+) -> Trajectory:
+    """Return the record of a run with these observables, its counts validated.
 
     Raises
     ------
     EngineError
         ``returned``
     """
-    for name, what in (("warnings", "counts"), ("observables", "values")):
-        if not isinstance(value := vars(motion)[name], Mapping):
-            raise EngineError(
-                "returned", f"Motion.{name} must be {what} by name, not {in_short(value)}"
-            )
+    requested = round((times[-1] - system.start_time) / step)
+    return Trajectory(
+        times=times,
+        values=values,
+        clock=clock_of(motion, times),
+        steps=requested if motion.steps is None else count("steps", motion.steps),
+        rhs_evaluations=optional_count("rhs_evaluations", motion.rhs_evaluations),
+        newton_iterations=optional_count("newton_iterations", motion.newton_iterations),
+        warnings=dict(motion.warnings),
+        changed_inputs=tuple(map(str, motion.changed_inputs)),
+        seconds=float(numbers("Motion.seconds", motion.seconds, (), finite=True)),
+    )
 
 
 def refuse_step_across_end(system: System, step: float, times: Array) -> None:
@@ -235,6 +277,9 @@ def declared(name: str, author: Any) -> Engine:
     """
     if not isinstance(author, Engine):
         raise UsageError(f"engine {name} is no mbcheck.Engine: inherit from it")
+    for old, new in RENAMED.items():
+        if hasattr(author, old):
+            raise UsageError(f"engine {name}: {old} is now {new}: rename it, see CHANGELOG.md")
     for attribute in ("name", "version", "methods"):
         if not hasattr(author, attribute):
             raise UsageError(f"engine {name} has no {attribute}; see docs/engines.md")
@@ -259,9 +304,11 @@ def declared(name: str, author: Any) -> Engine:
         raise UsageError(f"engine {name}: two methods have the same name: {', '.join(names)}")
     for function, arguments in CALLS.items():
         refuse_signature(name, function, getattr(author, function), arguments)
-    if author.reads_mjcf and author.closure != "soft" and "own_model" in own_functions(author):
+    gives_way = author.closure == "soft" or author.compliant_joints
+    if author.reads_mjcf and not gives_way and "describe_model" in own_functions(author):
         raise UsageError(
-            f'engine {name}: own_model needs reads_mjcf = False, or closure = "soft"; {RENAME}'
+            f"engine {name}: describe_model needs reads_mjcf = False, compliant_joints = True, or "
+            f'closure = "soft"; {RENAME}'
         )
     words = [("precision", author.precision, PRECISIONS), ("closure", author.closure, CLOSURES)]
     words += [
@@ -308,8 +355,8 @@ def own_functions(author: Engine) -> frozenset[str]:
     )
 
 
-NUMBERS = ("least_inertia", "largest_value", "newton_tolerance")
-FLAGS = ("reads_mjcf", "reads_all_mjcf", "accumulates_clock")
+NUMBERS = ("min_inertia", "max_value", "newton_tolerance")
+FLAGS = ("reads_mjcf", "needs_only_mjcf", "compliant_joints", "accumulates_clock")
 ATTRIBUTES = ("name", "version", "methods", "precision", "closure", *FLAGS, *NUMBERS)
 """Attributes of the protocol, and those of them that are numbers, or true or false."""
 
@@ -318,15 +365,57 @@ CALLS = {
     "accelerations": 4,
     "mass_matrix": 2,
     "linearise": 1,
-    "why_not": 2,
+    "unsupported_reason": 2,
     "models": 1,
-    "own_model": 1,
+    "describe_model": 1,
     "inverse_dynamics": 5,
     "reactions": 4,
     "options": 2,
     "with_option": 2,
 }
 """Functions of the protocol, and how many arguments each is called with."""
+
+RENAMED = {
+    "why_not": "unsupported_reason",
+    "own_model": "describe_model",
+    "reads_all_mjcf": "needs_only_mjcf",
+    "least_inertia": "min_inertia",
+    "largest_value": "max_value",
+}
+"""Attributes and functions of an engine, by the names that they had before."""
+
+RENAMED_ARGUMENTS = {
+    "why_not_placed": "unplaceable_reason",
+    "linear": "linear_scheme",
+    "evaluations": "evaluations_per_step",
+    "limits": "error_source",
+    "changed": "changed_inputs",
+}
+"""Fields of `ModelDescription`, `Method`, `Option` and `Motion`, by the names they had before."""
+
+
+def named_anew(reason: str) -> str:
+    """Return a reason, with the new name of an argument if it complains of an old one."""
+    old = re.search(r"unexpected keyword argument '(\w+)'", reason)
+    new = RENAMED_ARGUMENTS.get(old[1]) if old else None
+    return f"{reason}; it is now {new}, see CHANGELOG.md" if new else reason
+
+
+def functions_by_method(author: Engine) -> frozenset[str]:
+    """Return which functions of an engine take a method as a keyword beside their arguments."""
+    return frozenset(
+        name
+        for name in ("accelerations", "mass_matrix")
+        if takes_keyword(getattr(author, name), "method")
+    )
+
+
+def takes_keyword(call: Any, name: str) -> bool:
+    """Return whether a function takes an argument by this name."""
+    try:
+        return name in inspect.signature(call).parameters
+    except ValueError:  # of compiled code
+        return False
 
 
 def refuse_signature(name: str, function: str, call: Any, arguments: int) -> None:
@@ -380,16 +469,16 @@ def refuse_method(name: str, method: Any) -> None:
     if not isinstance(method, Method):
         raise UsageError(f"engine {name}: {in_short(method)} is no mbcheck.Method")
     refuse_name(f"engine {name} calls a method", method.name)
-    work = method.evaluations
+    work = method.evaluations_per_step
     needs = {
         "order": (type(method.order) is int and method.order >= 1, "1 or more"),
-        "evaluations": (work is None or (type(work) is int and work >= 1), "1 or more"),
+        "evaluations_per_step": (work is None or (type(work) is int and work >= 1), "1 or more"),
         "scheme_with_loops": (isinstance(method.scheme_with_loops, bool), "True or False"),
     }
     refuse_unfit(f"engine {name}: method {method.name}", vars(method), needs)
     for what, scheme, known in (
         ("scheme", method.scheme, SCHEMES),
-        ("linear scheme", method.linear, AMPLIFICATION),
+        ("linear scheme", method.linear_scheme, AMPLIFICATION),
     ):
         if not (scheme is None or (isinstance(scheme, str) and scheme in known)):
             raise UnknownNameError(
@@ -397,7 +486,7 @@ def refuse_method(name: str, method: Any) -> None:
             )
 
 
-def names_of(answer: Any) -> tuple[str, ...]:
+def model_names(answer: Any) -> tuple[str, ...]:
     """Return the names of models that an engine tells.
 
     Raises
@@ -419,7 +508,7 @@ def names_of(answer: Any) -> tuple[str, ...]:
     return tuple(answer)
 
 
-def own_model_of(answer: Any, outputs: Collection[str]) -> OwnModel:
+def model_description(answer: Any, outputs: Collection[str]) -> ModelDescription:
     """Return what an engine tells of a model of a scene with these outputs.
 
     Raises
@@ -427,8 +516,10 @@ def own_model_of(answer: Any, outputs: Collection[str]) -> OwnModel:
     EngineError
         ``returned``, if it has no sense; says in what.
     """
-    if not isinstance(answer, OwnModel):
-        raise EngineError("returned", f"own_model must return an OwnModel, not {in_short(answer)}")
+    if not isinstance(answer, ModelDescription):
+        raise EngineError(
+            "returned", f"describe_model must return a ModelDescription, not {in_short(answer)}"
+        )
     equations, order = answer.equations, answer.element_order
     pair = isinstance(equations, tuple) and len(equations) == 2
     whole = equations is None or (
@@ -438,19 +529,19 @@ def own_model_of(answer: Any, outputs: Collection[str]) -> OwnModel:
     )
     elements = answer.elements is None or isinstance(answer.elements, EquationsOfMotion)
     named = isinstance(answer.reactions, tuple | list) and set(answer.reactions) <= set(outputs)
-    placed = isinstance(answer.why_not_placed, str | None)
+    placed = isinstance(answer.unplaceable_reason, str | None)
     needs = {
         "constrained": (isinstance(answer.constrained, bool), "True or False"),
         "reactions": (named, f"a tuple of names among {', '.join(outputs)}"),
         "equations": (whole, "None or (EquationsOfMotion, its parameters)"),
         "elements": (elements, "None or an EquationsOfMotion"),
         "element_order": (type(order) is int and order >= 0, "an order of 0 or more"),
-        "why_not_placed": (placed, "None or a reason"),
+        "unplaceable_reason": (placed, "None or a reason"),
     }
     for field, (right, need) in needs.items():
         if not right:
             value = in_short(vars(answer)[field])
-            raise EngineError("returned", f"OwnModel.{field} must be {need}, not {value}")
+            raise EngineError("returned", f"ModelDescription.{field} must be {need}, not {value}")
     return answer
 
 
@@ -464,6 +555,6 @@ def reason_of(answer: Any) -> str | None:
     """
     if not isinstance(answer, str | None):
         raise EngineError(
-            "returned", f"why_not must return a reason or None, not {in_short(answer)}"
+            "returned", f"unsupported_reason must return a reason or None, not {in_short(answer)}"
         )
     return answer or None

@@ -13,7 +13,7 @@ import numpy as np
 
 from ...models import exudyn_system
 from ...reference.scene import Array, Case
-from ..engines.adapter import OwnModelsAdapter
+from ..engines.adapter import Adapter, BoundModel
 from ..engines.exudyn.engine import Exudyn, assign
 from ..engines.protocol import Engine, Method
 from .variants import Law
@@ -44,10 +44,22 @@ class Hooked(Exudyn):
         return self.owner.solver(method)
 
 
-class ExudynAdapter(OwnModelsAdapter):
+class ExudynModel(BoundModel):
+    """A model of Exudyn, which its adapter may run whatever the reasons against it."""
+
+    engine: ExudynAdapter
+
+    def unsupported_reason(self, case: Case, method: Method | None) -> str | None:
+        """Return why this method cannot run a case, or None."""
+        return None if self.engine.refuses_nothing else super().unsupported_reason(case, method)
+
+
+class ExudynAdapter(Adapter):
     """Exudyn as it is, for classes that exchange parts of it."""
 
+    bound = ExudynModel
     methods = Exudyn.methods
+    refuses_nothing = False
     inner: Hooked
 
     def __init__(self) -> None:
@@ -102,9 +114,7 @@ class Unrestricted(ExudynAdapter):
     """Exudyn without the adapter's refusals, and with explicit solvers that it leaves out."""
 
     methods = (*Exudyn.methods, VELOCITY_VERLET, DVERK6)
-
-    def why_not(self, case: Case, model: str, method: Method | None) -> None:
-        """Refuse nothing."""
+    refuses_nothing = True
 
     def solver(self, method: Method) -> Any:
         """Return a new solver; those that the adapter leaves out are explicit."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,12 +14,13 @@ from ...models import mjcf
 from ...models.system import System
 from ...reference import get_scene
 from ...reference.scene import Array, Case
-from ..engines.adapter import Adapter
+from ..engines.adapter import Adapter, BoundModel
 from ..engines.mujoco.engine import MuJoCo, Order
 from ..engines.mujoco.library import inputs, quiet, recorded
 from ..engines.protocol import Method
 from ..engines.run import Trajectory, grid_indices
-from .variants import Law, Variant, Wrapped
+from .runs import Altered
+from .variants import Law, Variant
 
 
 class MujocoAdapter(Adapter):
@@ -35,7 +37,33 @@ class MujocoAdapter(Adapter):
         super().__init__(inner or MuJoCo())
 
 
-class Edited(MujocoAdapter):
+class RewrittenModel(BoundModel):
+    """A model whose text is rewritten."""
+
+    engine: Rewritten
+
+    @cached_property
+    def text(self) -> str:
+        """The rewritten MJCF."""
+        return self.engine.rewrite(super().text, self.case.parameters)
+
+
+class Rewritten(MujocoAdapter):
+    """MuJoCo that reads another text.
+
+    Parameters
+    ----------
+    rewrite : callable ``(text, parameters) -> text``
+    """
+
+    bound = RewrittenModel
+
+    def __init__(self, rewrite: Callable[[str, Any], str]) -> None:
+        super().__init__()
+        self.rewrite = rewrite
+
+
+class Edited(Rewritten):
     """MuJoCo with parts of the MJCF's text exchanged.
 
     Parameters
@@ -45,12 +73,11 @@ class Edited(MujocoAdapter):
     """
 
     def __init__(self, *edits: tuple[str, str]) -> None:
-        super().__init__()
+        super().__init__(self.edited)
         self.edits = edits
 
-    def text(self, case: Case, model: str) -> str:
-        """Return the edited MJCF of a case."""
-        text = super().text(case, model)
+    def edited(self, text: str, parameters: Any) -> str:
+        """Return the text with the new parts."""
         for old, new in self.edits:
             if old not in text:
                 raise ValueError(f"the MJCF has no {old!r}")
@@ -58,16 +85,11 @@ class Edited(MujocoAdapter):
         return text
 
 
-class Unwarned(Wrapped):
+class Unwarned(Altered):
     """A variant that is read by someone who looks at no warning counter."""
 
     def __init__(self, variant: Variant) -> None:
-        super().__init__(variant.make())
-
-    def compute(self, method: Any, case: Case, model: str, *rest: Any) -> Any:
-        """Call a method of the engine, and keep its warnings quiet."""
-        result = method(case, model, *rest)
-        return replace(result, warnings={}) if isinstance(result, Trajectory) else result
+        super().__init__(variant.make(), lambda run, _: replace(run, warnings={}))
 
 
 class AtAnyStep(MuJoCo):
@@ -77,14 +99,32 @@ class AtAnyStep(MuJoCo):
         """Refuse nothing."""
 
 
+class WillingModel(BoundModel):
+    """A model that supports everything."""
+
+    def unsupported_reason(self, case: Case, method: Method | None) -> None:
+        """Refuse nothing."""
+
+
 class Willing(MujocoAdapter):
     """MuJoCo without refusals."""
+
+    bound = WillingModel
 
     def __init__(self) -> None:
         super().__init__(AtAnyStep())
 
-    def why_not(self, case: Case, model: str, method: Method | None) -> None:
-        """Refuse nothing."""
+
+class ModelWithoutEquations(BoundModel):
+    """A model that does not tell the equations of its closure."""
+
+    engine: WithoutEquations
+
+    def read_source(self) -> mjcf.Mjcf:
+        """Return the model without the equations that its closure has."""
+        make = self.engine.make_source
+        source = make(*self.engine.arguments) if make else super().read_source()
+        return replace(source, equations=None)
 
 
 class WithoutEquations(MujocoAdapter):
@@ -97,14 +137,47 @@ class WithoutEquations(MujocoAdapter):
     arguments : tuple
     """
 
+    bound = ModelWithoutEquations
+
     def __init__(self, make: Callable[..., mjcf.Mjcf] | None = None, *arguments: Any) -> None:
         super().__init__()
-        self.make, self.arguments = make, arguments
+        self.make_source, self.arguments = make, arguments
 
-    def source(self, case: Case, model: str) -> mjcf.Mjcf:
-        """Return the model without the equations that its closure has."""
-        source = self.make(*self.arguments) if self.make else super().source(case, model)
-        return replace(source, equations=None)
+
+class ControlledModel(BoundModel):
+    """A model whose spring's foot is at rest, with a motor on its slide."""
+
+    engine: Controlled
+
+    @cached_property
+    def text(self) -> str:
+        """The MJCF with the motor."""
+        motor = '<actuator><motor name="force" joint="y"/></actuator>\n\n  <tendon>'
+        return super().text.replace("<tendon>", motor)
+
+    def simulate(self, case: Case, method: Method, step: float, times: Array) -> Trajectory:
+        """Integrate with the spring's foot at rest, and the control in its place."""
+        p, engine = case.parameters, self.engine
+        still = replace(case, parameters=p.replace(force_amplitude=0.0))
+        force, omega = engine.factor * p.force_amplitude, 2 * np.pi * p.force_frequency
+        numbers = grid_indices(times, case.start_time, step)
+        system, mujoco = engine.bind(still, self.name).system(still), engine.inner.mujoco
+        with quiet(mujoco):
+            compiled = engine.inner.compiled(Order(system, method.name, step))
+            data = engine.inner.data(compiled, case.start_time, system.positions, system.velocities)
+            before = inputs(mujoco, compiled, data)
+            states = []
+            for number in range(int(numbers[-1]) + 1):
+                if number in numbers:
+                    states.append(np.concatenate([[data.time], data.qpos, data.qvel]))
+                now = case.start_time + (number + engine.moment) * step
+                data.ctrl[0] = force * np.cos(omega * now)
+                if number < numbers[-1]:
+                    mujoco.mj_step(compiled, data)
+            data.ctrl[0] = 0.0  # it was changed on purpose
+            rows = np.array(states)
+            motion = recorded(mujoco, compiled, system.start_time, data, rows, before)
+        return self.trajectory(system, step, times, motion)
 
 
 class Controlled(MujocoAdapter):
@@ -118,40 +191,11 @@ class Controlled(MujocoAdapter):
         On the force; not a number, or huge, to see what MuJoCo does of it.
     """
 
+    bound = ControlledModel
+
     def __init__(self, moment: float, factor: float = 1.0) -> None:
         super().__init__()
         self.moment, self.factor = moment, factor
-
-    def text(self, case: Case, model: str) -> str:
-        """Return the MJCF with a motor on the slide."""
-        motor = '<actuator><motor name="force" joint="y"/></actuator>\n\n  <tendon>'
-        return super().text(case, model).replace("<tendon>", motor)
-
-    def simulate(
-        self, case: Case, model: str, method: Method, step: float, times: Array
-    ) -> Trajectory:
-        """Integrate with the spring's foot at rest, and the control in its place."""
-        p = case.parameters
-        still = replace(case, parameters=p.replace(force_amplitude=0.0))
-        force, omega = self.factor * p.force_amplitude, 2 * np.pi * p.force_frequency
-        numbers = grid_indices(times, case.start_time, step)
-        system, mujoco = self.joint_system(still, model), self.inner.mujoco
-        with quiet(mujoco):
-            compiled = self.inner.compiled(Order(system, method.name, step))
-            data = self.inner.data(compiled, case.start_time, system.positions, system.velocities)
-            before = inputs(mujoco, compiled, data)
-            states = []
-            for number in range(int(numbers[-1]) + 1):
-                if number in numbers:
-                    states.append(np.concatenate([[data.time], data.qpos, data.qvel]))
-                now = case.start_time + (number + self.moment) * step
-                data.ctrl[0] = force * np.cos(omega * now)
-                if number < numbers[-1]:
-                    mujoco.mj_step(compiled, data)
-            data.ctrl[0] = 0.0  # it was changed on purpose
-            rows = np.array(states)
-            motion = recorded(mujoco, compiled, system.start_time, data, rows, before)
-        return self.trajectory(system, step, times, motion)
 
 
 class PushedMujoco(MuJoCo):
@@ -196,29 +240,43 @@ class PushedMujoco(MuJoCo):
                 self.mujoco.set_mjcb_passive(None)
 
 
+class ReboundModel(BoundModel):
+    """A model with other values in its MJCF."""
+
+    engine: Rebound
+
+    def read_source(self) -> mjcf.Mjcf:
+        """Return the model with those values."""
+        source = super().read_source()
+        return replace(source, bindings={**source.bindings, **self.engine.bindings})
+
+
 class Rebound(MujocoAdapter):
     """MuJoCo with other values in the MJCF."""
+
+    bound = ReboundModel
 
     def __init__(self, bindings: Mapping[tuple[str, str], mjcf.Binding]) -> None:
         super().__init__()
         self.bindings = bindings
 
-    def source(self, case: Case, model: str) -> mjcf.Mjcf:
-        """Return the model with those values."""
-        source = super().source(case, model)
-        return replace(source, bindings={**source.bindings, **self.bindings})
 
+class FlippedModel(BoundModel):
+    """A slider-crank on its other assembly branch."""
 
-class FlippedMujoco(MujocoAdapter):
-    """MuJoCo with the slider-crank put together the other way round, the slider on top."""
-
-    def motion(self, case: Case, model: str, time: float, state: Array) -> mjcf.Motion:
+    def motion(self, time: float, state: Array) -> mjcf.Motion:
         """Return the motion of the joints with the rod mirrored at the height of the pin."""
-        motion = dict(super().motion(case, model, time, state))
-        if not case.name:  # as the file opens, which is right
+        motion = dict(super().motion(time, state))
+        if "origin" not in vars(self):  # as the file opens, which is right
             return motion
         (phi, speed), (pin, turn), (y, rate) = (motion[n] for n in ("phi", "pin_angle", "y"))
-        r = case.parameters.crank_radius
+        r = self.case.parameters.crank_radius
         motion["pin_angle"] = np.pi - pin - 2 * phi, -turn - 2 * speed
         motion["y"] = 2 * r * np.sin(phi) - y, 2 * r * np.cos(phi) * speed - rate
         return motion
+
+
+class FlippedMujoco(MujocoAdapter):
+    """MuJoCo with the slider-crank on its other assembly branch, the slider on top."""
+
+    bound = FlippedModel

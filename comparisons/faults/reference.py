@@ -8,16 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from ...reference import get_scene
+from ...reference.equations import ModelEquations
 from ...reference.scene import Array, Case, EquationsOfMotion
 from ...reference.solve import schemes
-from ..engines.adapter import Adapter
-from ..engines.equations import ModelEquations
-from ..engines.protocol import Method
-from ..engines.reference import ReferenceEngine
-from ..engines.registry import REFERENCE, get_engine
+from ..engines.adapter import Adapter, BoundModel
+from ..engines.protocol import Method, ModelDescription
+from ..engines.reference import ReferenceEngine, ReferenceModel
 from ..engines.run import VIOLATIONS, Trajectory, grid_indices
-from ..engines.setup import Setup
 from .variants import Wrapped
 
 
@@ -32,15 +29,47 @@ def integrated(
     return Trajectory(times, scene.observe(states, p), times, int(numbers[-1]))
 
 
-class Undeclared(Wrapped):
+class Undeclared(ReferenceEngine):
     """The reference, whose simplified theories pass for exact."""
 
-    def __init__(self) -> None:
-        super().__init__(get_engine(REFERENCE))
+    class Model(ReferenceModel):
+        """A theory that declares no equations."""
 
-    def model_equations(self, case: Case, model: str) -> ModelEquations | None:
-        """Declare none."""
-        return None
+        described = ModelDescription(), None
+
+    bound = Model
+
+
+class ImpostorModel(ReferenceModel):
+    """Equations of motion that pass for an engine's model.
+
+    It claims the scene's own equations.
+    """
+
+    engine: Impostor
+    described = ModelDescription(), None
+
+    @property
+    def solved(self) -> EquationsOfMotion:
+        """The equations that are solved."""
+        return self.engine.change(self.scene)
+
+    @property
+    def passed_for(self) -> BoundModel:
+        """The model of the engine that it passes for."""
+        return self.engine.engine.bind(self.case, self.name)
+
+    def simulate(self, case: Case, method: Method, step: float, times: Array) -> Trajectory:
+        """Integrate with the method's scheme, or without error where it has none."""
+        scheme = self.passed_for.scheme(method)
+        if scheme:
+            own = ModelEquations(self.solved, self.case.parameters)
+            start = self.solved.state(case.state)
+            trajectory = integrated(own, scheme, start, case, step, times)
+        else:
+            trajectory = super().simulate(case, method, step, times)
+        closed = dict.fromkeys(VIOLATIONS, np.zeros(len(times)))
+        return replace(trajectory, values={**trajectory.values, **closed})
 
 
 class Impostor(ReferenceEngine):
@@ -48,6 +77,8 @@ class Impostor(ReferenceEngine):
 
     With the scene's own equations it passes every check.
     """
+
+    bound = ImpostorModel
 
     def __init__(
         self, engine: Adapter, change: Callable[[EquationsOfMotion], EquationsOfMotion]
@@ -59,55 +90,31 @@ class Impostor(ReferenceEngine):
     def __getattr__(self, name: str) -> Any:
         return getattr(self.engine, name)
 
-    def equations(self, case: Case, model: str) -> EquationsOfMotion:
-        """Return the equations that are solved."""
-        return self.change(get_scene(case.scene))
-
-    def model_equations(self, case: Case, model: str) -> None:
-        """Return that it claims the scene's own equations."""
-
-    def simulate(
-        self, case: Case, model: str, method: Method, step: float, times: Array
-    ) -> Trajectory:
-        """Integrate with the method's scheme, or without error where it has none."""
-        scheme = Setup(self.engine, case, model, method).scheme
-        if scheme:
-            scene = self.equations(case, model)
-            own = ModelEquations(scene, case.parameters)
-            trajectory = integrated(own, scheme, scene.state(case.state), case, step, times)
-        else:
-            trajectory = super().simulate(case, model, method, step, times)
-        closed = dict.fromkeys(VIOLATIONS, np.zeros(len(times)))
-        return replace(trajectory, values={**trajectory.values, **closed})
-
 
 class Mistaken(Wrapped):
     """An engine that solves its model's equations with the mistake that these know of."""
 
-    def mistaken(self, case: Case, model: str) -> tuple[ModelEquations, EquationsOfMotion]:
+    def mistaken(self, model: BoundModel) -> tuple[ModelEquations, EquationsOfMotion]:
         """Return the right equations, and those that are solved."""
-        right = self.engine.model_equations(case, model)
-        assert right is not None
-        (scene,) = right.scene.mistakes.values()
-        return right, scene
+        (scene,) = model.equations.scene.mistakes.values()
+        return model.equations, scene
 
     def simulate(
-        self, case: Case, model: str, method: Method, step: float, times: Array
+        self, model: BoundModel, case: Case, method: Method, step: float, times: Array
     ) -> Trajectory:
         """Integrate the mistaken equations by the method's scheme."""
-        right, scene = self.mistaken(case, model)
-        scheme = str(Setup(self.engine, case, model, method).scheme)
+        right, scene = self.mistaken(model)
         own = ModelEquations(scene, right.parameters)
-        return integrated(own, scheme, right.start(case), case, step, times)
+        return integrated(own, str(model.scheme(method)), right.start(case), case, step, times)
 
-    def compute(self, method: Callable[..., Any], case: Case, model: str, *rest: Any) -> Any:
+    def compute(self, model: BoundModel, name: str, *arguments: Any) -> Any:
         """Return accelerations of the mistaken equations."""
-        if method.__name__ != "accelerations":
-            return method(case, model, *rest)
-        right, scene = self.mistaken(case, model)
+        if name != "accelerations":
+            return super().compute(model, name, *arguments)
+        right, scene = self.mistaken(model)
         slopes, n = scene.right_hand_side(right.parameters), len(scene.coordinates)
-        names = get_scene(case.scene).state_names
-        states = [dict(zip(names, map(float, state), strict=True)) for state in rest[1]]
-        starts = [right.start(replace(case, state=state)) for state in states]
-        places = [scene.coordinates.index(name) for name in get_scene(case.scene).coordinates]
+        names = model.scene.state_names
+        states = [dict(zip(names, map(float, state), strict=True)) for state in arguments[1]]
+        starts = [right.start(replace(model.case, state=state)) for state in states]
+        places = [scene.coordinates.index(name) for name in model.scene.coordinates]
         return np.array([slopes(0.0, x)[n:][places] for x in starts])

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...reference import get_scene
 from ...reference.scene import Array, Case
-from ..engines.adapter import Adapter
+from ..engines.adapter import Adapter, BoundModel
 from ..engines.protocol import Method
 from ..engines.run import Trajectory
 from .variants import Wrapped
@@ -19,11 +19,11 @@ class LateForce(Wrapped):
     """An engine that evaluates the force one step late."""
 
     def simulate(
-        self, case: Case, model: str, method: Method, step: float, times: Array
+        self, model: BoundModel, case: Case, method: Method, step: float, times: Array
     ) -> Trajectory:
         """Integrate with the force of a step before."""
         earlier = replace(case, start_time=case.start_time - step)
-        trajectory = self.engine.simulate(earlier, model, method, step, times - step)
+        trajectory = model.simulate(earlier, method, step, times - step)
         return replace(trajectory, times=times, clock=times)
 
 
@@ -31,14 +31,12 @@ class LateSamples(Wrapped):
     """An engine that returns each sample as it was one step before."""
 
     def simulate(
-        self, case: Case, model: str, method: Method, step: float, times: Array
+        self, model: BoundModel, case: Case, method: Method, step: float, times: Array
     ) -> Trajectory:
         """Integrate, and look one step too early."""
         numbers = np.rint((times - case.start_time) / step).astype(int)
         needed = np.union1d(numbers - 1, numbers)[int(numbers[0] == 1) :]
-        trajectory = self.engine.simulate(
-            case, model, method, step, case.start_time + needed * step
-        )
+        trajectory = model.simulate(case, method, step, case.start_time + needed * step)
         scene = get_scene(case.scene)
         first = scene.observe(scene.state(case.state), case.parameters)
         values = {
@@ -54,11 +52,11 @@ class Resetting(Wrapped):
     """An engine that sets itself to zero half-way without a word, and stays there."""
 
     def simulate(
-        self, case: Case, model: str, method: Method, step: float, times: Array
+        self, model: BoundModel, case: Case, method: Method, step: float, times: Array
     ) -> Trajectory:
         """Integrate the first half."""
         before = max(1, len(times) // 2)
-        trajectory = self.engine.simulate(case, model, method, step, times[:before])
+        trajectory = model.simulate(case, method, step, times[:before])
         scene = get_scene(case.scene)
         zero = scene.observe(np.zeros(len(scene.state_names)), case.parameters)
         values = {
@@ -73,15 +71,15 @@ class Restarting(Wrapped):
     """An engine that goes back to its start half-way without a word, and goes on from there."""
 
     def simulate(
-        self, case: Case, model: str, method: Method, step: float, times: Array
+        self, model: BoundModel, case: Case, method: Method, step: float, times: Array
     ) -> Trajectory:
         """Integrate to half of the samples, and again from the start."""
         half = len(times) // 2
-        trajectory = self.engine.simulate(case, model, method, step, times[: max(1, half)])
+        trajectory = model.simulate(case, method, step, times[: max(1, half)])
         if not half:
             return trajectory
         again = replace(case, start_time=float(times[half - 1]))
-        rest = self.engine.simulate(again, model, method, step, times[half:])
+        rest = model.simulate(again, method, step, times[half:])
         values = {
             name: np.append(rows, rest.values[name]) for name, rows in trajectory.values.items()
         }
@@ -89,22 +87,29 @@ class Restarting(Wrapped):
         return replace(trajectory, times=times, values=values, clock=times, steps=steps)
 
 
-class Exchanged(Wrapped):
+class Altered(Wrapped):
+    """An engine whose runs are altered when they are over."""
+
+    def __init__(self, engine: Adapter, alter: Callable[[Trajectory, Case], Trajectory]) -> None:
+        super().__init__(engine)
+        self.alter = alter
+
+    def simulate(
+        self, model: BoundModel, case: Case, method: Method, step: float, times: Array
+    ) -> Trajectory:
+        """Integrate, and alter what is returned."""
+        return self.alter(model.simulate(case, method, step, times), case)
+
+
+class Exchanged(Altered):
     """An engine that puts observables in each other's place."""
 
     def __init__(self, engine: Adapter, first: str, second: str) -> None:
-        super().__init__(engine)
-        self.pair = first, second
+        def exchange(run: Trajectory, case: Case) -> Trajectory:
+            values = {first: run.values[second], second: run.values[first]}
+            return replace(run, values={**run.values, **values})
 
-    def simulate(
-        self, case: Case, model: str, method: Method, step: float, times: Array
-    ) -> Trajectory:
-        """Integrate, and exchange two observables."""
-        trajectory = self.engine.simulate(case, model, method, step, times)
-        first, second = (trajectory.values[name] for name in self.pair)
-        return replace(
-            trajectory, values={**trajectory.values, self.pair[0]: second, self.pair[1]: first}
-        )
+        super().__init__(engine, exchange)
 
 
 class Starting(Wrapped):
@@ -115,11 +120,11 @@ class Starting(Wrapped):
         self.keeps = keeps
 
     def simulate(
-        self, case: Case, model: str, method: Method, step: float, times: Array
+        self, model: BoundModel, case: Case, method: Method, step: float, times: Array
     ) -> Trajectory:
         """Integrate from what is left."""
         state = {name: value for name, value in case.state.items() if self.keeps(name)}
-        return self.engine.simulate(replace(case, state=state), model, method, step, times)
+        return model.simulate(replace(case, state=state), method, step, times)
 
 
 class OtherMethod(Wrapped):
@@ -130,8 +135,8 @@ class OtherMethod(Wrapped):
         self.other = other
 
     def simulate(
-        self, case: Case, model: str, method: Method, step: float, times: Array
+        self, model: BoundModel, case: Case, method: Method, step: float, times: Array
     ) -> Trajectory:
         """Integrate by the other method."""
         (other,) = (one for one in self.engine.methods if one.name == self.other)
-        return self.engine.simulate(case, model, other, step, times)
+        return model.simulate(case, other, step, times)

@@ -8,9 +8,11 @@ from functools import partial
 from importlib import import_module
 from typing import Any
 
-from ...reference.scene import Case
-from ..engines.adapter import Adapter
+from ...reference.scene import Array, Case
+from ..engines.adapter import Adapter, BoundModel
+from ..engines.protocol import Method
 from ..engines.registry import get_engine
+from ..engines.run import Trajectory
 
 MUJOCO, EXUDYN = "mujoco", "exudyn"
 
@@ -107,8 +109,8 @@ NOT_PROVOKED: tuple[tuple[str, str], ...] = (
 Law = Callable[[Any, Any, Any], float]
 """(q, v, parameters) -> generalised force on the scene's first coordinate."""
 
-COMPUTED = ("simulate", "accelerations", "reactions", "mass_matrices", "linearise")
-"""What an engine computes of a case, which is its first argument."""
+COMPUTED = ("accelerations", "reactions", "mass_matrices", "linearise")
+"""What a model computes of states, its runs apart."""
 
 
 @dataclass(frozen=True)
@@ -148,7 +150,7 @@ def exudyn(name: str = "", *arguments: Any) -> Variant:
 
 
 Delegating: Any = object
-"""Base of classes that pass for an adapter by delegation, which type checkers cannot follow."""
+"""Base of classes that pass for others by delegation, which type checkers cannot follow."""
 
 
 class Wrapped(Delegating):
@@ -158,12 +160,41 @@ class Wrapped(Delegating):
         self.engine = engine
 
     def __getattr__(self, name: str) -> Any:
-        value = getattr(self.engine, name)
-        return partial(self.compute, value) if name in COMPUTED else value
+        return getattr(self.engine, name)
 
-    def compute(self, method: Callable[..., Any], case: Case, model: str, *rest: Any) -> Any:
-        """Call a method of the engine."""
-        return method(case, model, *rest)
+    def bind(self, case: Case, model: str) -> Any:
+        """Return a model of the engine, with something around what it computes."""
+        return WrappedModel(self, self.engine.bind(case, model))
+
+    def computing(self, model: BoundModel) -> BoundModel:
+        """Return the model that computes in place of one."""
+        return model
+
+    def simulate(
+        self, model: BoundModel, case: Case, method: Method, step: float, times: Array
+    ) -> Trajectory:
+        """Integrate, see `BoundModel.simulate`."""
+        return model.simulate(case, method, step, times)
+
+    def compute(self, model: BoundModel, name: str, *arguments: Any) -> Any:
+        """Return what another function of a model returns: one of `COMPUTED`."""
+        return getattr(model, name)(*arguments)
+
+
+class WrappedModel(Delegating):
+    """A model of a wrapped engine."""
+
+    def __init__(self, owner: Wrapped, model: BoundModel) -> None:
+        self.owner, self.model = owner, model
+
+    def __getattr__(self, name: str) -> Any:
+        if name in COMPUTED:
+            return partial(self.owner.compute, self.owner.computing(self.model), name)
+        return getattr(self.model, name)
+
+    def simulate(self, case: Case, method: Method, step: float, times: Array) -> Trajectory:
+        """Integrate as the engine around it does."""
+        return self.owner.simulate(self.owner.computing(self.model), case, method, step, times)
 
 
 class Misread(Wrapped):
@@ -179,6 +210,7 @@ class Misread(Wrapped):
         super().__init__(engine)
         self.change = change if callable(change) else lambda p: p.replace(**change)
 
-    def compute(self, method: Callable[..., Any], case: Case, model: str, *rest: Any) -> Any:
-        """Call a method of the engine with the wrong parameters."""
-        return method(replace(case, parameters=self.change(case.parameters)), model, *rest)
+    def computing(self, model: BoundModel) -> BoundModel:
+        """Return the model with the wrong parameters."""
+        wrong = replace(model.case, parameters=self.change(model.case.parameters))
+        return model.engine.bind(wrong, model.name)

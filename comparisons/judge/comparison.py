@@ -11,6 +11,7 @@ import numpy as np
 
 from ...reference import get_scene
 from ...reference.cost import expected_end
+from ...reference.equations import ModelEquations, scene_equations
 from ...reference.errors import UsageError
 from ...reference.scene import Array, Case
 from ...reference.solve.solution import floor_relative_to_largest
@@ -24,7 +25,6 @@ from ..checks.mistakes.observables import (
 )
 from ..checks.tolerances import CAP, rounding, sample_numbers
 from ..checks.truth import MOST_STEPS, Truth, moves, permitted_horizon, truth_to_the_end
-from ..engines.equations import ModelEquations, scene_equations
 from ..engines.setup import shortest_period
 from .recording import Recording
 

@@ -89,9 +89,7 @@ def frequencies(asked: FrequenciesRequest) -> Frequencies:
     elif still.engine.name == REFERENCE:
         lowest = reference_modes(still, state, steady, asked.undamped)
     else:
-        mass, damping, stiffness = call_engine(
-            lambda: still.engine.linearise(still.case, still.model, state)
-        )
+        mass, damping, stiffness = call_engine(lambda: still.bound.linearise(state))
         lowest = modes(mass, 0 * damping if asked.undamped else damping, stiffness, steady)
     values = by_state(setup.scene, state)
     return Frequencies(
@@ -108,7 +106,7 @@ def reference_modes(
     setup: Setup, state: Array, steady: Sequence[int], undamped: bool
 ) -> list[Mode]:
     """Return the modes of a scene's equations of motion, with bounds on their errors."""
-    equations = setup.equations.scene, setup.case.parameters, state
+    equations = setup.bound.equations.scene, setup.case.parameters, state
     matrices, errors = Entries(*linearise(*equations)), linearisation_error(*equations)
     if undamped:
         none = np.zeros_like(matrices.damping)
@@ -134,9 +132,11 @@ def continuum_modes(setup: Setup, plane: str, count: int) -> Sequence[Mode]:
     """
     if plane not in PLANES:
         raise UnknownNameError("plane", plane, PLANES)
-    spectrum = setup.equations.scene.continuum.spectrum if setup.engine.name == REFERENCE else None
+    spectrum = (
+        setup.bound.equations.scene.continuum.spectrum if setup.engine.name == REFERENCE else None
+    )
     if spectrum:
-        lowest = zip(*spectrum(setup.equations.parameters, plane, count), strict=True)
+        lowest = zip(*spectrum(setup.bound.equations.parameters, plane, count), strict=True)
         return [
             Mode(0.0, float(w), float(w), float(w) / (2 * np.pi), 0.0, float(bound), 0.0)
             for w, bound in lowest

@@ -192,8 +192,8 @@ def find(query: MethodQuery, bounded: bool = True) -> OrbitReport:
                 f"the fastest motion here has {periods:.2g} periods in one of {period:.2g} s, and "
                 f"the reference follows {MOST_PERIODS}: choose other parameters"
             )
-        exact = find_orbit(*setup.equations)
-        return orbit_report(setup, exact, orbit_samples(*setup.equations, exact), bounded)
+        exact = find_orbit(*setup.bound.equations)
+        return orbit_report(setup, exact, orbit_samples(*setup.bound.equations, exact), bounded)
     if setup.step is not None:
         steps = RUNS * float(setup.scene.period(setup.case.parameters)) / setup.step
         keep_steps(steps, lambda: seconds_of_a_step(setup))
@@ -208,7 +208,7 @@ def orbit_report(setup: Setup, orbit: Orbit, samples: Array, bounded: bool) -> O
     scene, parameters = setup.scene, setup.case.parameters
     c = scene.coefficients(parameters)
     quantities = scene.orbit.quantities(samples, c)
-    error = orbit_bounds(*setup.equations, orbit) if bounded else None
+    error = orbit_bounds(*setup.bound.equations, orbit) if bounded else None
     bounds = {} if error is None else by_state(scene, error.harmonics)
     return OrbitReport(
         **described(setup),

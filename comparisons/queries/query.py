@@ -178,12 +178,12 @@ def choose_method(engine: Adapter, case: Case, model: str, name: str | None) -> 
     if name is not None:
         if name not in by_name:
             raise UnknownNameError(f"method of {engine.name}", name, by_name)
-        reason = engine.why_not(case, model, by_name[name])
+        reason = engine.bind(case, model).unsupported_reason(case, by_name[name])
         if reason is not None:
             raise UsageError(f"{engine.name} {name} cannot run this: {reason}")
         return by_name[name]
     for method in sorted(engine.methods, key=lambda item: -item.order):
-        if engine.why_not(case, model, method) is None:
+        if engine.bind(case, model).unsupported_reason(case, method) is None:
             return method
     raise UsageError(f"no method of {engine.name} can run {model} of {case.scene}")
 

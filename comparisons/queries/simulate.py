@@ -14,6 +14,7 @@ import numpy as np
 
 from ...reference import get_scene
 from ...reference.cost import expected_end, keep_steps
+from ...reference.equations import ModelEquations
 from ...reference.errors import EngineError, UnknownNameError, UsageError
 from ...reference.scene import Array, Case
 from ...reference.solve.single import solve
@@ -22,7 +23,6 @@ from ..checks.rules.cautions import Caution, cautions, explained
 from ..checks.truth import truncated, truth_of
 from ..documents import document
 from ..documents.fields import takes_fields_of
-from ..engines.equations import ModelEquations
 from ..engines.registry import REFERENCE
 from ..engines.run import VIOLATIONS, grid_indices
 from ..engines.setup import Setup, run
@@ -138,7 +138,7 @@ def wanted_observables(case: Case, observe: Sequence[str]) -> tuple[str, ...]:
 
 def reference_simulation(setup: Setup, times: Array, names: tuple[str, ...]) -> Simulation:
     """Return the reference's solution of a case with its error bound."""
-    case, equations = setup.case, setup.equations
+    case, equations = setup.case, setup.bound.equations
     state = tuple(equations.scene.state(case.state))
 
     def solved(one: ModelEquations, at: tuple[float, ...], times: Array) -> Solution:

@@ -211,7 +211,7 @@ def check_of(
         quantities=EXTREMES[kind].quantities(setup),
         default_model=setup.model == setup.engine.models(setup.case.scene)[0],
         full_only=setup.case.full_only,
-        why_not=setup.why_not,
+        why_not=setup.unsupported_reason,
         step=setup.step,
         variant=variant,
         provoked_by=", ".join(words),
@@ -241,7 +241,7 @@ def parameter_runs(best: Setup, extreme: Extreme) -> Iterator[Setup]:
     extra = () if best.scene.discretisation_coordinates else EXTRA_METHODS.get(best.engine.name, ())
     others = [one for one in best.engine.methods if one.name in extra and one != best.method]
     for setup in (best, *(replace(best, method=method) for method in others)):
-        if setup.why_not is not None:
+        if setup.unsupported_reason is not None:
             continue
         horizon = extreme.horizon or PERIODS * shortest_period(case)
         steps = {"": setup.default_step, "_kept_step": setup.with_case(usual).default_step}
@@ -289,7 +289,7 @@ def limits(kind: str, scene: str, engine: str) -> Iterator[Check]:
     for model in adapter.distinct_models(scene) if engine != REFERENCE else ():
         case = Case(scene, "free_vibration", p.replace(**table.get(model, {})))
         setup = Setup(adapter, case, model)
-        if not setup.approximates_continuum:
+        if not setup.bound.approximates_continuum:
             for method in adapter.methods:
                 yield check_of(kind, replace(setup, method=method))
 
@@ -305,12 +305,12 @@ def long_runs(kind: str, scene: str, engine: str) -> Iterator[Check]:
         for motion in table:
             for full, periods in enumerate(motion.periods):
                 setup = Setup(adapter, motion.of(scene, periods), model)
-                if setup.why_not:
+                if setup.unsupported_reason:
                     continue
                 every = [replace(setup, method=method) for method in adapter.methods]
                 usable = {one.integrator.name: one for one in every if is_followed(one)}
                 names = [name for name in LONG_METHODS.get(engine, usable) if name in usable]
-                if model != adapter.models(scene)[0] and not setup.has_constraints:
+                if model != adapter.models(scene)[0] and not setup.bound.has_constraints:
                     names = names[:1]
                 for name in names:
                     one = prepared(usable[name], motion, periods, bool(full))
@@ -323,10 +323,10 @@ def is_followed(setup: Setup) -> bool:
     Without constraints the method of index 2 is the trapezoidal rule. What an implicit Euler makes
     of soft closures is not known: it takes only springs at the end of a step.
     """
-    linear = setup.integrator.linear
-    if setup.why_not or (linear == "trapezoidal" and not setup.has_constraints):
+    linear = setup.integrator.linear_scheme
+    if setup.unsupported_reason or (linear == "trapezoidal" and not setup.bound.has_constraints):
         return False
-    late = linear == "implicit_euler" and setup.has_soft_closure
+    late = linear == "implicit_euler" and setup.bound.has_soft_closure
     return setup.case.watch != FREE or (setup.linear_scheme is not None and not late)
 
 
@@ -341,9 +341,9 @@ def prepared(setup: Setup, motion: LongMotion, periods: int, full: bool) -> Setu
         step = min(coarse_step(setup), power_of_two(period / WINDOW))
     if motion.kind == LOCKED:
         period = float(setup.scene.period(case.parameters))
-        if not setup.has_soft_closure:  # its vibrations are faster than its turns
+        if not setup.bound.has_soft_closure:  # its vibrations are faster than its turns
             step = max(step, min(4 * step, period / FINEST_TURN))
-    most = LONG_STEPS_CONSTRAINED if setup.has_constraints else LONG_STEPS
+    most = LONG_STEPS_CONSTRAINED if setup.bound.has_constraints else LONG_STEPS
     most = motion.most_steps.get(setup.engine.name, most) * (10 if full else 1)
     horizon = min(periods, int(most * step / period)) * period
     case = replace(case, horizon=horizon, full_only=full)

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...reference import get_scene
+from ...reference.equations import scene_equations
 from ..checks.kinds.order import relative_error
 from ..checks.truth import roundoff_reference
-from ..engines.equations import scene_equations
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup, power_of_two, run
 from ..queries.query import choose_method
@@ -99,7 +99,7 @@ def compare(pair: Pair) -> LeftOut:
     setups = [setup_of(pair, one) for one in (pair.whole, pair.without)]
     engine = setups[0].engine.name
     is_theory = engine == REFERENCE
-    equations = setups[0].equations if is_theory else scene_equations(case)
+    equations = setups[0].bound.equations if is_theory else scene_equations(case)
     right = roundoff_reference(equations, case, times, names)
     repeats = 1 if is_theory else REPEATS
     runs = [[run(setup, times) for setup in setups] for _ in range(repeats)]

@@ -86,7 +86,7 @@ def boundaries_of(scenes: Sequence[str], engines: Sequence[str]) -> Iterator[tup
         engine = get_engine(name)
         for model, method in product(engine.models(case.scene)[:1], engine.methods):
             setup = Setup(engine, case, model, method)
-            if not setup.why_not and boundary.quantities(setup) and setup.epsilon <= EPS:
+            if not setup.unsupported_reason and boundary.quantities(setup) and setup.epsilon <= EPS:
                 yield f"{case.scene} {name} {method.name}, {case.name}", setup
 
 

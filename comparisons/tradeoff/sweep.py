@@ -15,6 +15,7 @@ from itertools import pairwise, takewhile
 import numpy as np
 
 from ...reference import SCENES, get_scene
+from ...reference.equations import ModelEquations, scene_equations
 from ...reference.errors import EngineError
 from ...reference.scene import Array, Case
 from ..checks.free_vibrations import stable_step
@@ -22,7 +23,6 @@ from ..checks.kinds.order import relative_error
 from ..checks.suite import best_method
 from ..checks.tolerances import rounding
 from ..checks.truth import Truth, permitted_horizon, roundoff_reference
-from ..engines.equations import ModelEquations, scene_equations
 from ..engines.protocol import Option
 from ..engines.registry import get_engine
 from ..engines.run import Trajectory
@@ -81,7 +81,7 @@ def of_scene(scene: str, name: str) -> Iterator[StepSeries]:
     for model in engine.distinct_models(scene):
         series = partial(StepSeries, scene, case.name, name, model)
         for method in engine.methods:
-            if engine.why_not(case, model, method) is None:
+            if engine.bind(case, model).unsupported_reason(case, method) is None:
                 yield series(method.name, method.order, {})
         setup = Setup(engine, case, model)
         top = best_method(setup)
@@ -95,8 +95,8 @@ def of_scene(scene: str, name: str) -> Iterator[StepSeries]:
 
 def second_axes(setup: Setup) -> tuple[Option, ...]:
     """Return the options that limit the accuracy of a method, the parts of a continuum too."""
-    options = setup.engine.options(setup.case, setup.model, setup.integrator)
-    if not setup.element_order:
+    options = setup.bound.options(setup.integrator)
+    if not setup.bound.description.element_order:
         return options
     own = float(setup.case.parameters.segments)
     counts = tuple(sorted({*SEGMENTS, own}))
@@ -249,13 +249,13 @@ def changes(runs: Sequence[Array | None], size: Array, order: int) -> list[float
 
 def floor_name(setup: Setup) -> str:
     """Return the name of the error that the model's equations leave."""
-    if setup.approximates_continuum:
+    if setup.bound.approximates_continuum:
         return "continuum"
-    if setup.element_order:
+    if setup.bound.description.element_order:
         return "spatial discretisation"
-    if setup.has_constraints:
+    if setup.bound.has_constraints:
         return "closure softness"
-    return "" if setup.is_exact else "inertia floor"
+    return "" if setup.bound.is_exact else "inertia floor"
 
 
 def label(
@@ -272,12 +272,12 @@ def label(
     other segments than the case, solving a long chain takes longer than all that it tells: halved
     steps tell it too.
     """
-    span, model, continuum = horizon_of(setup.case), exact, setup.approximates_continuum
-    if not (setup.is_exact or (resized and not continuum)):
-        model = reference_of(setup, span, setup.equations)
+    span, model, continuum = horizon_of(setup.case), exact, setup.bound.approximates_continuum
+    if not (setup.bound.is_exact or (resized and not continuum)):
+        model = reference_of(setup, span, setup.bound.equations)
     model_error, elements = relative_error(model.values, exact), resized or continuum
     trust = float(np.max(exact.bound / exact.size))
-    solves = setup.integrator.scheme is None or setup.has_constraints
+    solves = setup.integrator.scheme is None or setup.bound.has_constraints
     labelled: list[Point] = []
     least = np.inf
     for point, part in zip(points, parts, strict=True):
@@ -329,8 +329,8 @@ def beside(series: StepSeries, others: Sequence[StepSeries]) -> StepSeries:
     if not (default and series.settings) or series.plateau is None:
         return series
     setup = setup_of(series)
-    options = setup.engine.options(setup.case, series.model, setup.integrator)
-    limits = [option.limits for option in options if option.name in series.settings]
+    options = setup.engine.bind(setup.case, series.model).options(setup.integrator)
+    limits = [option.error_source for option in options if option.name in series.settings]
     if not limits or series.plateau < 2 * min(trial.error for trial in trials_of(default)):
         return series
     points = [

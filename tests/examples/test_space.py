@@ -44,7 +44,7 @@ def engine() -> Adapter:
 def test_quaternions_are_handed_on_in_the_order_of_the_library(scene: str) -> None:
     """By which the last body stands in space as MuJoCo has it."""
     model, case, _ = PLACES[scene]
-    system = engine().joint_system(get_scene(scene).case(case), model)
+    system = engine().bind(of := get_scene(scene).case(case), model).system(of)
     (place,) = system.layout.quaternions
     q = np.array(system.positions)
     q[place] = np.array([0.5, -0.1, 0.7, 0.5])

@@ -28,7 +28,7 @@ def engine(kind: type = DrakeEngine) -> Adapter:
 
 def text_of(scene: str) -> str:
     model, case, _ = PLACES[scene]
-    return engine().joint_system(get_scene(scene).case(case), model).mjcf
+    return engine().bind(get_scene(scene).case(case), model).text
 
 
 def plant_of(text: str) -> Any:
@@ -93,12 +93,14 @@ def test_armatures_that_its_reader_drops_are_named() -> None:
 @pytest.mark.parametrize("step", [2**-10, 1e-3, 1 / 384])
 def test_it_counts_as_many_steps_as_were_asked_for(step: float) -> None:
     one = engine()
-    system = one.joint_system(get_scene("hula_hoop").cases[0], "tree")
+    system = one.bind(get_scene("hula_hoop").cases[0], "tree").system(
+        get_scene("hula_hoop").cases[0]
+    )
     times = system.start_time + step * np.linspace(0, 192, 25)
     for method in one.methods:
         motion = one.inner.simulate(system, method, step, times)
         assert motion.steps == 192
-        assert motion.rhs_evaluations == 192 * (method.evaluations or 0)
+        assert motion.rhs_evaluations == 192 * (method.evaluations_per_step or 0)
         assert motion.clock == pytest.approx(times, abs=0, rel=1e-15)
 
 
@@ -110,7 +112,9 @@ class Exact(DrakeEngine):
 
 def test_without_a_longer_step_it_takes_slivers() -> None:
     one = engine(Exact)
-    system = one.joint_system(get_scene("hula_hoop").cases[0], "tree")
+    system = one.bind(get_scene("hula_hoop").cases[0], "tree").system(
+        get_scene("hula_hoop").cases[0]
+    )
     motion = one.inner.simulate(system, one.methods[0], 1 / 384, np.array([0.0, 0.5]))
     assert motion.steps is not None
     assert motion.steps > 192

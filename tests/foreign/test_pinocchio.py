@@ -73,7 +73,11 @@ def test_the_reader_still_drops_what_the_page_says(tmp_path: Path) -> None:
 
     file = tmp_path / "model.xml"
     file.write_text(
-        engine().joint_system(get_scene("hula_hoop").cases[0], "tree").mjcf, encoding="utf-8"
+        engine()
+        .bind(get_scene("hula_hoop").cases[0], "tree")
+        .system(get_scene("hula_hoop").cases[0])
+        .mjcf,
+        encoding="utf-8",
     )
     model = pinocchio.buildModelFromMJCF(str(file))
     assert list(model.names) == ["universe", "foot"]

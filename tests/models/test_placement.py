@@ -13,7 +13,7 @@ from mbcheck.models.placement import (
     make_inertias_unequal,
     placed,
     placed_motion,
-    why_not_placed,
+    unplaceable_reason,
     world_axes,
 )
 from mbcheck.reference import SCENES, get_scene
@@ -31,7 +31,7 @@ def test_it_is_the_same_mechanism(scene: str, model: str, placement: str) -> Non
     source, axes = mjcf.models(scene)[model], world_axes(placement)
     p = next(c.parameters for c in get_scene(scene).cases if source.why_not(c.parameters) is None)
     text = mjcf.export(source, p).replace('gravity="0 0 0"', f'gravity="{GRAVITY[0]} -4 8"')
-    if reason := why_not_placed(text, placement):
+    if reason := unplaceable_reason(text, placement):
         pytest.skip(reason)
     stands, turned = mechanism(text), mechanism(placed(text, placement))
     np.testing.assert_allclose(turned.gravity, axes @ stands.gravity, rtol=1e-14)

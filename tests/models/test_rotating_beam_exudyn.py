@@ -59,7 +59,9 @@ def at_speed(p: RotatingBeam, gamma: float) -> RotatingBeam:
 
 def natural(p: RotatingBeam, count: int = 2) -> Array:
     """Return the lowest frequencies [rad/s] from the engine's M, C, K."""
-    mass, spin, stiffness = ENGINE.linearise(case(p), "elements", np.array([0.0, p.angular_speed]))
+    mass, spin, stiffness = ENGINE.bind(case(p), "elements").linearise(
+        np.array([0.0, p.angular_speed])
+    )
     size = len(mass)
     of_rates = -np.linalg.solve(mass, np.hstack([stiffness, spin]))
     matrix = np.vstack([np.eye(size, 2 * size, size), of_rates])
@@ -80,7 +82,7 @@ def simulated(
     times: Array,
     state: Mapping[str, float] | None = None,
 ) -> Trajectory:
-    return ENGINE.simulate(case(p, state), "elements", method, step, times)
+    return ENGINE.bind(case(p, state), "elements").simulate(case(p, state), method, step, times)
 
 
 # --- The model
@@ -91,7 +93,7 @@ def simulated(
 def test_moment_of_inertia_is_that_of_hub_beam_and_mass(kind: str, how: str) -> None:
     p = INNER.replace(element=kind, drive=how)
     states = np.array([[0.0, 0.0], [2.3, -1.7]])
-    found = ENGINE.mass_matrices(case(p), "elements", states)
+    found = ENGINE.bind(case(p), "elements").mass_matrices(states)
     a, end, line = p.hub_radius, p.hub_radius + p.length, p.density * p.area
     wanted = p.hub_inertia + line * (end**3 - a**3) / 3 + p.mass * (a + 0.6 * p.length) ** 2
     if kind == "geometrically_exact":
@@ -128,7 +130,7 @@ def test_the_prescribed_hub_accelerates_as_it_should_whatever_the_beam_does() ->
     draw = np.random.default_rng(5)
     times = np.append(draw.uniform(0, 4, 20), [0.0, 3.0, 4.0])
     states = draw.normal(size=(len(times), 2)) * [10.0, 5.0]
-    found = ENGINE.accelerations(case(p), "elements", times, states)
+    found = ENGINE.bind(case(p), "elements").accelerations(times, states)
     wanted = drive(times, coefficients(p))
     assert found[:, 0] == pytest.approx(wanted, rel=1e-12, abs=1e-12)
     assert np.max(np.abs(found[times >= 3.0])) < 1e-25
@@ -137,7 +139,7 @@ def test_the_prescribed_hub_accelerates_as_it_should_whatever_the_beam_does() ->
 def test_the_torque_ends_with_its_period() -> None:
     p = PULSE.replace(hub_inertia=3.0)
     times = np.array([0.1, 0.3, 0.75, 0.9])
-    found = ENGINE.accelerations(case(p), "elements", times, np.zeros((4, 2)))[:, 0]
+    found = ENGINE.bind(case(p), "elements").accelerations(times, np.zeros((4, 2)))[:, 0]
     shape = np.sin(2 * np.pi * times / p.torque_period)
     assert found[:2] / found[0] == pytest.approx(shape[:2] / shape[0], rel=1e-10)
     assert np.max(np.abs(found[2:])) < 1e-12 * abs(found[0])
@@ -159,7 +161,7 @@ def test_states_that_stand_for_what_is_continuous_are_not_exchanged() -> None:
 
 def test_the_elements_claim_the_beam_that_stretches() -> None:
     assert MODELS["elements"].equations is not None
-    assert ENGINE.model_equations(case(TIP), "elements") == (EXTENSIBLE, TIP)
+    assert ENGINE.bind(case(TIP), "elements").own_equations == (EXTENSIBLE, TIP)
 
 
 # --- Frequencies
@@ -357,7 +359,7 @@ def test_energy_is_that_of_exudyns_own_forces() -> None:
 
 
 def test_explicit_solvers_are_refused_and_would_refuse() -> None:
-    reason = ENGINE.why_not(case(SOFT), "elements", EXPLICIT[3])
+    reason = ENGINE.bind(case(SOFT), "elements").unsupported_reason(case(SOFT), EXPLICIT[3])
     assert reason is not None
     assert "algebraic constraints" in reason
     with pytest.raises(Exception, match="constraints"):
@@ -377,7 +379,7 @@ def test_a_step_too_large_may_also_pass_for_a_solution() -> None:
     times = np.array([4.0, 8.0])
     fine = simulated(p, GENERALIZED_ALPHA, 2.0**-6, times).values
     run = simulated(p, GENERALIZED_ALPHA, 1.0, times)
-    assert (run.steps, run.changed, run.warnings) == (8, (), {"rejected_steps": 0})
+    assert (run.steps, run.changed_inputs, run.warnings) == (8, (), {"rejected_steps": 0})
     assert all(np.all(np.isfinite(value)) for value in run.values.values())
     assert abs(run.values["theta"][-1] / fine["theta"][-1] - 1) > 0.2
     # a step as long as the ramp sees the hub's acceleration at its zeros alone

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from mbcheck.comparisons.engines.adapter import BoundModel
 from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.setup import Setup, run
 from mbcheck.comparisons.faults.mujoco import Edited, MujocoAdapter
@@ -62,7 +63,7 @@ def acceleration_error(engine: MujocoAdapter, p: RotatingBeam, truth: RotatingBe
     right = scene_of(truth).right_hand_side(truth)
     n = int(p.segments) + 1
     wanted = np.array([right(t, x)[n:] for t, x in zip(times, states, strict=True)])
-    found = engine.accelerations(case_of(p), "chain", times, states)
+    found = engine.bind(case_of(p), "chain").accelerations(times, states)
     return float(np.max(np.abs(found - wanted) / np.max(np.abs(wanted), axis=0)))
 
 
@@ -135,7 +136,7 @@ def test_masses_stand_where_the_beam_has_them(scheme: str, place: float) -> None
     line = p.density * p.area
     whole = p.hub_inertia + line * (8.5**3 - 0.5**3) / 3 + 3.0 * (0.5 + 8 * place) ** 2
     free = case_of(p.replace(drive="torque"))
-    mass = ENGINE.mass_matrices(free, "chain", np.zeros((1, 10)))[0]
+    mass = ENGINE.bind(free, "chain").mass_matrices(np.zeros((1, 10)))[0]
     assert mass[0, 0] == pytest.approx(whole, rel=1e-13)
 
 
@@ -162,8 +163,8 @@ def test_as_opened_with_its_keyframe_it_moves_right(p: RotatingBeam) -> None:
 def test_a_model_that_opens_elsewhere_is_refused() -> None:
     engine = Edited(('ref="3.799544386587667"', 'ref="0"'))
     with pytest.raises(EngineError, match=r"starts with clock at 0, not 3\.79954"):
-        engine.joint_system(case_of(DEFAULT), "chain")
-    assert len(ENGINE.joint_system(case_of(DEFAULT), "chain").joints) == 18
+        engine.bind(case_of(DEFAULT), "chain").system(case_of(DEFAULT))
+    assert len(ENGINE.bind(case_of(DEFAULT), "chain").system(case_of(DEFAULT)).joints) == 18
 
 
 def test_models_say_what_they_cannot_stand_for() -> None:
@@ -172,10 +173,14 @@ def test_models_say_what_they_cannot_stand_for() -> None:
     for p in (free.replace(scheme="B"), free.replace(hub_radius=0.1), SHORT, PULSE):
         assert CHAIN.why_not(p) is None
     discrete = METHODS["discrete"]
-    assert "would fade" in str(ENGINE.why_not(case_of(SHORT), "chain", discrete))
-    assert "would fade" in str(ENGINE.why_not(case_of(PULSE), "chain", discrete))
+    assert "would fade" in str(
+        ENGINE.bind(case_of(SHORT), "chain").unsupported_reason(case_of(SHORT), discrete)
+    )
+    assert "would fade" in str(
+        ENGINE.bind(case_of(PULSE), "chain").unsupported_reason(case_of(PULSE), discrete)
+    )
     for p in (SHORT.replace(ramp_time=0.0), PULSE.replace(torque_amplitude=0.0)):
-        assert ENGINE.why_not(case_of(p), "chain", discrete) is None
+        assert ENGINE.bind(case_of(p), "chain").unsupported_reason(case_of(p), discrete) is None
 
 
 # --- Coordinates
@@ -184,19 +189,21 @@ def test_models_say_what_they_cannot_stand_for() -> None:
 def test_states_have_the_chains_coordinates_and_no_scheme_predicts_them() -> None:
     case = case_of(SHORT)
     expected = ("theta", "joint_1", "joint_2", "joint_3", "joint_4")
-    assert ENGINE.coordinates(case, "chain") == expected
-    assert ENGINE.model_equations(case, "chain") == (chain_scene(4, "A"), SHORT)
-    assert {ENGINE.scheme(case, "chain", method) for method in ENGINE.methods} == {None}
+    assert ENGINE.bind(case, "chain").coordinates == expected
+    assert ENGINE.bind(case, "chain").own_equations == (chain_scene(4, "A"), SHORT)
+    assert {ENGINE.bind(case, "chain").scheme(method) for method in ENGINE.methods} == {None}
     hoop = Case("hula_hoop", "test", HulaHoop(), {})
-    assert ENGINE.coordinates(hoop, "tree") == ("y", "theta")
-    assert ENGINE.scheme(hoop, "tree", METHODS["RK4"]) == "RK44"
+    assert ENGINE.bind(hoop, "tree").coordinates == ("y", "theta")
+    assert ENGINE.bind(hoop, "tree").scheme(METHODS["RK4"]) == "RK44"
 
 
 def test_initial_states_may_name_hinges_but_nothing_else() -> None:
-    found = ENGINE.start(case_of(SHORT, BENT), "chain")
+    found = ENGINE.bind(case_of(SHORT, BENT), "chain").start(case_of(SHORT, BENT))
     assert found == pytest.approx([0.2, 0.02, 0, 0, 0, 0.3, 0, 0, 0, 0], abs=0)
     with pytest.raises(UnknownNameError, match="joint_5"):
-        ENGINE.start(case_of(SHORT, {"joint_5": 0.1}), "chain")
+        ENGINE.bind(case_of(SHORT, {"joint_5": 0.1}), "chain").start(
+            case_of(SHORT, {"joint_5": 0.1})
+        )
 
 
 # --- Algebra
@@ -212,7 +219,7 @@ def test_accelerations_and_mass_are_the_chains(drive: str, scheme: str, n: int, 
     assert acceleration_error(ENGINE, p, p) < 1e-10
     scene = scene_of(p)
     _, states = samples(p)
-    found = ENGINE.mass_matrices(case_of(p), "chain", states)
+    found = ENGINE.bind(case_of(p), "chain").mass_matrices(states)
     c = scene.coefficients(p)
     wanted = np.array([scene.mass_matrix(x[: n + 1], c) for x in states], dtype=float)
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-12 * np.max(np.abs(wanted)))
@@ -256,11 +263,17 @@ def test_runs_keep_their_order_through_the_end_of_the_drive(p: RotatingBeam) -> 
     assert coarse[0] / coarse[1] == pytest.approx(2, rel=0.4)
 
 
-class Endless(MujocoAdapter):
-    """MuJoCo whose actuators are never switched off."""
+class EndlessModel(BoundModel):
+    """A model whose actuators are never switched off."""
 
-    def source(self, case: Case, model: str) -> Mjcf:
-        return dataclasses.replace(super().source(case, model), stop=lambda p: None)
+    def read_source(self) -> Mjcf:
+        return dataclasses.replace(super().read_source(), stop=lambda p: None)
+
+
+class Endless(MujocoAdapter):
+    """MuJoCo with these models."""
+
+    bound = EndlessModel
 
 
 @pytest.mark.parametrize("p", [SHORT, PULSE])
@@ -310,7 +323,7 @@ def test_frequencies_about_rotation_are_the_chains_and_bracket_the_beams(speed: 
         )
         scene = scene_of(p)
         state = scene.state({"theta_dot": p.angular_speed})
-        found = ENGINE.linearise(case_of(p), "chain", state)
+        found = ENGINE.bind(case_of(p), "chain").linearise(state)
         wanted = linearise(scene, p, state)
         for matrix, right in zip(found, wanted, strict=True):
             np.testing.assert_allclose(matrix, right, rtol=0, atol=1e-12 * np.max(np.abs(right)))

@@ -226,7 +226,7 @@ def test_which_forces_a_method_takes_implicitly(method: str, placement: str) -> 
 def test_exudyn_accelerates_as_the_reference(model: str, p: RotorPendulum) -> None:
     chosen = states()
     times = np.zeros(len(chosen))
-    found = ExudynAdapter().accelerations(a_case(p), model, times, chosen)
+    found = ExudynAdapter().bind(a_case(p), model).accelerations(times, chosen)
     for acceleration, state in zip(found, chosen, strict=True):
         assert distance(acceleration, p, state) < 1e-10
 

@@ -9,12 +9,11 @@ import pytest
 
 import mbcheck
 from mbcheck.comparisons.engines.adapter import adapt
-from mbcheck.comparisons.engines.equations import scene_equations
-from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.models import kinematics, mechanism, mjcf
 from mbcheck.models.joints import JointLayout
 from mbcheck.models.system import System, term_force
 from mbcheck.reference import SCENES, get_scene
+from mbcheck.reference.equations import scene_equations
 from mbcheck.reference.errors import CannotJudgeError
 from mbcheck.reference.scene import Array
 
@@ -51,16 +50,17 @@ def test_its_accelerations_are_those_of_the_reference(scene: str, model: str) ->
     case = next(c for c in get_scene(scene).cases if source.why_not(c.parameters) is None)
     own = (
         scene_equations(case)
-        if reader.has_constraints(case, model)
-        else Setup(reader, case, model).equations
+        if reader.bind(case, model).has_constraints
+        else reader.bind(case, model).equations
     )
-    names = reader.coordinates(case, model)
+    names = reader.bind(case, model).coordinates
     states = np.random.default_rng(7).normal(size=(4, 2 * len(names)))
     times = np.linspace(0.0, 0.3, 4)
-    held, q, v = reader.joint_states(case, model, times, states)
+    bound = reader.bind(case, model)
+    held, (q, v) = bound.origin, bound.joint_states(times, states)
     whole = mechanism.mechanism(held.mjcf)
     right = own.scene.right_hand_side(own.parameters)
-    factors = reader.joint_readout(case, model, held).factors()
+    factors = bound.readout.factors()
     for time, state, position, rate in zip(times, states, q, v, strict=True):
         found = factors @ accelerations(
             whole, held.force(float(time), position, rate), position, rate
@@ -72,7 +72,7 @@ def test_its_accelerations_are_those_of_the_reference(scene: str, model: str) ->
 @pytest.mark.parametrize(("scene", "model"), MODELS)
 def test_its_parts_add_up_to_what_mujoco_has(scene: str, model: str) -> None:
     mujoco: Any = pytest.importorskip("mujoco")
-    text = adapt("reader", Reader).text(get_scene(scene).cases[0], model)
+    text = adapt("reader", Reader).bind(get_scene(scene).cases[0], model).text
     whole, compiled = mechanism.mechanism(text), mujoco.MjModel.from_xml_string(text)
     data, random = mujoco.MjData(compiled), np.random.default_rng(8)
     data.qpos[:] = compiled.qpos0 + random.normal(size=compiled.nq)
@@ -95,7 +95,7 @@ def test_its_parts_add_up_to_what_mujoco_has(scene: str, model: str) -> None:
 
 
 def test_weight_is_the_slope_of_the_potential() -> None:
-    text = adapt("reader", Reader).text(get_scene("speed_regulator").cases[0], "connect")
+    text = adapt("reader", Reader).bind(get_scene("speed_regulator").cases[0], "connect").text
     whole, gravity = mechanism.mechanism(text), np.array([0.3, -9.81, 2.0])
 
     def potential(q: Array) -> Any:
@@ -139,8 +139,11 @@ def test_what_it_does_not_understand_is_refused(text: str, said: str | None) -> 
 @pytest.mark.parametrize("time", [0.4, 1.5, 1.6])
 def test_terms_add_up_to_the_force_while_they_last(time: float) -> None:
     reader, case = adapt("reader", Reader), get_scene("rotating_beam").case("pulse_quick")
-    states = np.random.default_rng(9).normal(size=(1, 2 * len(reader.coordinates(case, "forced"))))
-    system, (q,), (v,) = reader.joint_states(case, "forced", np.array([time]), states)
+    states = np.random.default_rng(9).normal(
+        size=(1, 2 * len(reader.bind(case, "forced").coordinates))
+    )
+    bound = reader.bind(case, "forced")
+    system, ((q,), (v,)) = bound.origin, bound.joint_states(np.array([time]), states)
     assert [term.until for term in system.terms if term.amplitude] == [1.5]
     parts = [term_force(term, system, time, q, v) for term in system.terms]
     assert np.sum(parts, axis=0) == pytest.approx(system.force(time, q, v), rel=1e-12)

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.checks.free_vibrations import place, places
-from mbcheck.comparisons.engines.equations import scene_equations
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.reference import get_scene
@@ -23,6 +22,7 @@ from mbcheck.reference.amplification import (
     rates,
     vibrations,
 )
+from mbcheck.reference.equations import scene_equations
 from mbcheck.reference.hula_hoop.equations import SCENE, HulaHoop
 from mbcheck.reference.scene import Array, Case
 from mbcheck.reference.solve import schemes
@@ -80,7 +80,7 @@ STEPS_OF_ENGINES = [
 def stepped(engine: Any, case: Case, model: str, method: Any, step: float, count: int) -> Array:
     """Return the scene's states (2 n,) after some steps."""
     times = np.array([count * step])
-    found = engine.simulate(case, model, method, step, times)
+    found = engine.bind(case, model).simulate(case, method, step, times)
     return np.array([found.values[name][0] for name in get_scene(case.scene).public_states])
 
 
@@ -129,7 +129,11 @@ def test_matrices_are_what_engines_do(
         offsets = []
         for sign in (1, -1):
             start = replace(case, state=values, inconsistency={"y": sign * 1e-6})
-            end = engine.simulate(start, model, method, step, np.array([count * step])).values
+            end = (
+                engine.bind(start, model)
+                .simulate(start, method, step, np.array([count * step]))
+                .values
+            )
             offsets.append([end[one][0] for one in ("phi", "y", "phi_dot", "y_dot")])
         found = (np.array(offsets[0]) - offsets[1]) / 2e-6
         x = np.zeros(len(matrix))

@@ -12,9 +12,9 @@ import mbcheck
 from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.checks.truth import truth_of
 from mbcheck.comparisons.cli import catalogue
-from mbcheck.comparisons.engines.equations import scene_equations
 from mbcheck.comparisons.engines.registry import checked_engines
 from mbcheck.reference import SCENES, get_scene
+from mbcheck.reference.equations import scene_equations
 from mbcheck.reference.errors import ParameterError, UnknownNameError, UsageError
 from mbcheck.reference.rotating_beam import beam_scene
 from mbcheck.reference.scene import Case

@@ -262,7 +262,11 @@ def run_of(draw: Draw) -> tuple[Adapter, Case, str, Method, float, float]:
     state = state_at(scene, parameters, draw.state)
     case = Case(draw.scene, "drawn", parameters, state)
     pairs = [(model, method) for model in engine.models(draw.scene) for method in engine.methods]
-    fit = [pair for pair in pairs if engine.why_not(case, *pair) is None] or pairs
+    fit = [
+        (model, method)
+        for model, method in pairs
+        if engine.bind(case, model).unsupported_reason(case, method) is None
+    ] or pairs
     model, method = fit[draw.choice % len(fit)]
     step = float(2.0**draw.step * default_step(case, method))
     ends = float(scene.drive_end_time(parameters))
@@ -304,7 +308,7 @@ def result_of_draw(draw: Draw, patience: float = PATIENCE) -> Result:
         return about.result("-", "skipped", reason)
     check = Check(
         "parameters", dataclasses.replace(case, horizon=horizon), engine.name, model, method,
-        (QUANTITY,), why_not=engine.why_not(case, model, method), step=step,
+        (QUANTITY,), why_not=engine.bind(case, model).unsupported_reason(case, method), step=step,
     )  # fmt: skip
     if not (np.isfinite(step) and step >= SLOWEST):
         return check.skipped(f"it moves too fast: the step would be {step:.3g} s")[0]

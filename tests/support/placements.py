@@ -11,6 +11,7 @@ import numpy as np
 
 import mbcheck
 from mbcheck.comparisons.checks.mistakes.terms import as_placed, with_axes_of_world
+from mbcheck.comparisons.engines.adapter import BoundModel
 from mbcheck.comparisons.faults.exudyn import ExudynAdapter
 from mbcheck.comparisons.faults.mujoco import MujocoAdapter
 from mbcheck.examples.mujoco_engine import MujocoPlugin
@@ -82,17 +83,23 @@ class RoundLoops(FlatLoops):
     flat = False
 
 
-class WithReactionsAlongTheWorld(MujocoAdapter):
-    """MuJoCo whose reactions are told along the axes of the world."""
+class ModelWithReactionsAlongTheWorld(BoundModel):
+    """A model whose reactions are told along the axes of the world."""
 
-    def reactions(self, case: Case, model: str, times: Array, states: Array) -> dict[str, Array]:
+    def reactions(self, times: Array, states: Array) -> dict[str, Array]:
         """Return the components along x and y of the world, of forces in the model's plane."""
-        right = super().reactions(case, model, times, states)
-        axes, told = world_axes(case.placement)[:2, :2], dict[str, Array]()
+        right = super().reactions(times, states)
+        axes, told = world_axes(self.case.placement)[:2, :2], dict[str, Array]()
         for point in ("a", "b"):
             names = [f"reaction_{point}_{axis}" for axis in "xy"]
             told |= zip(names, axes @ [right[name] for name in names], strict=True)
         return told
+
+
+class WithReactionsAlongTheWorld(MujocoAdapter):
+    """MuJoCo with these models."""
+
+    bound = ModelWithReactionsAlongTheWorld
 
 
 WRONG: Mapping[str, tuple[Any, str, str]] = {

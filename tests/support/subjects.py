@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -10,11 +9,8 @@ from mbcheck.comparisons.checks.suite import Check, checks_of, run_check
 from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.adapter import Adapter
-from mbcheck.comparisons.engines.protocol import Method
-from mbcheck.comparisons.engines.run import Trajectory
-from mbcheck.comparisons.faults.variants import Wrapped
 from mbcheck.reference import get_scene
-from mbcheck.reference.scene import Array, Case
+from mbcheck.reference.scene import Case
 
 REFUSALS = ("not_at_rest:", "singular:", "step: with steps above")
 """Errors that say what is wrong with an engine, as good as a deviation."""
@@ -27,20 +23,6 @@ class Subject(NamedTuple):
     engine: str
     model: str
     method: str
-
-
-class Altered(Wrapped):
-    """An engine whose runs are altered when they are over."""
-
-    def __init__(self, engine: Adapter, alter: Callable[[Trajectory, Case], Trajectory]) -> None:
-        super().__init__(engine)
-        self.alter = alter
-
-    def simulate(
-        self, case: Case, model: str, method: Method, step: float, times: Array
-    ) -> Trajectory:
-        """Integrate, and alter what is returned."""
-        return self.alter(self.engine.simulate(case, model, method, step, times), case)
 
 
 def check_of(subject: Subject, kind: str, case: str | Case) -> Check:

@@ -12,10 +12,10 @@ import numpy as np
 from ....models.kinematics import mass_matrix
 from ....models.mechanism import mechanism
 from ....models.placement import world_axes
+from ....reference.equations import ModelEquations
 from ....reference.errors import Unsupported
 from ....reference.linear import linearise
 from ....reference.scene import Array, Dynamics
-from ...engines.equations import ModelEquations
 from ...engines.run import call_engine
 from ...engines.setup import Setup
 from ..kinds import algebra, frequency
@@ -50,8 +50,8 @@ def accelerations_of(setup: Setup, factor: float = 1.0) -> tuple[Array, Array]:
     """
     case, (names, times, states) = setup.case, algebra.measured_states(setup)
     states = states * np.repeat([1.0, factor], len(names))
-    answer = call_engine(lambda: setup.engine.accelerations(case, setup.model, times, states))
-    right = algebra.expected(case, setup.solved_equations, times, states, names, ())
+    answer = call_engine(lambda: setup.bound.accelerations(times, states, setup.method))
+    right = algebra.expected(case, setup.bound.solved_equations, times, states, names, ())
     return np.asarray(answer), right["accelerations"]
 
 
@@ -65,7 +65,7 @@ def of_accelerations(deviation: Deviation) -> str:
     """Return the mistake in the equations of motion that accelerations show."""
     setup, answer = deviation.setup, deviation.numbers.T
     names, times, states = algebra.measured_states(setup)
-    scene, parameters = setup.solved_equations
+    scene, parameters = setup.bound.solved_equations
 
     def right_of(one: Dynamics) -> Array:
         equations = ModelEquations(one, parameters)
@@ -139,7 +139,7 @@ def of_matrices(deviation: Deviation) -> str:
         return ""
     scene, parameters, state, _ = frequency.resting(setup.case)
     still = setup.with_case(replace(setup.case, parameters=parameters))
-    answer = call_engine(lambda: still.engine.linearise(still.case, still.model, state))
+    answer = call_engine(lambda: still.bound.linearise(state))
     exact = linearise(scene, frequency.inertial(still), state)
     unit = 1 / np.sqrt(np.diag(exact[0]))
     names, off = scene.coordinates, dict[str, tuple[str, ...]]()
@@ -169,7 +169,7 @@ def of_placement(deviation: Deviation) -> str:
     if not setup.case.placement:
         return ""
     stands = setup.with_case(replace(setup.case, placement=""))
-    if stands.why_not is not None:
+    if stands.unsupported_reason is not None:
         return ""
     findings = deviation.measure(stands).findings
     if any(isinstance(one, Finding) and judge(one, 1.0)[0] == "deviation" for one in findings):
@@ -182,11 +182,13 @@ def of_frames(setup: Setup) -> str:
     """Return which frame was mistaken for which, if one such mistake explains a mass matrix."""
     if not setup.engine.reads_mjcf:
         return ""
-    times, states = random_states(setup.equations, setup.case, setup.coordinates)
-    system, q, _ = setup.engine.joint_states(setup.case, setup.model, times, states)
-    whole = mechanism(system.mjcf)
+    times, states = random_states(setup.bound.equations, setup.case, setup.bound.coordinates)
+    q, _ = setup.bound.joint_states(times, states)
+    whole = mechanism(setup.bound.text)
     try:
-        answer = call_engine(lambda: setup.engine.joint_mass_matrices(system, q))
+        answer = call_engine(
+            lambda: setup.bound.joint_mass_matrices(q, whole.layout.size[1], setup.method)
+        )
     except Unsupported:
         return ""
 
@@ -207,12 +209,12 @@ def of_frames(setup: Setup) -> str:
 
 def of_reactions(setup: Setup) -> str:
     """Return that reactions are those in the frame of the world, where they are."""
-    case, equations, names = setup.case, setup.solved_equations, setup.coordinates
-    reactions = setup.engine.reaction_names(case, setup.model)
+    case, equations, names = setup.case, setup.bound.solved_equations, setup.bound.coordinates
+    reactions = setup.bound.reaction_names
     if not reactions:
         return ""
     times, states = random_states(equations, case, names)
-    answer = call_engine(lambda: setup.engine.reactions(case, setup.model, times, states))
+    answer = call_engine(lambda: setup.bound.reactions(times, states))
     right = algebra.expected(case, equations, times, states, names, reactions)
     axes = world_axes(case.placement)[:2, :2]
     firsts = [name for name in reactions if name.endswith("_x")]
@@ -230,9 +232,9 @@ def of_joints(deviation: Deviation) -> str:
     setup = deviation.setup
     if setup.scene.discretisation_coordinates or not setup.engine.reads_mjcf:
         return ""
-    away = error_of if setup.method is None else (lambda one: seen_in(after_steps(one, 1)).error)
+    away = error_of if deviation.asks_forces else (lambda one: seen_in(after_steps(one, 1)).error)
     error = away(setup)
-    joints = setup.engine.joint_system(setup.case, setup.model).joints
+    joints = setup.bound.system(setup.case).joints
     if error < EXPLAINED or len(joints) > MOST_JOINTS:
         return ""
     words: dict[int, list[str]] = {}

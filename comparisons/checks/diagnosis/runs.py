@@ -67,20 +67,23 @@ class Deviation:
         On each quantity that was measured.
     runs : EngineRuns or None
         What was measured.
+    asks_forces : bool
+        Whether its kind asks for accelerations.
     """
 
     setup: Setup
     measure: Callable[[Setup], Measured]
     verdicts: Mapping[str, str]
     runs: EngineRuns | None
+    asks_forces: bool
 
     def repeated(self) -> Array:
         """Return accelerations at random states, or observables of a short run, row by row."""
         setup = self.setup
-        if setup.method is None:
+        if self.asks_forces:
             _, times, states = algebra.measured_states(setup)
-            ask = setup.engine.accelerations
-            return np.asarray(call_engine(lambda: ask(setup.case, setup.model, times, states))).T
+            ask = setup.bound.accelerations
+            return np.asarray(call_engine(lambda: ask(times, states, setup.method))).T
         run = setup.simulate(setup.default_step, np.arange(1, DISTINCT + 1))
         return run.matrix(setup.scene.public_states)
 
@@ -153,9 +156,9 @@ def free_run(setup: Setup, step: float, length: float) -> EngineRuns:
 def of_steps(deviation: Deviation) -> str:
     """Return the mistake in few steps or one; those of elements of others take long to predict."""
     setup, one = deviation.setup, deviation.runs
-    if setup.discrete or one is None:
+    if setup.bound.discrete or one is None:
         return ""
-    in_time = one_step.driven_in_time(setup, setup.equations)
+    in_time = one_step.driven_in_time(setup, setup.bound.equations)
     few = explanation(seen_in(after_steps(setup, FEW))) if in_time else ""
     return few or explanation(seen_in(one))
 
@@ -177,14 +180,14 @@ def of_order(deviation: Deviation) -> str:
     Only where halved steps lead to what is right: then the equations of motion are.
     """
     setup = deviation.setup
-    if setup.discrete or not one_step.quantities(setup):
+    if setup.bound.discrete or not one_step.quantities(setup):
         return ""
     order, scheme = setup.integrator.order, setup.scheme
     counts = PARTS if scheme else SETTLED_PARTS
     length = (one_step.LONGER if scheme else one_step.SETTLED) * setup.default_step
     if scheme:
         length = min(length, power_of_two(setup.stable_step_bound))
-    equations, names = setup.solved_equations, setup.scene.observables
+    equations, names = setup.bound.solved_equations, setup.scene.observables
     cases = one_step.starts(setup, length, scheme)
     right = after_starts(equations, cases, length, names)
 

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from ....reference import get_scene
+from ....reference.equations import ModelEquations, scene_equations
 from ....reference.errors import Unsupported
 from ....reference.scene import Array, Case
 from ....reference.solve.bounds import sensitivities
-from ...engines.equations import ModelEquations, scene_equations
 from ...engines.run import EPS, contained
 from ...engines.setup import Setup
 from ..comparison import Measured
@@ -28,8 +28,8 @@ CANCELLED = 1e-4
 
 def quantities(setup: Setup) -> tuple[str, ...]:
     """Return the names of what is measured."""
-    names = ("accelerations", "mass_matrix", *setup.engine.reaction_names(setup.case, setup.model))
-    return (*names, "model_error") if comparable(setup.equations, setup.case) else names
+    names = ("accelerations", "mass_matrix", *setup.bound.reaction_names)
+    return (*names, "model_error") if comparable(setup.bound.equations, setup.case) else names
 
 
 def comparable(equations: ModelEquations, case: Case) -> bool:
@@ -39,8 +39,8 @@ def comparable(equations: ModelEquations, case: Case) -> bool:
 
 def measured_states(setup: Setup) -> tuple[tuple[str, ...], Array, Array]:
     """Return the names of a model's coordinates (n,), random times (k,) and states (k, 2 n)."""
-    equations = setup.solved_equations
-    names = equations.scene.coordinates if setup.discrete else setup.coordinates
+    equations = setup.bound.solved_equations
+    names = equations.scene.coordinates if setup.bound.discrete else setup.bound.coordinates
     return names, *random_states(equations, setup.case, names)
 
 
@@ -81,10 +81,10 @@ def opened(setup: Setup, times: Array, states: Array) -> tuple[Array, Array] | N
     the others rates, where its damping does. None where loops do not give way, or no joints are
     told.
     """
-    case, equations, engine = setup.case, setup.equations, setup.engine
-    if not (setup.has_soft_closure and engine.reads_mjcf) or case.placement:
+    case, equations = setup.case, setup.bound.equations
+    if not (setup.bound.has_soft_closure and setup.engine.reads_mjcf) or case.placement:
         return None
-    names, keys = equations.scene.coordinates, setup.coordinates
+    names, keys = equations.scene.coordinates, setup.bound.coordinates
     keys = (*keys, *(f"{name}_dot" for name in keys))
     off = [{f"{name}{rate}": OPEN for name in names if name not in keys} for rate in ("", "_dot")]
     cases = [
@@ -96,7 +96,7 @@ def opened(setup: Setup, times: Array, states: Array) -> tuple[Array, Array] | N
         )
         for i, (time, state) in enumerate(zip(times, states, strict=True))
     ]
-    systems = [engine.joint_system(one, setup.model) for one in cases]
+    systems = [setup.bound.system(one) for one in cases]
     if not {*names} <= {*systems[0].joints}:
         return None
     places = [systems[0].joints.index(name) for name in names]
@@ -104,7 +104,7 @@ def opened(setup: Setup, times: Array, states: Array) -> tuple[Array, Array] | N
         np.array(one)
         for one in zip(*((one.positions, one.velocities) for one in systems), strict=True)
     )
-    answer = engine.joint_accelerations(engine.joint_system(case, setup.model), times, q, v)
+    answer = setup.bound.joint_accelerations(times, q, v, setup.method)
     derivative = equations.scene.right_hand_side(equations.parameters)
     right = [derivative(one.start_time, equations.start(one))[len(names) :] for one in cases]
     return np.asarray(answer)[:, places], np.array(right)
@@ -141,20 +141,18 @@ def inertias(
 
 def measure(setup: Setup) -> Measured:
     """Compare with the closed form of what the model claims to be, and that with the scene."""
-    equations = setup.solved_equations
+    equations = setup.bound.solved_equations
     names, times, states = measured_states(setup)
-    reactions = setup.engine.reaction_names(setup.case, setup.model)
+    reactions = setup.bound.reaction_names
     findings: list[Finding | Inconclusive] = []
     with contained():
-        answers = {
-            "accelerations": setup.engine.accelerations(setup.case, setup.model, times, states)
-        }
+        answers = {"accelerations": setup.bound.accelerations(times, states, setup.method)}
         try:
-            answers["mass_matrix"] = setup.engine.mass_matrices(setup.case, setup.model, states)
+            answers["mass_matrix"] = setup.bound.mass_matrices(states, setup.method)
         except Unsupported as silence:
             findings.append(Inconclusive("mass_matrix", str(silence)))
         if reactions:
-            forces = setup.engine.reactions(setup.case, setup.model, times, states)
+            forces = setup.bound.reactions(times, states)
             answers |= {name: np.asarray(forces[name])[:, None] for name in reactions}
         both = opened(setup, times, states)
     truths = expected(setup.case, equations, times, states, names, reactions)

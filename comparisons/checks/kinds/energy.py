@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from ....reference.equations import ModelEquations, invariants_of, scene_equations
 from ....reference.errors import CannotJudgeError, EngineError
 from ....reference.scene import Array
-from ...engines.equations import ModelEquations, invariants_of, scene_equations
 from ...engines.setup import Setup
 from ..comparison import Measured, Part, drifts, ideal_rows, invariant_size
 from ..tolerances import (
@@ -38,11 +38,11 @@ def sensor_gaps(setup: Setup, step: float, values: Mapping[str, Array]) -> dict[
     energy is known up to a constant, the same from another start as well: a step of that tells a
     factor, where a run keeps its energy.
     """
-    equations = setup.discrete or scene_equations(setup.case)
+    equations = setup.bound.discrete or scene_equations(setup.case)
     scene, c = equations.scene, equations.scene.coefficients(equations.parameters)
     sensed = invariants_of(equations).keys() & values.keys()
     # a loop that gives way has energies that no formula has
-    rigid = setup.discrete or not setup.has_soft_closure
+    rigid = setup.bound.discrete or not setup.bound.has_soft_closure
     if not (sensed and rigid and set(scene.state_names) <= set(values)):
         return {}
     runs = [values]
@@ -76,7 +76,7 @@ def measure(setup: Setup) -> Measured:
     """
     case, step, scheme = setup.case, setup.default_step, setup.scheme
     beam = bool(setup.scene.discretisation_coordinates)
-    formula = setup.equations if beam else scene_equations(case)
+    formula = setup.bound.equations if beam else scene_equations(case)
     samples = sample_numbers(simulated_horizon(case, step, scheme, setup.epsilon), step, 128)
     times, part = case.start_time + samples * step, Part(case, samples)
 
@@ -88,7 +88,7 @@ def measure(setup: Setup) -> Measured:
     drift, names = drift_of(values), setup.scene.state_names
     expected, bound = {name: 0 * series for name, series in drift.items()}, 0.0
     if not beam:
-        right = truth(setup.equations, case, times, names)
+        right = truth(setup.bound.equations, case, times, names)
         expected = drift_of(dict(zip(names, right.values, strict=True)))
         bound = float(np.max(right.bound / right.size))
     if scheme:

@@ -32,7 +32,7 @@ def quantities(setup: Setup) -> tuple[str, ...]:
 
 def inertial(setup: Setup) -> Any:
     """Return the parameters that the model's M, C, K have; a loop counts as closed."""
-    equations = setup.equations
+    equations = setup.bound.equations
     return equations.parameters if equations.scene is setup.scene else setup.case.parameters
 
 
@@ -109,7 +109,7 @@ def measure(setup: Setup) -> Measured:
     scene, parameters, state, steady = resting(setup.case)
     still = replace(setup.case, parameters=parameters)
     with contained():
-        mass, damping, stiffness = setup.engine.linearise(still, setup.model, state)
+        mass, damping, stiffness = setup.with_case(still).bound.linearise(state)
     measured_modes = modes(mass, 0 * mass, stiffness, steady)
     if np.any(linearise(scene, parameters, state)[1]):
         measured_modes = measured_modes + modes(mass, damping, stiffness, steady)

@@ -209,7 +209,7 @@ class Vibration:
     @property
     def rows(self) -> list[int]:
         """Rows of the matrices' states that are the model's, a drive's left out."""
-        n, width = len(self.setup.equations.scene.coordinates), len(self.at.coordinates)
+        n, width = len(self.setup.bound.equations.scene.coordinates), len(self.at.coordinates)
         return [*range(n), *range(width, width + n)]
 
     @cached_property
@@ -222,14 +222,14 @@ class Vibration:
     @property
     def case(self) -> Case:
         """The case that starts off a state of rest as the vibration does."""
-        setup, own = self.setup, self.setup.equations.scene
+        setup, own = self.setup, self.setup.bound.equations.scene
         values = dict(zip(own.state_names, (self.at.state + self.departure).tolist(), strict=True))
         if own is setup.scene or setup.scene.discretisation_coordinates:
             return replace(setup.case, state=values)
         # a soft loop: the scene's own coordinates, and how far the others are from closing it
         names = setup.scene.state_names
         case = replace(setup.case, state={name: values[name] for name in names})
-        closed = dict(zip(own.state_names, setup.equations.start(case).tolist(), strict=True))
+        closed = dict(zip(own.state_names, setup.bound.equations.start(case).tolist(), strict=True))
         apart = {name: values[name] - closed[name] for name in values if name not in names}
         return replace(case, inconsistency=apart)
 
@@ -241,7 +241,7 @@ class Vibration:
         speed, and only their rates are looked at.
         """
         drifting = self.setup.scene.rotations_per_period if np.any(self.at.rates == 0) else ()
-        known = set(self.setup.equations.scene.observables) - set(drifting)
+        known = set(self.setup.bound.equations.scene.observables) - set(drifting)
         return tuple(name for name in self.setup.scene.observables if name in known)
 
     @cached_property
@@ -250,7 +250,7 @@ class Vibration:
 
         An observable that hardly moves has an infinite size.
         """
-        equations = self.setup.equations
+        equations = self.setup.bound.equations
         rest, slopes = by_complex_step(lambda x: rows(equations, x, self.names), self.at.state)
         matrix = first_order(self.at.matrices)[np.ix_(self.rows, self.rows)]
         advance = expm(matrix * (2 * np.pi / fastest_rate(self.at) / 16))

@@ -16,10 +16,10 @@ import numpy as np
 from scipy.linalg import eigh
 
 from ....reference import get_scene
+from ....reference.equations import invariants_of, scene_equations
 from ....reference.errors import MbcheckError
 from ....reference.linear import linearise
 from ....reference.scene import Array, Case
-from ...engines.equations import invariants_of, scene_equations
 from ...engines.run import EPS, VIOLATIONS, Trajectory
 from ...engines.setup import Setup, shortest_period
 from ..comparison import Measured, drifts
@@ -86,18 +86,18 @@ class LongRun:
 
 def conserves(setup: Setup) -> bool:
     """Return True if the model takes nothing from a motion: a soft closure does."""
-    return bool(setup.scene.discretisation_coordinates) or not setup.has_soft_closure
+    return bool(setup.scene.discretisation_coordinates) or not setup.bound.has_soft_closure
 
 
 def has_rigid_loops(setup: Setup) -> bool:
     """Return True if the model closes loops by constraints that do not give way."""
-    return setup.has_constraints and conserves(setup)
+    return setup.bound.has_constraints and conserves(setup)
 
 
 def followed(setup: Setup) -> tuple[str, ...]:
     """Return the names of what is followed."""
     if setup.case.watch == AFTER_PULSE:
-        return tuple(invariants_of(setup.equations))
+        return tuple(invariants_of(setup.bound.equations))
     return {FREE: ("energy", "phase"), LOCKED: ("phase",)}.get(setup.case.watch, ("energy",))
 
 
@@ -258,7 +258,7 @@ def conservative(setup: Setup) -> LongRun:
     """
     case, step = setup.case, setup.step_size
     after_drive = case.watch == AFTER_PULSE
-    equations = setup.equations if after_drive else scene_equations(case)
+    equations = setup.bound.equations if after_drive else scene_equations(case)
     end = equations.scene.drive_end_time(equations.parameters) if after_drive else 0.0
     samples = np.union1d(marks(end, step, WINDOW), marks(case.horizon, step, MARKS))
 

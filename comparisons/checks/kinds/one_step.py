@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from ....reference import get_scene
+from ....reference.equations import ModelEquations, scene_equations
 from ....reference.errors import EngineError
 from ....reference.scene import Array, Case
 from ....reference.solve.schemes import OF_VELOCITIES, VelocityEquations, mean_acceleration
-from ...engines.equations import ModelEquations, scene_equations
 from ...engines.setup import Setup, power_of_two, run_many
 from ..comparison import (
     REFINEMENTS,
@@ -68,13 +68,13 @@ def quantities(setup: Setup) -> tuple[str, ...]:
     with its loop open.
     """
     scene = setup.scene
-    equations = setup.solved_equations.scene if scene.discretisation_coordinates else scene
-    same = setup.discrete or setup.coordinates == equations.coordinates
+    equations = setup.bound.solved_equations.scene if scene.discretisation_coordinates else scene
+    same = setup.bound.discrete or setup.bound.coordinates == equations.coordinates
     if setup.case.inconsistency or not same:
         return ()
     last = () if setup.scheme else ("extrapolated", "least_error")
     by_scheme = setup.scheme or scheme_of_velocities(setup)
-    return (*setup.observables, *last, *(("scheme_residual",) if by_scheme else ()))
+    return (*setup.bound.observables, *last, *(("scheme_residual",) if by_scheme else ()))
 
 
 def scheme_of_velocities(setup: Setup) -> str | None:
@@ -88,8 +88,8 @@ def scheme_of_velocities(setup: Setup) -> str | None:
 
 def in_coordinates(setup: Setup) -> bool:
     """Return True if a model has the coordinates of its scene, and no others."""
-    scene = setup.solved_equations.scene
-    others = setup.has_constraints or scene.discretisation_coordinates
+    scene = setup.bound.solved_equations.scene
+    others = setup.bound.has_constraints or scene.discretisation_coordinates
     return scene is setup.scene and not others
 
 
@@ -98,7 +98,7 @@ def starts(setup: Setup, step: float, scheme: str | None) -> list[Case]:
 
     Where a function of time drives it, these lie off the grid of steps, `OFF_GRID`.
     """
-    case, equations = setup.case, setup.solved_equations
+    case, equations = setup.case, setup.bound.solved_equations
     horizon = simulated_horizon(case, step, scheme)
     numbers = sample_numbers(horizon, step, STATES)
     ends = setup.scene.drive_end_time(case.parameters)
@@ -148,10 +148,10 @@ def measure(setup: Setup) -> Measured:
 
 def with_step(setup: Setup, step: float) -> RunComparison:
     """Take one step [s] from each start, and predict the error."""
-    cases, names = starts(setup, step, setup.scheme), setup.observables
-    right = after_starts(setup.solved_equations, cases, step, names)
+    cases, names = starts(setup, step, setup.scheme), setup.bound.observables
+    right = after_starts(setup.bound.solved_equations, cases, step, names)
     begins = [one.start_time for one in cases]
-    size = truth(setup.solved_equations, setup.case, begins, names).size
+    size = truth(setup.bound.solved_equations, setup.case, begins, names).size
     right = replace(right, size=np.maximum(size, right.size))
     values = after(setup, cases, step, 1)
     prediction = predict(setup, cases, step, values, right)
@@ -164,9 +164,9 @@ def limit_of_steps(
     setup: Setup, cases: list[Case], step: float, size: Array
 ) -> Finding | Inconclusive:
     """Judge what some steps [s] from each start extrapolate to, where they are halved twice."""
-    names, whole = setup.observables, SETTLED * step
+    names, whole = setup.bound.observables, SETTLED * step
     unsharp = rounding(4 * SETTLED, 1.0)  # no less is granted
-    right = after_starts(setup.solved_equations, cases, whole, names, unsharp)
+    right = after_starts(setup.bound.solved_equations, cases, whole, names, unsharp)
     runs = [after(setup, cases, whole, parts * SETTLED) for parts in (1, 2, 4)]
     estimate = richardson(runs, setup.integrator.order)
     count, size = len(setup.scene.observables), np.maximum(size, right.size)
@@ -184,7 +184,7 @@ def limit_of_steps(
     granted = room + min(largest(estimate.moved), CAP**2)
     finding = Finding("extrapolated", "1", away, 0.0, away, granted, reason)
     change = largest(runs[0] - runs[1])
-    if not setup.discrete or conclusion(finding, change, "shaken") is finding:
+    if not setup.bound.discrete or conclusion(finding, change, "shaken") is finding:
         return finding
     shaken = (
         unfollowed_vibrations(setup.with_case(one), step, whole, right, room) for one in cases
@@ -194,7 +194,7 @@ def limit_of_steps(
 
 def error_from_below(setup: Setup) -> Finding | Inconclusive:
     """Judge whether one long step from some states errs as little as its order allows."""
-    equations, order = setup.solved_equations, setup.integrator.order
+    equations, order = setup.bound.solved_equations, setup.integrator.order
     names = setup.scene.observables
     step = min(LONGER * setup.default_step, power_of_two(setup.stable_step_bound))
     cases = starts(setup, step, None)
@@ -210,7 +210,9 @@ def error_from_below(setup: Setup) -> Finding | Inconclusive:
         motion = right.values[:, places].reshape(len(names), len(cases), -1)
         size = right.size
     try:
-        values = after(setup, cases, step, 1)[[setup.observables.index(name) for name in names]]
+        values = after(setup, cases, step, 1)[
+            [setup.bound.observables.index(name) for name in names]
+        ]
     except EngineError as failure:
         if failure.kind != "solver":
             raise
@@ -223,7 +225,7 @@ def error_from_below(setup: Setup) -> Finding | Inconclusive:
 
 def driven_in_time(setup: Setup, equations: ModelEquations) -> bool:
     """Return whether a drive is evaluated at times, and no body of the model."""
-    return equations.scene.drive is not None and not setup.integrates_drive
+    return equations.scene.drive is not None and not setup.bound.integrates_drive
 
 
 def after(setup: Setup, cases: list[Case], step: float, parts: int) -> Array:
@@ -240,7 +242,7 @@ def after(setup: Setup, cases: list[Case], step: float, parts: int) -> Array:
     for run in run_many(setup, cases, steps, times):
         if isinstance(run, Exception):
             raise run
-        columns.append(run.matrix(setup.observables)[:, 0])
+        columns.append(run.matrix(setup.bound.observables)[:, 0])
     return np.array(columns).T
 
 
@@ -248,7 +250,7 @@ def predict(
     setup: Setup, cases: list[Case], step: float, values: Array, right: Truth
 ) -> Prediction:
     """Predict the error of one step [s] from each start, where the engine has these values."""
-    order, names = setup.integrator.order, setup.observables
+    order, names = setup.integrator.order, setup.bound.observables
     if setup.scheme is None:
         runs = [values, *(after(setup, cases, step, parts) for parts in (2, 4))]
         prediction = by_extrapolation(order, runs, right, names)
@@ -273,11 +275,11 @@ def velocities_at(
     setup: Setup, cases: list[Case]
 ) -> tuple[VelocityEquations, list[int], list[tuple[Any, ...]]]:
     """Return the equations of velocities, their rows among observables, and (t, q, w) at starts."""
-    equations = setup.solved_equations
+    equations = setup.bound.solved_equations
     of = VelocityEquations(equations.scene, equations.parameters)
     states = [(one.start_time, equations.start(one)) for one in cases]
     starts = [(t, x[: len(x) // 2], rows(equations, x[:, None], of.names)[:, 0]) for t, x in states]
-    return of, [setup.observables.index(name) for name in of.names], starts
+    return of, [setup.bound.observables.index(name) for name in of.names], starts
 
 
 def residual_of_velocities(
@@ -285,7 +287,7 @@ def residual_of_velocities(
 ) -> Finding | Inconclusive:
     """Judge velocities after a step by the scheme that they have."""
     scheme, name = f"{scheme_of_velocities(setup)}", "scheme_residual"
-    kinds = setup.engine.joint_system(setup.case, setup.model).kinds
+    kinds = setup.bound.system(setup.case).kinds
     if kinds == ("free",) and scheme.startswith("implicit"):
         reason = "engines turn a body that floats alone by implicit rules of their own"
         return Inconclusive(name, reason)
@@ -306,7 +308,7 @@ def first_order_errors(
     """
     of, places, starts = velocities_at(setup, cases)
     at_end = zip(
-        right.states.T, rows(setup.solved_equations, right.states, of.names).T, strict=True
+        right.states.T, rows(setup.bound.solved_equations, right.states, of.names).T, strict=True
     )
     errors = []
     for (t, q, w), (later, faster) in zip(starts, at_end, strict=True):

@@ -41,7 +41,7 @@ FLOOR = 30.0
 def quantities(setup: Setup) -> tuple[str, ...]:
     """Return the names of what is measured."""
     if setup.case.watch == "elements":
-        bracket = ("bracket",) if setup.frequency_side else ()
+        bracket = ("bracket",) if setup.bound.frequency_side else ()
         return ("order", "extrapolated", "least_error", *bracket)
     return ("order", "extrapolated", *(() if setup.scheme else ("least_error",)))
 
@@ -80,7 +80,9 @@ def measure(setup: Setup) -> Measured:
     horizon = coarsest * min(max(4, round(horizon / coarsest)), MOST_MARKS)
     marks = np.arange(1, round(horizon / coarsest) + 1)
     times = marks * coarsest
-    right = roundoff_reference(setup.equations, setup.case, setup.case.start_time + times, names)
+    right = roundoff_reference(
+        setup.bound.equations, setup.case, setup.case.start_time + times, names
+    )
     steps, floors, runs, errors, bound = halved(setup, right, coarsest, growth)
     below = [] if setup.scheme else [error_from_below(setup, right, coarsest, steps[0], errors[0])]
     if len(errors) < LEAST_POINTS:

@@ -66,11 +66,12 @@ WHOLE = {
 
 def readable(setup: Setup) -> System | None:
     """Return the model in joint coordinates, None of an engine that reads no MJCF of ours."""
-    soft = setup.has_constraints and not setup.is_exact  # whose forces are none of the parts
+    # forces of a soft closure are none of the parts
+    soft = setup.bound.has_constraints and not setup.bound.is_exact
     if soft or not setup.engine.reads_mjcf:
         return None
     try:
-        system = setup.engine.joint_system(setup.case, setup.model)
+        system = setup.bound.system(setup.case)
         mechanism(system.mjcf)
         return system
     except CannotJudgeError:
@@ -127,17 +128,18 @@ def quantities(setup: Setup) -> tuple[str, ...]:
 
 def measure(setup: Setup) -> Measured:
     """Judge the share of each part."""
-    equations = setup.equations
-    times, states = random_states(equations, setup.case, setup.coordinates)
+    equations = setup.bound.equations
+    times, states = random_states(equations, setup.case, setup.bound.coordinates)
     times, states = times[:STATES], states[:STATES]
     matrices, silence = None, ""
     with contained():
-        system, q, v = setup.engine.joint_states(setup.case, setup.model, times, states)
-        a = setup.engine.joint_accelerations(system, times, q, v)
+        q, v = setup.bound.joint_states(times, states)
+        a = setup.bound.joint_accelerations(times, q, v, setup.method)
         try:
-            matrices = setup.engine.joint_mass_matrices(system, q)
+            matrices = setup.bound.joint_mass_matrices(q, v.shape[1], setup.method)
         except Unsupported as error:
             silence = str(error)
+    system = setup.bound.system(setup.case)
     whole, unit = mechanism(system.mjcf), setup.epsilon
     counted = whole
     findings: list[Finding | Inconclusive] = []

@@ -13,10 +13,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ....reference.differences import by_complex_step
+from ....reference.equations import ModelEquations, scene_equations
 from ....reference.errors import CannotJudgeError, EngineError, MbcheckError, Unsupported
 from ....reference.scene import Array, Case
 from ....reference.solve.solution import run_sizes
-from ...engines.equations import ModelEquations, scene_equations
 from ...engines.run import VIOLATIONS
 from ...engines.setup import Setup
 from ..comparison import Measured, Part, ideal_rows
@@ -85,7 +85,9 @@ class Sampled(NamedTuple):
     def values(self, division: int = 1) -> Array:
         """Run it, or with a fraction of the step, through the guard."""
         step = self.setup.step_size / division
-        return self.setup.simulate(step, self.samples * division).matrix(self.setup.observables)
+        return self.setup.simulate(step, self.samples * division).matrix(
+            self.setup.bound.observables
+        )
 
     def solution(self, equations: ModelEquations, state: Array | None = None) -> Truth:
         """Return the solution of equations of motion, from the case's start or another state.
@@ -95,7 +97,7 @@ class Sampled(NamedTuple):
         CannotJudgeError
             If there is none.
         """
-        case, names = self.setup.case, self.setup.observables
+        case, names = self.setup.case, self.setup.bound.observables
         state = equations.start(case) if state is None else state
         span = float(self.times[-1] - case.start_time)
         if equations.scene.stiff is None and rates(equations, case)[0] * span > STIFF:
@@ -133,10 +135,10 @@ def measure(setup: Setup) -> Measured:
     right = run.solution(exact)
     model = right  # in place of model equations that are too stiff to be solved
     span = float(run.times[-1] - case.start_time)
-    if not setup.is_exact and span <= longest_horizon(setup.equations, case):
-        model = run.solution(setup.equations)
+    if not setup.bound.is_exact and span <= longest_horizon(setup.bound.equations, case):
+        model = run.solution(setup.bound.equations)
     finding = compare_run(run, values, right, model)
-    bound = float(np.max(right.bound / sizes(setup.observables, right)))
+    bound = float(np.max(right.bound / sizes(setup.bound.observables, right)))
     if finding.error <= finding.tolerance and not bound <= SHARPEST:
         raise CannotJudgeError(f"not judged: the reference may be off by {bound:.2g} of a size")
     return Measured([finding])
@@ -146,7 +148,7 @@ def builds(setup: Setup) -> bool:
     """Return whether the engine makes a model of the case at all."""
     state = setup.scene.state(setup.case.state)[None]
     try:
-        setup.engine.mass_matrices(setup.case, setup.model, state)
+        setup.bound.mass_matrices(state)
     except MbcheckError:
         return True
     except Exception:  # whatever a foreign engine raises while it compiles
@@ -156,7 +158,7 @@ def builds(setup: Setup) -> bool:
 
 def compare_run(run: Sampled, values: Array, exact: Truth, model: Truth) -> Finding:
     """Compare a run with the reference, the model's own solution, and runs with halved steps."""
-    setup, names = run.setup, run.setup.observables
+    setup, names = run.setup, run.setup.bound.observables
     size = sizes(names, exact)
     opening = np.array([name.endswith("_violation") for name in names])
     runs, failure = [values], ""
@@ -260,7 +262,7 @@ def error_of_elements(run: Sampled, values: Array) -> Any:
     None is granted where that run fails, nor to a model that solves equations of its own.
     """
     setup = run.setup
-    order = setup.element_order if setup.approximates_continuum else 0
+    order = setup.bound.description.element_order if setup.bound.approximates_continuum else 0
     if not order:
         return 0.0
     try:

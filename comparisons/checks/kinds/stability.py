@@ -17,6 +17,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from ....reference import get_scene
+from ....reference.equations import ModelEquations, scene_equations
 from ....reference.errors import CannotJudgeError, NoOrbitError
 from ....reference.orbits import (
     Orbit,
@@ -28,7 +29,6 @@ from ....reference.periodic import harmonics
 from ....reference.scene import Array, Case
 from ....reference.solve.batched import solve_many
 from ....reference.solve.single import solve
-from ...engines.equations import ModelEquations, scene_equations
 from ...engines.setup import Setup, shortest_period
 from .. import boundary
 from ..comparison import Measured
@@ -66,7 +66,7 @@ def quantities(setup: Setup) -> tuple[str, ...]:
     if setup.case.watch == "outcome":
         return ("outcome",)
     names = (*QUANTITIES, *setup.scene.orbit.units, "extrapolated")
-    return names if setup.is_exact else (*names, "model_error")
+    return names if setup.bound.is_exact else (*names, "model_error")
 
 
 def leading_directions(orbit: Orbit, scale: Array) -> tuple[Array, Any]:
@@ -242,7 +242,7 @@ def of_orbit(setup: Setup) -> list[Finding | Inconclusive]:
         orbit = true_orbit(setup.case.scene, setup.case.parameters)
     except NoOrbitError as none:
         raise CannotJudgeError(str(none)) from none
-    equations = setup.equations
+    equations = setup.bound.equations
     right, bound = model_orbit(equations, setup.case.scene, setup.case.parameters)
     longest = orbit_step(setup)
     count = SAMPLES * int(np.ceil(orbit.period / longest / SAMPLES))
@@ -278,7 +278,7 @@ def of_orbit(setup: Setup) -> list[Finding | Inconclusive]:
     regular = [name for name in orbits.regular if name not in orbits.drowned]
     if not regular:
         silence = "nothing converges with the declared order that could be extrapolated"
-        names = ("extrapolated",) if setup.is_exact else ("extrapolated", "model_error")
+        names = ("extrapolated",) if setup.bound.is_exact else ("extrapolated", "model_error")
         return findings + [Inconclusive(name, silence) for name in names]
     limits = {name: orbits.estimates[name].limit for name in regular}
     away = {name: float(np.max(np.abs(limit - right[name]))) for name, limit in limits.items()}
@@ -289,7 +289,7 @@ def of_orbit(setup: Setup) -> list[Finding | Inconclusive]:
     findings.append(
         Finding("extrapolated", "1", away[worst], 0.0, away[worst], orbits.room(worst), reason)
     )
-    if not setup.is_exact:
+    if not setup.bound.is_exact:
         exact, _ = model_orbit(scene_equations(setup.case), setup.case.scene, setup.case.parameters)
         off, predicted = (
             max(

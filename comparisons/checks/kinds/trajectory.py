@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ....reference.equations import scene_equations
 from ....reference.errors import CannotJudgeError, EngineError
 from ....reference.scene import Array
-from ...engines.equations import scene_equations
 from ...engines.setup import Setup
 from ..comparison import (
     REFINEMENTS,
@@ -73,8 +73,8 @@ def quantities(setup: Setup) -> tuple[str, ...]:
     last = "scheme_residual" if setup.scheme else "extrapolated"
     scene = setup.scene
     whole = tuple(scene.run_quantities.units) if scene.run_quantities else ()
-    names = (*setup.observables, *whole, last)
-    return names if setup.is_exact else (*names, "model_error")
+    names = (*setup.bound.observables, *whole, last)
+    return names if setup.bound.is_exact else (*names, "model_error")
 
 
 def measure(setup: Setup) -> Measured:
@@ -95,12 +95,14 @@ def measure(setup: Setup) -> Measured:
     away = run.largest(prediction.limit - run.right.values)
     name = "scheme_residual" if setup.scheme else "extrapolated"
     findings.append(run.limit(name, away, 0.0, f"{note}; {prediction.reason}"))
-    if not setup.is_exact:
+    if not setup.bound.is_exact:
         exact = truth(scene_equations(setup.case), setup.case, run.right.times, run.names).values
         off, expected = (run.largest(one - exact) for one in (prediction.limit, run.right.values))
         reason = f"the model is off the scene by {expected:.2g} of the range at any step: "
         findings.append(
-            run.limit("model_error", off, expected, reason + setup.solved_equations.scene.title)
+            run.limit(
+                "model_error", off, expected, reason + setup.bound.solved_equations.scene.title
+            )
         )
     return Measured(findings, run.runs)
 
@@ -127,14 +129,14 @@ def with_step(setup: Setup, step: float) -> FreeRun:
     CannotJudgeError
         If rounding alone may hide what is wrong.
     """
-    case, scheme, names = setup.case, setup.scheme, setup.observables
+    case, scheme, names = setup.case, setup.scheme, setup.bound.observables
     horizon = simulated_horizon(case, step, scheme, setup.epsilon)
     numbers = sample_numbers(horizon, step, RUN_SAMPLES if setup.scene.run_quantities else SAMPLES)
     _, growth = permitted_horizon(case, step, setup.epsilon)
     room = rounding(int(numbers[-1]), growth, setup.epsilon)
     if room > CAP:
         raise CannotJudgeError(f"rounding may leave {room:.2g} of each size: nothing is known")
-    right = truth(setup.solved_equations, case, case.start_time + numbers * step, names)
+    right = truth(setup.bound.solved_equations, case, case.start_time + numbers * step, names)
     values, finer = setup.simulate(step, numbers).matrix(names), list[Array]()
     parts, units = [Part(case, numbers)], setup.scene.units
     if scheme:
@@ -150,11 +152,17 @@ def with_step(setup: Setup, step: float) -> FreeRun:
 def in_space(run: FreeRun) -> FreeRun:
     """Return a run with the error of its elements, by one with half as many; none are too few."""
     setup = run.setup
-    if not setup.approximates_continuum or setup.discrete or not setup.element_order:
+    if (
+        not setup.bound.approximates_continuum
+        or setup.bound.discrete
+        or not setup.bound.description.element_order
+    ):
         return run
     ((_, numbers),) = run.parts
     coarse = setup.with_segments(0.5).simulate(run.step, numbers).matrix(run.names)
-    prediction = run.prediction.with_elements(run.values - coarse, setup.element_order)
+    prediction = run.prediction.with_elements(
+        run.values - coarse, setup.bound.description.element_order
+    )
     seen = last_trusted_sample(prediction.errors / run.right.size[:, None])
     return replace(run, coarse=coarse, prediction=prediction, seen=seen)
 
@@ -170,7 +178,7 @@ def in_window(run: FreeRun) -> FreeRun:
         ``step``, if no sample has an error that leaves something to be seen.
     """
     setup, prediction, step = run.setup, run.prediction, run.step
-    if setup.discrete and not (prediction.shrinks and run.seen):
+    if setup.bound.discrete and not (prediction.shrinks and run.seen):
         horizon = simulated_horizon(setup.case, step, setup.scheme, setup.epsilon)
         lost = unfollowed_vibrations(setup, step, horizon, run.right, run.room)
         prediction = replace(prediction, unfollowed=lost)
@@ -207,7 +215,9 @@ def run_quantities(run: FreeRun) -> list[Finding | Inconclusive]:
         predicted = estimate.predicted / RICHARDSON_SAFETY
         reason = f"predicted error {predicted:.3g} from half the step"
         if run.coarse is not None:
-            predicted += abs(value - derived[4][name][0]) / (2**setup.element_order - 1)
+            predicted += abs(value - derived[4][name][0]) / (
+                2**setup.bound.description.element_order - 1
+            )
             reason = f"predicted error {predicted:.3g} from half the step and half the elements"
         granted = prediction.shrinks * RICHARDSON_SAFETY * predicted + gain * trust
         error = abs(value - reference)

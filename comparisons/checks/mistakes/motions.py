@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from ....reference.equations import ModelEquations
 from ....reference.scene import Array, Case
 from ....reference.solve import schemes
-from ...engines.equations import ModelEquations
 from ...engines.setup import Setup
 from ..comparison import EngineRuns, Part
 from ..tolerances import rows
@@ -157,8 +157,8 @@ class Hypothesis:
 
     def rows(self, setup: Setup, step: float, names: tuple[str, ...]) -> Array:
         """Return observables (k, n) after these numbers of steps [s]."""
-        scene = self.scene or setup.equations.scene
-        own = ModelEquations(scene, setup.equations.parameters)
+        scene = self.scene or setup.bound.equations.scene
+        own = ModelEquations(scene, setup.bound.equations.parameters)
         scheme, parts = self.scheme or setup.scheme, 1
         step = step * (1 + self.stretch)
         if scheme is None:
@@ -166,7 +166,7 @@ class Hypothesis:
         begin, x = self.case.start_time - self.late * step, own.start(self.case)
         first = self.case.start_time if self.waits else -np.inf
         if self.frozen is None:
-            scalar = ChangedDrive(scene, own.parameters, setup.integrates_drive)
+            scalar = ChangedDrive(scene, own.parameters, setup.bound.integrates_drive)
             scalar.begin, scalar.end = first, self.end - self.late * step
             counts = parts * self.numbers
             return rows(
@@ -193,7 +193,7 @@ def mistakes(seen: Seen) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
         if words and states not in starts:
             yield words, partial(changed, keeps=keeps)
         starts.append(states)
-    for words, scene in setup.equations.scene.mistakes.items():
+    for words, scene in setup.bound.equations.scene.mistakes.items():
         yield words, partial(changed, scene=scene)
     if setup.scheme is None and setup.integrator.order < 2:
         return  # the error of a right one is of the size of what follows
@@ -202,7 +202,7 @@ def mistakes(seen: Seen) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
         yield f"{words}, by {abs(stretch):.3g} of it", partial(changed, stretch=stretch)
     yield "samples are one step late", partial(changed, ahead=-1)
     yield "samples are one step early", partial(changed, ahead=1)
-    if setup.equations.scene.drive is not None:
+    if setup.bound.equations.scene.drive is not None:
         end = float(setup.scene.drive_end_time(setup.case.parameters)) or np.inf
         for until in sorted({end, np.inf}):
             for words, how in SHIFTED:
@@ -249,7 +249,9 @@ def with_expected(setup: Setup, step: float, parts: Sequence[Part], values: Arra
     names = setup.scene.observables
     if takes_long(setup, parts):  # as the check itself has solved it
         ((case, numbers),) = parts
-        right = truth(setup.solved_equations, case, case.start_time + numbers * step, names).values
+        right = truth(
+            setup.bound.solved_equations, case, case.start_time + numbers * step, names
+        ).values
     else:
         right = np.hstack([Hypothesis(*part).rows(setup, step, names) for part in parts])
     return EngineRuns(setup, step, parts, values, right)

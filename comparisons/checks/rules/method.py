@@ -11,8 +11,8 @@ from scipy.linalg import eigh
 
 from ....reference.amplification import excess, numerical_modes
 from ....reference.differences import PROBE, probed
+from ....reference.equations import scene_equations
 from ....reference.scene import Dynamics
-from ...engines.equations import scene_equations
 from ...engines.run import EPS
 from ..free_vibrations import stable_step, start_and_rests
 from ..tolerances import CAP
@@ -158,10 +158,10 @@ def motion_size(run: RunConditions) -> dict[str, float]:
 
 def engine_range(run: RunConditions) -> Statement | None:
     """Compare expected positions, rates and accelerations with the largest that an engine takes."""
-    largest, n = run.engine.largest_value, len(run.start) // 2
+    largest, n = run.engine.max_value, len(run.start) // 2
     if not math.isfinite(largest):
         return None
-    rate = run.equations.scene.right_hand_side(run.equations.parameters)
+    rate = run.bound.equations.scene.right_hand_side(run.bound.equations.parameters)
     m, _, k, _ = run.start_and_rests[0].matrices
     squares, shapes = eigh((k + k.T) / 2, (m + m.T) / 2)
     share = np.abs(shapes.T @ m @ run.start[n:])
@@ -219,7 +219,7 @@ def inconsistent_start(run: RunConditions) -> Statement | None:
 
 def unstable_start(run: RunConditions) -> Statement | None:
     """Look for a start that is a state of rest, and from which something grows."""
-    (scene, parameters), n = run.equations, len(run.start) // 2
+    (scene, parameters), n = run.bound.equations, len(run.start) // 2
     growing = float(np.max(run.start_and_rests[0].rates.real))
     if np.any(run.start[n:]) or not growing * run.horizon > 1:
         return None

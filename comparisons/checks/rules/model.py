@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from ....reference.equations import ModelEquations, scene_equations
 from ....reference.errors import EngineError
 from ....reference.linear import linearise, modes
 from ....reference.scene import Case
 from ...engines.adapter import Adapter
-from ...engines.equations import ModelEquations, scene_equations
 from ...engines.run import EPS, attempt
 from ...engines.setup import Setup
 from ..free_vibrations import place
@@ -37,16 +37,16 @@ def inertia_floor(run: RunConditions) -> Statement | None:
     for item in dataclasses.fields(p):
         value, unit = getattr(p, item.name), item.metadata["unit"]
         if unit in ("kg", "kg m^2") and value > 0:
-            least = engine.least_inertia
+            least = engine.min_inertia
             refused = conditions.inertia_floor(item.name, value, unit, least, engine.name)
             if refused:
                 return refused
-    if run.equations.scene is not scene or run.equations.parameters == p:
+    if run.bound.equations.scene is not scene or run.bound.equations.parameters == p:
         return None
     q = scene.state(run.case.state)[: len(scene.coordinates)]
     model, exact = (
         np.diag(np.array(scene.mass_matrix(q, scene.coefficients(one), np), dtype=float))
-        for one in (run.equations.parameters, p)
+        for one in (run.bound.equations.parameters, p)
     )
     more = np.abs(model - exact) / exact
     worst = int(np.argmax(more))
@@ -60,7 +60,7 @@ def inertia_floor(run: RunConditions) -> Statement | None:
 
 def closure_softness(run: RunConditions) -> Statement | None:
     """Estimate how far a soft closure opens, from the residual's acceleration and its spring."""
-    equations, scene = run.equations, run.scene
+    equations, scene = run.bound.equations, run.scene
     more = len(equations.scene.coordinates) - len(scene.coordinates)
     if equations.scene is scene or equations.scene.discretisation_coordinates or more <= 0:
         return None
@@ -96,7 +96,7 @@ def _opening(equations: ModelEquations, state: tuple[float, ...]) -> float:
 
 def discretisation(run: RunConditions) -> Statement | None:
     """Compare the first frequency of a discretised continuum with the continuum's."""
-    if not run.element_order:
+    if not run.bound.description.element_order:
         return None
     p = run.case.parameters.without_gravity()
     speeds = run.start_speeds(run.scene.steady_coordinates[STEADY])
@@ -119,11 +119,11 @@ def frequency_error(engine: Adapter, model: str, scene: str, steady: Any) -> flo
     None where the engine fails to linearise; it says so when it runs.
     """
     setup = Setup(engine, Case(scene, "", steady), model)
-    case, equations = setup.case, setup.equations
-    if not setup.approximates_continuum:
+    case, equations = setup.case, setup.bound.equations
+    if not setup.bound.approximates_continuum:
         return first_frequency(equations) / first_frequency(scene_equations(case)) - 1
     state = np.array([0.0, steady.angular_speed])
-    matrices = attempt(partial(engine.linearise, case, model, state))
+    matrices = attempt(partial(setup.bound.linearise, state))
     if isinstance(matrices, EngineError):
         return None
     omega = min(mode.omega for mode in modes(*matrices) if mode.omega > 0)
@@ -150,7 +150,7 @@ def ill_conditioned(run: RunConditions) -> Statement | None:
         statement = conditions.ill_conditioned(m, f"about {at.name}")
         if statement:
             return statement
-        rates = modes(m, 0 * m, k) if run.has_constraints else ()
+        rates = modes(m, 0 * m, k) if run.bound.has_constraints else ()
         omega = [mode.omega for mode in rates if mode.omega > 0]
         lost = EPS * (max(omega) / min(omega)) ** 2 if omega else 0.0
         if lost > conditions.DIGITS:

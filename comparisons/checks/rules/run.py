@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 
 from ....reference import get_scene
+from ....reference.equations import ModelEquations, scene_equations
 from ....reference.scene import Array, Case
-from ...engines.equations import ModelEquations, scene_equations
 from ...engines.setup import Setup, shortest_period
 from ..free_vibrations import Place, places, start_and_rests
 
@@ -27,7 +27,7 @@ class RunConditions(Setup):
     @cached_property
     def start(self) -> Array:
         """Initial state (2 n,) in the coordinates of the model's equations."""
-        return self.equations.start(self.case)
+        return self.bound.equations.start(self.case)
 
     @cached_property
     def places(self) -> tuple[Place, ...]:
@@ -37,7 +37,7 @@ class RunConditions(Setup):
     @cached_property
     def start_and_rests(self) -> tuple[Place, ...]:
         """Start and states of rest of the model's equations."""
-        return start_and_rests(self.equations, tuple(self.start[: len(self.start) // 2]))
+        return start_and_rests(self.bound.equations, tuple(self.start[: len(self.start) // 2]))
 
     @cached_property
     def period(self) -> float:
@@ -65,7 +65,7 @@ class RunConditions(Setup):
         """
         scene, case = self.scene, replace(self.case, inconsistency={})
         turns = [scene.coordinates.index(name) for name in scene.rotations_per_period]
-        if self.has_constraints and self.equations.scene is scene:
+        if self.bound.has_constraints and self.bound.equations.scene is scene:
             return 1.0
         if scene.discretisation_coordinates or not turns or not self.fastest_turn > 0:
             return 0.0

@@ -23,9 +23,9 @@ from ..protocol import (
     Engine,
     EngineError,
     Method,
+    ModelDescription,
     Motion,
     Option,
-    OwnModel,
     System,
     Unsupported,
     import_library,
@@ -46,8 +46,8 @@ EXPLICIT = (
     Method("RK67", 6, "RK67"),
 )
 IMPLICIT = (
-    Method("GeneralizedAlpha", 2, linear="generalized_alpha"),
-    Method("TrapezoidalIndex2", 2, linear="trapezoidal"),
+    Method("GeneralizedAlpha", 2, linear_scheme="generalized_alpha"),
+    Method("TrapezoidalIndex2", 2, linear_scheme="trapezoidal"),
 )
 """As ``exudyn.DynamicSolverType`` spells them.
 
@@ -128,20 +128,20 @@ class Exudyn(Engine):
         """Return the names of the Exudyn models of a scene, default first."""
         return tuple(models(scene))
 
-    def own_model(self, system: System) -> OwnModel:
+    def describe_model(self, system: System) -> ModelDescription:
         """Return what is to be known of a model."""
         case, source = system.case, self.source(system.case, system.model)
         p = case.parameters
-        return OwnModel(
+        return ModelDescription(
             constrained=bool(source.constrained),
             reactions=tuple(source.reactions),
             equations=source.equations(p) if source.equations else None,
             elements=source.discrete(p) if source.discrete else None,
             element_order=source.element_order(p),
-            why_not_placed=why_not_placed(source, case, system.model),
+            unplaceable_reason=unplaceable_reason(source, case, system.model),
         )
 
-    def why_not(self, system: System, method: Method | None) -> str | None:
+    def unsupported_reason(self, system: System, method: Method | None) -> str | None:
         """Return why this method cannot run this system, or None."""
         source = self.source(system.case, system.model)
         if system.case.inconsistency:
@@ -152,7 +152,7 @@ class Exudyn(Engine):
                 f"keep; use {' or '.join(item.name for item in IMPLICIT)}"
             )
         if system.case.placement:
-            return None  # what `why_not_placed` knows
+            return None  # what `unplaceable_reason` knows
         reason: str | None = source.why_not(system.case.parameters)
         return reason
 
@@ -630,7 +630,7 @@ class Probe:
         return np.hstack([plane[:, ~bound], plane[:, bound] @ null_space(rows[:, bound])])
 
 
-def why_not_placed(source: Any, case: Case, model: str) -> str | None:
+def unplaceable_reason(source: Any, case: Case, model: str) -> str | None:
     """Return why a model cannot be placed in the world otherwise than it stands, or None."""
     reason: str | None = source.why_not_in_axes(case.parameters)
     if reason is not None or source.in_axes is None:

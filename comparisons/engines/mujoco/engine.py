@@ -25,7 +25,7 @@ METHODS = (
     Method("implicit", 1, "implicit_euler_velocity", scheme_with_loops=False),
     Method("implicitfast", 1, "implicit_euler_dampers", scheme_with_loops=False),
     Method("RK4", 4, "RK44"),
-    Method("discrete", 1, linear="implicit_euler"),
+    Method("discrete", 1, linear_scheme="implicit_euler"),
 )
 """As MuJoCo spells them; `discrete` exists from 3.13 on. The implicit ones leave the forces of
 constraints out of their derivatives, which no scheme on the equations of motion alone does."""
@@ -72,10 +72,10 @@ class MuJoCo(Engine):
 
     name = "mujoco"
     closure = "mjcf"
-    reads_all_mjcf = True
+    needs_only_mjcf = True
     accumulates_clock = True
-    least_inertia = 1e-15  # mjMINVAL
-    largest_value = 1e10  # mjMAXVAL
+    min_inertia = 1e-15  # mjMINVAL
+    max_value = 1e10  # mjMAXVAL
     solver_tolerance: float | None = None
 
     def __init__(self) -> None:
@@ -86,7 +86,7 @@ class MuJoCo(Engine):
         self.methods = tuple(m for m in METHODS if integrator_name(m.name) in known)
         self.compiled = lru_cache(MODELS)(self.compile)
 
-    def why_not(self, system: System, method: Method | None) -> str | None:
+    def unsupported_reason(self, system: System, method: Method | None) -> str | None:
         """Return why this method cannot run this system, or None."""
         if method is not None and method.name == "discrete" and system.drivers:
             return (
@@ -115,7 +115,7 @@ class MuJoCo(Engine):
         Raises
         ------
         EngineError
-            ``step``, if it is so long that MuJoCo would soften a closure in silence.
+            ``step``, if it is so long that MuJoCo would soften a closure silently.
         """
         with self.opened(system):
             compiled = self.compiled(Order(system, method.name, step))
@@ -257,14 +257,14 @@ class MuJoCo(Engine):
             raise EngineError(
                 "step",
                 f"with steps above {longest:g} s MuJoCo softens the closure of "
-                f"{order.system.model} without a word (refsafe), so {order.step:.6g} s would be a "
+                f"{order.system.model} silently (refsafe), so {order.step:.6g} s would be a "
                 "run of another model",
             )
 
     def refuse_lost_offsets(self, compiled: Any) -> None:
         """Refuse a model whose centres of mass lie too near to their bodies' frames.
 
-        Below 1e-6 m MuJoCo takes them for one place without a word (``body_sameframe``).
+        Below 1e-6 m MuJoCo takes them for one place silently (``body_sameframe``).
 
         Raises
         ------

@@ -141,7 +141,7 @@ def recorded(
         steps,
         warnings(mujoco, data),
         steps * stages,
-        changed=tuple(name for name in before if before[name] != after[name]),
+        changed_inputs=tuple(name for name in before if before[name] != after[name]),
     )
 
 

@@ -83,7 +83,7 @@ def odd_inertia(s: InspectedModel) -> Iterator[Hit]:
     for body, _, reach, _, stated in extents(s):
         gyration = float(np.sqrt(np.max(m.body_inertia[body]) / m.body_mass[body]))
         share = gyration / reach
-        if not stated or np.min(m.body_inertia[body]) <= NEAR_FLOOR * MuJoCo.least_inertia:
+        if not stated or np.min(m.body_inertia[body]) <= NEAR_FLOOR * MuJoCo.min_inertia:
             continue  # a point, of which `inertia_floor` speaks
         if not SMALL < share < LARGE:
             size = "larger" if share >= LARGE else "smaller"

@@ -177,7 +177,7 @@ def inertia_floor(s: InspectedModel) -> Iterator[Hit]:
     ]
     for kind, number, what, unit, inertia in inertias:
         statement = conditions.inertia_floor(
-            what, inertia, unit, MuJoCo.least_inertia, "MuJoCo", conditions.NEAR_FLOOR
+            what, inertia, unit, MuJoCo.min_inertia, "MuJoCo", conditions.NEAR_FLOOR
         )
         if statement is not None:
             said.setdefault((kind, number), s.hit(kind, number, statement.message))

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.special import jv
 
 from ....reference import get_scene
+from ....reference.equations import scene_equations
 from ....reference.hula_hoop.equations import (
     SEMICIRCLE,
     coefficients,
@@ -21,7 +22,6 @@ from ....reference.hula_hoop.equations import (
 )
 from ....reference.hula_hoop.theory import nondimensional, paper_solution, printed_residuals
 from ...checks.truth import random_states
-from ...engines.equations import scene_equations
 from ...engines.registry import REFERENCE
 from ...engines.run import contained
 from ...queries.query import choose_engine
@@ -296,7 +296,7 @@ def equations_of_motion(session: Session, who: str) -> Numbers:
     truth = np.array([derivative(t, x)[2:] for t, x in zip(times, points, strict=True)])
     engine, model = choose_engine(who, case, None)
     with contained():
-        own = engine.accelerations(case, model, times, points)
+        own = engine.bind(case, model).accelerations(times, points)
     return {"error": float(np.abs(own - truth).max() / np.abs(truth).max())}
 
 

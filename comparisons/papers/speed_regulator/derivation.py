@@ -269,10 +269,10 @@ def reactions(session: Session, who: str) -> Numbers | str:
     else:
         case = Query(SCENE).case
         engine, model = choose_engine(who, case, None)
-        if not set(names) <= set(engine.reaction_names(case, model)):
+        if not set(names) <= set(engine.bind(case, model).reaction_names):
             return "does not tell"
         states = np.stack([phi, np.full(3, SPEED)], axis=1)
-        own = call_engine(lambda: engine.reactions(case, model, np.zeros(3), states))
+        own = call_engine(lambda: engine.bind(case, model).reactions(np.zeros(3), states))
     size = max(float(np.max(abs(exact[name]))) for name in names)
     return {"error": max(float(np.max(abs(own[name] - exact[name]))) for name in names) / size}
 
@@ -301,7 +301,7 @@ def accelerations_17(session: Session, who: str) -> Numbers:
     case = Query(SCENE).case
     engine, model = choose_engine(who, case, None)
     states = np.stack([phi, speed], axis=1)
-    own = call_engine(lambda: engine.accelerations(case, model, np.zeros(len(phi)), states))
+    own = call_engine(lambda: engine.bind(case, model).accelerations(np.zeros(len(phi)), states))
     return {"error": error(own[:, 0]), "model": model}
 
 

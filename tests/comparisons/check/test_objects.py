@@ -93,7 +93,7 @@ def refuse(*_: object) -> None:
 
 ANSWERS = {
     "leaves": (leave, "SystemExit"),
-    "ends": (refuse, "why_not: the run is over"),
+    "ends": (refuse, "unsupported_reason: the run is over"),
     "number": (lambda *_: 5, "must return a reason or None, not int 5"),
 }
 
@@ -103,7 +103,7 @@ def test_what_fails_as_checks_are_planned_is_an_error_of_its_engine() -> None:
     engines = [Solved(RIGHT)]
     for name, (answer, _) in ANSWERS.items():
         wrong = Solved(RIGHT)
-        vars(wrong).update(name=name, why_not=answer)
+        vars(wrong).update(name=name, unsupported_reason=answer)
         engines.append(wrong)
     report = mbcheck.check(["hula_hoop"], engines, ids=["*/point_mass_3hz_60n/algebra/*"])
     assert report.exit_code == 1

@@ -169,11 +169,11 @@ def test_what_is_not_placed_says_why(
     scene: str, model: str, placement: str, words: str | None
 ) -> None:
     case = replace(get_scene(scene).cases[0], placement=placement)
-    reason = ExudynAdapter().why_not_placed(case, model)
+    reason = ExudynAdapter().bind(case, model).description.unplaceable_reason
     assert reason is None if words is None else words in str(reason)
 
 
 def test_geometrically_exact_elements_are_not_placed() -> None:
     case = get_scene("rotating_beam").case("steady_4_geometrically_exact")
-    reason = ExudynAdapter().why_not_placed(replace(case, placement="turned:1"), "elements")
-    assert "lie in a plane" in str(reason)
+    model = ExudynAdapter().bind(replace(case, placement="turned:1"), "elements")
+    assert "lie in a plane" in str(model.description.unplaceable_reason)

@@ -20,7 +20,7 @@ from mbcheck.comparisons.checks.suite import Check, plan, run_check
 from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.checks.verdict import Finding, Result, judge
 from mbcheck.comparisons.engines import registry as engines
-from mbcheck.comparisons.engines.adapter import Adapter
+from mbcheck.comparisons.engines.adapter import Adapter, BoundModel
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.run import Trajectory
@@ -202,10 +202,10 @@ class Exact(Wrapped):
     """An engine without an error of its steps: it returns the reference's motion."""
 
     def simulate(
-        self, case: Case, model: str, method: Method, step: float, times: Array
+        self, model: BoundModel, case: Case, method: Method, step: float, times: Array
     ) -> Trajectory:
         """Return the reference's motion, with the engine's own steps."""
-        motion = get_engine("reference").simulate(case, "exact", method, step, times)
+        motion = get_engine("reference").bind(case, "exact").simulate(case, method, step, times)
         steps = round((float(times[-1]) - case.start_time) / step)
         return replace(motion, steps=steps)
 

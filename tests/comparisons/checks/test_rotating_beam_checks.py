@@ -13,22 +13,27 @@ from typing import Any
 import numpy as np
 import pytest
 
+import mbcheck
 from mbcheck.comparisons.checks.elements import measure_frequencies, measure_order
 from mbcheck.comparisons.checks.suite import checks_of, run_check
 from mbcheck.comparisons.checks.truth import RATIO, truth
 from mbcheck.comparisons.checks.verdict import PROFILES, Finding, judge
-from mbcheck.comparisons.engines.equations import ModelEquations, scene_equations
+from mbcheck.comparisons.engines.adapter import NO_FILE, Adapter, BoundModel
 from mbcheck.comparisons.engines.exudyn.engine import EXPLICIT
 from mbcheck.comparisons.engines.protocol import Method
+from mbcheck.comparisons.engines.reference import ExactEngine
 from mbcheck.comparisons.engines.run import Trajectory, grid_indices
 from mbcheck.comparisons.engines.setup import Setup, run
 from mbcheck.comparisons.faults.catalogue import ENGINES, Fault, misread, scaled
 from mbcheck.comparisons.faults.exudyn import ExudynAdapter, Rebuilt
-from mbcheck.comparisons.faults.mujoco import MujocoAdapter
+from mbcheck.comparisons.faults.mujoco import MujocoAdapter, Rewritten
 from mbcheck.comparisons.faults.reference import Impostor
-from mbcheck.comparisons.faults.variants import Delegating, Misread, Wrapped
+from mbcheck.comparisons.faults.runs import Altered
+from mbcheck.comparisons.faults.variants import Misread, Wrapped
 from mbcheck.models.exudyn_system import items
+from mbcheck.models.mjcf import Mjcf
 from mbcheck.models.rotating_beam import exudyn_model
+from mbcheck.reference.equations import ModelEquations, scene_equations
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.linear import linearise, modes
 from mbcheck.reference.rotating_beam import SCENE, beam_scene
@@ -36,7 +41,6 @@ from mbcheck.reference.rotating_beam.chain import scene_of
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 from mbcheck.reference.scene import Array, Case
 from mbcheck.tests.support.subjects import (
-    Altered,
     Subject,
     check_of,
     is_seen,
@@ -64,40 +68,43 @@ CASES: Mapping[str, str | Case] = {
 # Ways to be wrong ---------------------------------------------------------------------------
 
 
-class EditedMujoco(MujocoAdapter):
-    """MuJoCo with one number of its MJCF multiplied."""
+def edited_mujoco(before: str, factor: float) -> Rewritten:
+    """Return MuJoCo with one number of its MJCF multiplied.
 
-    def __init__(self, before: str, factor: float) -> None:
-        super().__init__()
-        self.before, self.factor = before, factor
+    {n} in the text before the number is the number of the last rod.
+    """
 
-    def text(self, case: Case, model: str) -> str:
-        """Return the MJCF; {n} in what stands before the number is the last rod's."""
-        before = self.before.format(n=int(case.parameters.segments))
+    def multiply(text: str, parameters: Any) -> str:
         found, count = re.subn(
-            f'({before}")([^"]+)',
-            lambda match: f"{match[1]}{self.factor * float(match[2])!r}",
-            super().text(case, model),
+            f'({before.format(n=int(parameters.segments))}")([^"]+)',
+            lambda match: f"{match[1]}{factor * float(match[2])!r}",
+            text,
         )
         assert count == 1
         return found
+
+    return Rewritten(multiply)
 
 
 class AboutRest(Wrapped):
     """An engine that linearises about rest and passes it off as rotation: nothing stiffens."""
 
-    def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, ...]:
+    def compute(self, model: BoundModel, name: str, *arguments: Any) -> Any:
         """Return M, C, K about the state at rest."""
-        return self.engine.linearise(case, model, 0 * state)
+        factor = 0 if name == "linearise" else 1
+        return super().compute(model, name, *(factor * one for one in arguments))
 
 
 class PlainEigenvalues(Wrapped):
     """An engine that takes the spectrum of the stretched beam for that of the turning one."""
 
-    def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, ...]:
+    def compute(self, model: BoundModel, name: str, *arguments: Any) -> Any:
         """Return M, 0, K without what the turning axes do to a beam that bends in their plane."""
-        mass, damping, stiffness = self.engine.linearise(case, model, state)
-        return mass, 0 * damping, stiffness + case.parameters.angular_speed**2 * mass
+        found = super().compute(model, name, *arguments)
+        if name != "linearise":
+            return found
+        mass, damping, stiffness = found
+        return mass, 0 * damping, stiffness + model.case.parameters.angular_speed**2 * mass
 
 
 def fading(found: Trajectory, case: Case) -> Trajectory:
@@ -117,20 +124,20 @@ class Stubborn(Wrapped):
     shortest = 2.0**-8
 
     def simulate(
-        self, case: Case, model: str, method: Method, step: float, times: Array
+        self, model: BoundModel, case: Case, method: Method, step: float, times: Array
     ) -> Trajectory:
         """Integrate with the longer step."""
-        return self.engine.simulate(case, model, method, max(step, self.shortest), times)
+        return model.simulate(case, method, max(step, self.shortest), times)
 
 
 class Lying(Stubborn):
     """The same, but it says that the steps were those asked for."""
 
     def simulate(
-        self, case: Case, model: str, method: Method, step: float, times: Array
+        self, model: BoundModel, case: Case, method: Method, step: float, times: Array
     ) -> Trajectory:
         """Integrate with steps of its own."""
-        found = super().simulate(case, model, method, step, times)
+        found = super().simulate(model, case, method, step, times)
         return replace(found, steps=int(grid_indices(times, case.start_time, step)[-1]))
 
 
@@ -167,10 +174,10 @@ def mujoco(make: Callable[[], Any]) -> Fault:
 
 FAULTS: Mapping[str, Fault] = {
     "root_spring_of_a_whole_cell": mujoco(
-        lambda: EditedMujoco('name="joint_1" stiffness=', 0.5),
+        lambda: edited_mujoco('name="joint_1" stiffness=', 0.5),
     ),
     "last_rod_0.1_percent": mujoco(
-        lambda: EditedMujoco('name="rod_{n}" [^>]*><inertial [^>]*mass=', 1.001),
+        lambda: edited_mujoco('name="rod_{n}" [^>]*><inertial [^>]*mass=', 1.001),
     ),
     "mass_at_0.99": misread(lambda p: p.replace(mass_position=0.99)),
     "bending_stiffness_0.1_percent": scaled("second_moment"),
@@ -368,36 +375,41 @@ Error = Callable[[float], float]
 """Number of segments -> relative error of the frequencies."""
 
 
-class Elements(Delegating):
-    """An engine whose frequencies are those of the continuum but for an error."""
+class ModelOfElements(BoundModel):
+    """A model whose frequencies are those of the continuum but for an error."""
 
-    def __init__(self, error: Error, order: int = 2, side: int = 0) -> None:
-        self.error, self.order, self.which = error, order, side
+    engine: Elements
 
-    def element_order(self, case: Case, model: str) -> int:
-        """Return the order that is claimed."""
-        return self.order
+    def read_source(self) -> Mjcf:
+        """Return that it has no file."""
+        return NO_FILE
 
-    def coordinates(self, case: Case, model: str) -> tuple[str, ...]:
-        """Return those of the scene."""
-        return SCENE.public
+    @property
+    def described(self) -> tuple[mbcheck.ModelDescription, None]:
+        """What it claims."""
+        return mbcheck.ModelDescription(element_order=self.engine.order), None
 
-    def model_equations(self, case: Case, model: str) -> None:
-        """Return nothing: they are the scene's."""
+    @property
+    def frequency_side(self) -> int:
+        """The side that is claimed."""
+        return self.engine.which
 
-    def discrete_equations(self, case: Case, model: str) -> None:
-        """Return nothing: it tells none."""
-
-    def frequency_side(self, case: Case, model: str) -> int:
-        """Return the side that is claimed."""
-        return self.which
-
-    def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, ...]:
+    def linearise(self, state: Array, time: float = 0.0) -> tuple[Array, Array, Array]:
         """Return M, C, K with these frequencies."""
         assert SCENE.continuum.spectrum is not None
-        omega, _ = SCENE.continuum.spectrum(case.parameters, "chordwise", 2)
-        stiffness = np.diag((omega * (1 + self.error(case.parameters.segments))) ** 2)
+        omega, _ = SCENE.continuum.spectrum(self.case.parameters, "chordwise", 2)
+        stiffness = np.diag((omega * (1 + self.engine.error(self.case.parameters.segments))) ** 2)
         return np.eye(2), np.zeros((2, 2)), stiffness
+
+
+class Elements(Adapter):
+    """An engine whose frequencies are those of the continuum but for an error."""
+
+    bound = ModelOfElements
+
+    def __init__(self, error: Error, order: int = 2, side: int = 0) -> None:
+        super().__init__(ExactEngine())
+        self.error, self.order, self.which = error, order, side
 
 
 Measure = Callable[[Setup], list[Finding]]

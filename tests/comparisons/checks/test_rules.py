@@ -13,12 +13,13 @@ from mbcheck.comparisons.checks.rules.cautions import RULES, Rule, cautions
 from mbcheck.comparisons.checks.rules.conditions import Statement
 from mbcheck.comparisons.checks.rules.model import frequency_error
 from mbcheck.comparisons.checks.rules.run import RunConditions
-from mbcheck.comparisons.engines.adapter import Adapter, adapted
+from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.exudyn.engine import Exudyn
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.setup import Setup, run
-from mbcheck.comparisons.faults.variants import Delegating
+from mbcheck.comparisons.faults.runs import Altered
 from mbcheck.comparisons.queries.simulate import simulate
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import EngineError
@@ -118,7 +119,7 @@ def test_inertia_floor() -> None:
     case = Case("hula_hoop", "light", light, {})
     assert "inertia_floor" in rules("mujoco", case, "RK4", 1e-3, 1.0)
     assert "inertia_floor" not in rules("exudyn", case, "RK44", 1e-3, 1.0)
-    found = get_engine("mujoco").mass_matrices(case, "tree", np.zeros((1, 4)))[0, 1, 1]
+    found = get_engine("mujoco").bind(case, "tree").mass_matrices(np.zeros((1, 4)))[0, 1, 1]
     assert found / (light.free_mass * light.rod_length**2) - 1 > 0.1
     lighter = replace(case, parameters=light.replace(free_mass=5e-16))
     assert "inertia_floor" in rules("mujoco", lighter, "RK4", 1e-3, 1.0)
@@ -245,7 +246,7 @@ def test_ill_conditioned() -> None:
     assert "ill_conditioned" not in rules("mujoco", light, "RK4", 1e-3, 1e-2)
     scene = get_scene("hula_hoop")
     states = np.array([[1e-3, 0.1 * i, 0.0, 0.0] for i in (0, 1e-6, 1e-5)])
-    found = get_engine("mujoco").accelerations(case, "tree", np.zeros(3), states)
+    found = get_engine("mujoco").bind(case, "tree").accelerations(np.zeros(3), states)
     right = np.array([scene.right_hand_side(heavy)(0.0, state)[2:] for state in states])
     assert np.max(np.abs(found - right)) > 1e-6 * np.max(np.abs(right))
 
@@ -293,7 +294,7 @@ def spoken(scene: str, full: bool) -> set[tuple[str, str, str]]:
                 for method in (
                     engine.methods if full else (suite.best_method(Setup(engine, case, model)),)
                 ):
-                    if method is None or engine.why_not(case, model, method):
+                    if method is None or engine.bind(case, model).unsupported_reason(case, method):
                         continue
                     step = Setup(engine, case, model, method).default_step
                     for item in cautions(Setup(engine, case, model, method, step), case.horizon):
@@ -328,8 +329,8 @@ def test_an_engine_that_fails_while_a_rule_asks_it_says_nothing() -> None:
     coarse = replace(case, parameters=case.parameters.replace(segments=2))
     setting = (coarse, "GeneralizedAlpha", 2.0**-3, 1e3)
     assert {"discretisation", "coarse_step"} <= rules("exudyn", *setting)
-    assert "discretisation" not in rules(adapted(Failing()), *setting)
-    assert "coarse_step" in rules(adapted(Failing()), *setting)
+    assert "discretisation" not in rules(Adapter(Failing()), *setting)
+    assert "coarse_step" in rules(Adapter(Failing()), *setting)
 
 
 def test_a_rule_that_fails_is_not_hidden() -> None:
@@ -372,20 +373,11 @@ def test_simulate_tells_before_it_runs() -> None:
 def test_a_failed_check_names_its_rules() -> None:
     (check,) = suite.plan(ids=["verification/hula_hoop/rod_aligned/trajectory/mujoco/RK4/y"])
 
-    class Shifted(Delegating):
-        """An engine whose y is wrong."""
+    def shifted(found: Trajectory, case: Case) -> Trajectory:
+        return replace(found, values={**found.values, "y": found.values["y"] + 1.0})
 
-        def __init__(self) -> None:
-            self.engine = get_engine("mujoco")
-
-        def __getattr__(self, name: str) -> Any:
-            return getattr(self.engine, name)
-
-        def simulate(self, *rest: Any) -> Any:
-            found = self.engine.simulate(*rest)
-            return replace(found, values={**found.values, "y": found.values["y"] + 1.0})
-
-    reasons = [r.reason for r in suite.run_check(check, engine=Shifted()) if r.verdict != "pass"]
+    wrong = Altered(get_engine("mujoco"), shifted)
+    reasons = [r.reason for r in suite.run_check(check, engine=wrong) if r.verdict != "pass"]
     assert reasons
     assert all("rule amplification" in reason for reason in reasons)
     assert all("rule" not in r.reason for r in suite.run_check(check))

@@ -12,12 +12,11 @@ import mbcheck
 from mbcheck.comparisons.checks import elements
 from mbcheck.comparisons.checks.kinds import one_step, order
 from mbcheck.comparisons.checks.verdict import Finding, judge
-from mbcheck.comparisons.engines.adapter import adapt
+from mbcheck.comparisons.engines.adapter import BoundModel, adapt
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.faults.exudyn import ExudynAdapter
 from mbcheck.comparisons.faults.variants import Wrapped
 from mbcheck.reference import get_scene
-from mbcheck.reference.scene import Array, Case
 from mbcheck.tests.support.engines.floating import Floating
 from mbcheck.tests.support.engines.sliding import Sliding
 from mbcheck.tests.support.engines.solved import STAGES, Solved
@@ -34,7 +33,8 @@ CASES = {
 
 def own(scheme: str, order: int, substeps: int = 1, told: int | None = None) -> Solved:
     """Return an engine whose method names no scheme, with equal substeps."""
-    return Solved(mbcheck.Method(scheme, order, evaluations=told), scheme, substeps=substeps)
+    method = mbcheck.Method(scheme, order, evaluations_per_step=told)
+    return Solved(method, scheme, substeps=substeps)
 
 
 class Exact(Solved):
@@ -94,12 +94,14 @@ def test_bodies_in_space_do_not_move_as_if_by_no_method(base: Any, scene: str, c
 class Continuum(Wrapped):
     """Elements that have the first frequency of the continuum, however few they are."""
 
-    def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
+    def compute(self, model: BoundModel, name: str, *arguments: Any) -> Any:
         """Return the engine's matrices, stiffer or softer by as much as they are off."""
-        mass, damping, stiffness = self.engine.linearise(case, model, state)
-        own = elements.of_engine(Setup(self.engine, case, model))[0]
-        factor = (elements.of_continuum(Setup(self.engine, case, model))[0] / own) ** 2
-        return mass, damping, stiffness * factor
+        if name != "linearise":
+            return super().compute(model, name, *arguments)
+        mass, damping, stiffness = model.linearise(*arguments)
+        setup = Setup(self.engine, model.case, model.name)
+        own, right = elements.of_engine(setup)[0], elements.of_continuum(setup)[0]
+        return mass, damping, stiffness * (right / own) ** 2
 
 
 def test_the_continuum_does_not_pass_for_elements() -> None:

@@ -52,7 +52,7 @@ def test_vibrations_that_steps_do_not_follow_are_no_defect_of_their_limit() -> N
     """Also where they make errors as regular by chance as those of order 2."""
     setup = variation("rotating_beam", 9).setup()
     case = replace(setup.case, parameters=setup.case.parameters.replace(segments=6.0))
-    unknown = np.zeros(len(setup.observables))
+    unknown = np.zeros(len(setup.bound.observables))
     found = limit_of_steps(setup.with_case(case), [case], setup.default_step / 2, unknown)
     assert isinstance(found, Inconclusive)
     assert "the start shakes vibrations above" in found.reason

@@ -51,7 +51,7 @@ class Rounding(MujocoPlugin):
 def test_options_are_set_and_limit_accuracy() -> None:
     engine = adapt("rounding", Rounding())
     setup = Setup(engine, HOOPS[0], "tree", RK4, 2.0**-6)
-    (option,) = engine.options(setup.case, "tree", RK4)
+    (option,) = engine.bind(setup.case, "tree").options(RK4)
     fine, coarse = (run(setup.with_option(option.name, value), TIMES) for value in (12.0, 3.0))
     assert 0 < np.max(np.abs(fine.values["y"] - coarse.values["y"])) < 1e-3
     assert engine.inner.digits == 12.0  # type: ignore[attr-defined]
@@ -59,15 +59,15 @@ def test_options_are_set_and_limit_accuracy() -> None:
 
 def test_an_engine_that_reads_the_softness_of_loops_has_that_as_an_option() -> None:
     engine = adapt("plugin", MujocoPlugin())
-    assert engine.options(ROTATION, "connect_hard", RK4) == (CLOSURE_TIME,)
-    assert engine.options(ROTATION, "connect", RK4) == ()
+    assert engine.bind(ROTATION, "connect_hard").options(RK4) == (CLOSURE_TIME,)
+    assert engine.bind(ROTATION, "connect").options(RK4) == ()
     softer = engine.with_option("closure_time", 0.02)
-    text = softer.joint_system(ROTATION, "connect_hard").mjcf
+    text = softer.bind(ROTATION, "connect_hard").text
     assert "-2500 -100" in text
-    equations = softer.model_equations(ROTATION, "connect_hard")
+    equations = softer.bind(ROTATION, "connect_hard").own_equations
     assert equations is not None
     assert equations.scene is not soft_scene()
-    assert engine.joint_system(ROTATION, "connect_hard").mjcf != text
+    assert engine.bind(ROTATION, "connect_hard").system(ROTATION).mjcf != text
 
 
 def test_options_reach_an_engine_in_another_process(
@@ -84,7 +84,7 @@ def test_options_reach_an_engine_in_another_process(
     )
     monkeypatch.chdir(tmp_path)
     engine = remote_plugin("rounds:Rounding")
-    assert [one.name for one in engine.options(HOOPS[0], "tree", RK4)] == ["digits"]
+    assert [one.name for one in engine.bind(HOOPS[0], "tree").options(RK4)] == ["digits"]
     setup = Setup(engine, HOOPS[0], "tree", RK4, 2.0**-6)
     fine, coarse = (run(setup.with_option("digits", value), TIMES) for value in (12.0, 3.0))
     assert np.array_equal(coarse.values["y"], np.round(coarse.values["y"], 3))
@@ -97,16 +97,17 @@ class Babbling(MujocoPlugin):
     def options(self, system: Any, method: Any) -> Any:
         return (("digits", 12.0),)
 
-    def why_not(self, system: Any, method: Any) -> Any:
+    def unsupported_reason(self, system: Any, method: Any) -> Any:
         return False
 
 
 def test_answers_that_have_no_sense_are_refused() -> None:
     engine = adapt("babbling", Babbling())
     with pytest.raises(EngineError, match=r"tuple of mbcheck\.Option, not"):
-        engine.options(HOOPS[0], "tree", RK4)
-    with pytest.raises(mbcheck.UsageError, match="why_not: why_not must return"):
-        engine.why_not(HOOPS[0], "tree", RK4)
+        engine.bind(HOOPS[0], "tree").options(RK4)
+    said = "unsupported_reason: unsupported_reason must return"
+    with pytest.raises(mbcheck.UsageError, match=said):
+        engine.bind(HOOPS[0], "tree").unsupported_reason(HOOPS[0], RK4)
 
 
 def test_states_that_are_one_buffer_are_refused() -> None:
@@ -128,7 +129,7 @@ def test_states_that_are_one_buffer_are_refused() -> None:
             run(setup, TIMES)
 
 
-@pytest.mark.parametrize("name", ["options", "reactions", "own_model", "why_not"])
+@pytest.mark.parametrize("name", ["options", "reactions", "describe_model", "unsupported_reason"])
 def test_a_table_under_the_name_of_a_function_is_refused(name: str) -> None:
     with pytest.raises(mbcheck.UsageError, match=f"{name} must be a function.*rename it"):
         adapt("tables", type("Tables", (MujocoPlugin,), {name: {}}))
@@ -147,18 +148,19 @@ def test_observables_at_which_nobody_looks_are_refused() -> None:
             return replace(motion, observables={"Y": motion.positions[:, 0]})
 
     with pytest.raises(EngineError, match=r"Motion\.observables holds 'Y'; known: y, theta, "):
-        adapt("chatty", Chatty).simulate(HOOPS[0], "tree", RK4, 2.0**-6, TIMES)
+        adapt("chatty", Chatty).bind(HOOPS[0], "tree").simulate(HOOPS[0], RK4, 2.0**-6, TIMES)
 
 
 class Refusing(MujocoPlugin):
     """An engine that raises where it should return a reason."""
 
-    def why_not(self, system: Any, method: Any) -> Any:
+    def unsupported_reason(self, system: Any, method: Any) -> Any:
         raise mbcheck.Unsupported("no springs")
 
 
 def test_unsupported_is_a_reason_too() -> None:
-    assert adapt("refusing", Refusing()).why_not(HOOPS[0], "tree", RK4) == "no springs"
+    model = adapt("refusing", Refusing()).bind(HOOPS[0], "tree")
+    assert model.unsupported_reason(HOOPS[0], RK4) == "no springs"
 
 
 class Single(mbcheck.Engine):
@@ -176,9 +178,9 @@ class Single(mbcheck.Engine):
 def test_quaternions_have_the_length_that_their_method_can_keep() -> None:
     engine, case = adapt("single", Single()), get_scene("rigid_body").case("free_euler")
     single, double = engine.methods
-    engine.simulate(case, "ball", single, 0.25, TIMES)
+    engine.bind(case, "ball").simulate(case, single, 0.25, TIMES)
     with pytest.raises(EngineError, match="a quaternion has the length"):
-        engine.simulate(case, "ball", double, 0.25, TIMES)
+        engine.bind(case, "ball").simulate(case, double, 0.25, TIMES)
 
 
 # Loops: reactions, inverse dynamics, sensors ---------------------------------------------------
@@ -274,11 +276,13 @@ class OwnSoftness(MujocoPlugin):
         assert softer != system.mjcf
         return super().at(replace(system, mjcf=softer), *state)
 
-    def own_model(self, system: Any) -> mbcheck.OwnModel:
+    def describe_model(self, system: Any) -> mbcheck.ModelDescription:
         assert system.mjcf
         if self.softness is None:
             raise mbcheck.Unsupported("its softness depends on the step")
-        return mbcheck.OwnModel(equations=(soft_scene(self.softness), system.case.parameters))
+        return mbcheck.ModelDescription(
+            equations=(soft_scene(self.softness), system.case.parameters)
+        )
 
 
 def test_a_softness_of_ones_own_is_judged_by_its_equations_where_they_are_told() -> None:
@@ -291,10 +295,12 @@ def test_a_softness_of_ones_own_is_judged_by_its_equations_where_they_are_told()
     silent = OwnSoftness()
     silent.softness = None
     assert not quantities(silent, "algebra", "rotation")
-    reason = adapt("silent", silent).why_not(ROTATION, "connect", RK4)
+    reason = adapt("silent", silent).bind(ROTATION, "connect").unsupported_reason(ROTATION, RK4)
     assert reason == "its softness depends on the step"
     opened = get_scene("speed_regulator").case("opened_loop")
-    assert adapt("own", OwnSoftness()).why_not(opened, "connect", RK4) is None
+    assert (
+        adapt("own", OwnSoftness()).bind(opened, "connect").unsupported_reason(opened, RK4) is None
+    )
 
 
 # Reasons, and the public names -----------------------------------------------------------------
@@ -305,15 +311,15 @@ class Reluctant(MujocoPlugin):
 
     name = "reluctant"
 
-    def why_not(self, system: Any, method: Any) -> str | None:
+    def unsupported_reason(self, system: Any, method: Any) -> str | None:
         return "no body may drive" if system.drivers else None
 
 
 def test_reasons_are_told_before_a_run() -> None:
     engine = adapt("reluctant", Reluctant())
-    assert engine.why_not(HOOPS[0], "tree", RK4) == "no body may drive"
-    assert engine.why_not(HOOPS[0], "forced", RK4) is None
-    assert "why_not" not in adapt("plugin", MujocoPlugin()).functions
+    assert engine.bind(HOOPS[0], "tree").unsupported_reason(HOOPS[0], RK4) == "no body may drive"
+    assert engine.bind(HOOPS[0], "forced").unsupported_reason(HOOPS[0], RK4) is None
+    assert "unsupported_reason" not in adapt("plugin", MujocoPlugin()).functions
 
 
 @pytest.mark.parametrize("folder", ["mujoco", "exudyn"])

@@ -104,7 +104,7 @@ def acceleration_error(engine: ExudynAdapter, case: Case, model: str, delay: flo
     times, states = samples()
     f = SCENE.right_hand_side(case.parameters)
     truth = np.array([f(t, x)[2:] for t, x in zip(times, states, strict=True)])
-    found = engine.accelerations(case, model, times - delay, states)
+    found = engine.bind(case, model).accelerations(times - delay, states)
     return float(np.max(np.abs(found - truth) / np.max(np.abs(truth), axis=0)))
 
 
@@ -113,7 +113,7 @@ def test_it_names_its_models_and_methods(engine: ExudynAdapter) -> None:
     assert engine.models("no_such_scene") == ()
     assert {item.name for item in engine.methods} == set(LOG2_STEPS)
     with pytest.raises(UnknownNameError, match="did you mean 'redundant'"):
-        engine.accelerations(a_case(), "redundent", *samples(1))
+        engine.bind(a_case(), "redundent").accelerations(*samples(1))
 
 
 @pytest.mark.parametrize("parameters", [POINT, PLATE], ids=["point", "plate"])
@@ -124,7 +124,7 @@ def test_errors_shrink_at_the_declared_order(
     engine: ExudynAdapter, name: str, model: str, state: dict[str, float], parameters: HulaHoop
 ) -> None:
     case = a_case(parameters, state)
-    reason = engine.why_not(case, model, method(name))
+    reason = engine.bind(case, model).unsupported_reason(case, method(name))
     if reason:
         assert "algebraic constraints" in reason
         return
@@ -138,7 +138,11 @@ def test_errors_shrink_at_the_declared_order(
 def test_explicit_solvers_are_declined_where_there_are_constraints(
     engine: ExudynAdapter, model: str
 ) -> None:
-    declined = {m.name for m in engine.methods if engine.why_not(a_case(), model, m)}
+    declined = {
+        m.name
+        for m in engine.methods
+        if engine.bind(a_case(), model).unsupported_reason(a_case(), m)
+    }
     explicit = {"ExplicitEuler", "ExplicitMidpoint", "RK33", "RK44", "DOPRI5", "RK67"}
     assert declined == (explicit if model == REDUNDANT else set())
 
@@ -158,7 +162,7 @@ def test_the_phase_of_the_force_follows_the_start_time(
 def test_runs_repeat_to_the_bit_however_they_are_sampled(engine: ExudynAdapter, model: str) -> None:
     case, step = a_case(state=SPINNING), 2**-11
     for item in engine.methods:
-        if engine.why_not(case, model, item):
+        if engine.bind(case, model).unsupported_reason(case, item):
             continue
         first, again = (run(Setup(engine, case, model, item, step), TIMES) for _ in range(2))
         last = run(Setup(engine, case, model, item, step), TIMES[-1:])
@@ -214,7 +218,7 @@ def test_accelerations_are_those_that_exudyn_starts_with(engine: ExudynAdapter) 
         solver = engine.solver(method("GeneralizedAlpha"))
         solver.InitializeSolver(system.mbs, settings)
         theirs = system.readout @ system.mbs.systemData.GetODE2Coordinates_tt()
-    mine = engine.accelerations(case, REDUNDANT, np.array([time]), state[None])[0]
+    mine = engine.bind(case, REDUNDANT).accelerations(np.array([time]), state[None])[0]
     np.testing.assert_allclose(mine, theirs, rtol=1e-5)
 
 
@@ -224,7 +228,7 @@ def test_mass_matrices_are_right(engine: ExudynAdapter, model: str, parameters: 
     _, states = samples()
     c = coefficients(parameters)
     truth = np.array([SCENE.mass_matrix(x[:2], c) for x in states])
-    found = engine.mass_matrices(a_case(parameters), model, states)
+    found = engine.bind(a_case(parameters), model).mass_matrices(states)
     np.testing.assert_allclose(found, truth, rtol=1e-11)
 
 
@@ -233,7 +237,7 @@ def test_mass_matrices_are_right(engine: ExudynAdapter, model: str, parameters: 
 def test_linearised_matrices_are_right(engine: ExudynAdapter, model: str, theta: float) -> None:
     c = coefficients(PLATE)
     state = np.array([0.0, theta, 0.0, 0.0])
-    mass, damping, stiffness = engine.linearise(still(PLATE), model, state)
+    mass, damping, stiffness = engine.bind(still(PLATE), model).linearise(state)
     np.testing.assert_allclose(mass, SCENE.mass_matrix(state[:2], c), rtol=1e-11, atol=1e-17)
     np.testing.assert_allclose(damping, SCENE.damping_matrix(c), rtol=1e-7, atol=1e-11)
     np.testing.assert_allclose(stiffness, np.diag([c.stiffness, 0.0]), rtol=1e-7, atol=1e-7)
@@ -251,7 +255,7 @@ def test_only_rest_states_are_linearised(
     engine: ExudynAdapter, model: str, state: list[float], word: str
 ) -> None:
     with pytest.raises(EngineError, match=word) as caught:
-        engine.linearise(still(), model, np.array(state))
+        engine.bind(still(), model).linearise(np.array(state))
     assert caught.value.kind == "not_at_rest"
 
 
@@ -287,7 +291,7 @@ def test_constraint_forces_add_to_the_stiffness() -> None:
                 readout=np.array([[0.0, 0.0, 1.0]]),
             )
 
-    found = Pendulum().linearise(still(), REDUNDANT, np.zeros(2))
+    found = Pendulum().bind(still(), REDUNDANT).linearise(np.zeros(2))
     inertia = mass * length**2
     np.testing.assert_allclose(found[0], [[inertia]], rtol=1e-12)
     np.testing.assert_allclose(found[2], [[mass * gravity * length]], rtol=1e-10)
@@ -304,7 +308,7 @@ def test_an_unstable_run_that_exudyn_calls_a_success_is_refused(
         pytest.skip("in Exudyn 1.10 and 1.11 an unstable run with DOPRI5 does not end")
     stiff = a_case(POINT.replace(stiffness=1e9), SPINNING)
     with contained():
-        silent = engine.simulate(stiff, TREE, method(name), 1e-3, np.array([0.1]))
+        silent = engine.bind(stiff, TREE).simulate(stiff, method(name), 1e-3, np.array([0.1]))
     assert np.isnan(silent.values["y"][-1])
     with pytest.raises(EngineError, match="y is nan") as caught:
         run(Setup(engine, stiff, TREE, method(name), 1e-3), np.array([0.1]))
@@ -316,8 +320,8 @@ def test_steps_shortened_in_silence_are_refused(engine: ExudynAdapter) -> None:
     halving.inner.adaptive_step = True
     step, end = 0.05, np.array([0.5])
     with contained():
-        silent = halving.simulate(
-            a_case(state=SPINNING), TREE, method("GeneralizedAlpha"), step, end
+        silent = halving.bind(a_case(), TREE).simulate(
+            a_case(state=SPINNING), method("GeneralizedAlpha"), step, end
         )
     assert np.all(np.isfinite(silent.matrix(SCENE.state_names)))
     with pytest.raises(EngineError, match="steps, 10 were asked for") as caught:
@@ -373,11 +377,11 @@ def test_nothing_is_written_and_nothing_is_deprecated(engine: ExudynAdapter, mod
     with warnings.catch_warnings(record=True) as caught, contained() as console:
         warnings.simplefilter("always")
         for item in engine.methods:
-            if not engine.why_not(a_case(), model, item):
-                engine.simulate(a_case(), model, item, 2**-10, TIMES)
-        engine.accelerations(a_case(), model, np.zeros(1), state[None])
-        engine.mass_matrices(a_case(), model, state[None])
-        engine.linearise(still(), model, state)
+            if not engine.bind(a_case(), model).unsupported_reason(a_case(), item):
+                engine.bind(a_case(), model).simulate(a_case(), item, 2**-10, TIMES)
+        engine.bind(a_case(), model).accelerations(np.zeros(1), state[None])
+        engine.bind(a_case(), model).mass_matrices(state[None])
+        engine.bind(still(), model).linearise(state)
     assert not caught
     assert console.text == ""
     assert engine.inner.exudyn.config.printToConsole == shown

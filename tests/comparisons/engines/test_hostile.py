@@ -18,8 +18,8 @@ pytestmark = pytest.mark.skipif(not STATM.exists(), reason="signals and limits o
 HOSTILE, HARMLESS = plugins.sources(), plugins.harmless()
 
 FEW = (
-    "import_exit_0", "simulate_abort", "zero_max", "unpickled", "evil_rows", "why_not_5",
-    "why_not_exit_0", "why_not_later", "no_version", "server",
+    "import_exit_0", "simulate_abort", "zero_max", "unpickled", "evil_rows", "reason_5",
+    "unsupported_reason_exit_0", "reason_later", "no_version", "server",
 )  # fmt: skip
 
 REST = [name for name in HOSTILE if name not in FEW]

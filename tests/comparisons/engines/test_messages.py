@@ -104,7 +104,7 @@ VALUES = [
     None, True, 3, -0.0, 1e300, math.inf, "words", {}, {"a": 1.5},
     mbcheck.Method("a", 2, "ExplicitMidpoint"),
     mbcheck.Option("a", "1", 1.0, (0.5, 1.0), "closure"),
-    mbcheck.OwnModel(constrained=True, reactions=("a",)),
+    mbcheck.ModelDescription(constrained=True, reactions=("a",)),
 ]  # fmt: skip
 
 

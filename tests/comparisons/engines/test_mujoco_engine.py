@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import contained
 from mbcheck.comparisons.engines.setup import Setup, run
-from mbcheck.comparisons.faults.mujoco import MujocoAdapter
+from mbcheck.comparisons.faults.mujoco import Edited, MujocoAdapter
 from mbcheck.models.hula_hoop.mjcf import MODELS
 from mbcheck.models.mjcf import bind, export, models, number
 from mbcheck.reference.errors import EngineError, EngineUnavailableError, UnknownNameError
@@ -62,7 +62,7 @@ def case_of(
 
 def claimed(case: Case) -> HulaHoop:
     """Return the parameters that the model claims to have."""
-    claim = ENGINE.model_equations(case, "tree")
+    claim = ENGINE.bind(case, "tree").own_equations
     assert claim is not None
     assert claim[0] is SCENE
     assert isinstance(claim[1], HulaHoop)
@@ -115,7 +115,7 @@ def test_models_of_scenes() -> None:
     assert ENGINE.distinct_models("hula_hoop") == ("tree",)
     assert models("no_such_scene") == {}
     with pytest.raises(UnknownNameError, match="did you mean 'tree'"):
-        ENGINE.accelerations(case_of(), "tre", np.zeros(1), np.zeros((1, 4)))
+        ENGINE.bind(case_of(), "tre").accelerations(np.zeros(1), np.zeros((1, 4)))
 
 
 @pytest.mark.parametrize(
@@ -228,9 +228,14 @@ def test_methods_converge_to_the_reference_at_their_order(
 @pytest.mark.skipif("discrete" not in METHODS, reason="discrete came with MuJoCo 3.13")
 def test_discrete_is_refused_where_it_would_damp_the_drive() -> None:
     discrete = METHODS["discrete"]
-    assert "fade" in str(ENGINE.why_not(case_of(), "tree", discrete))
-    assert ENGINE.why_not(case_of(HulaHoop(force_amplitude=0.0)), "tree", discrete) is None
-    assert ENGINE.why_not(case_of(), "tree", RK4) is None
+    assert "fade" in str(ENGINE.bind(case_of(), "tree").unsupported_reason(case_of(), discrete))
+    assert (
+        ENGINE.bind(case_of(HulaHoop(force_amplitude=0.0)), "tree").unsupported_reason(
+            case_of(HulaHoop(force_amplitude=0.0)), discrete
+        )
+        is None
+    )
+    assert ENGINE.bind(case_of(), "tree").unsupported_reason(case_of(), RK4) is None
 
 
 def test_times_may_be_uneven_and_do_not_change_the_run() -> None:
@@ -265,10 +270,10 @@ def test_accelerations_and_mass_matrices_at_random_states(parameters: HulaHoop) 
     real = claimed(case)
     rhs = SCENE.right_hand_side(real)
     expected = np.array([rhs(t, x)[2:] for t, x in zip(times, states, strict=True)])
-    found = ENGINE.accelerations(case, "tree", times, states)
+    found = ENGINE.bind(case, "tree").accelerations(times, states)
     assert np.allclose(found, expected, rtol=1e-10, atol=1e-10 * abs(expected).max())
     masses = np.array([mass_matrix(x[:2], coefficients(real)) for x in states])
-    found = ENGINE.mass_matrices(case, "tree", states)
+    found = ENGINE.bind(case, "tree").mass_matrices(states)
     assert np.allclose(found, masses, rtol=1e-10, atol=1e-16)
 
 
@@ -276,8 +281,8 @@ def test_accelerations_and_mass_matrices_at_random_states(parameters: HulaHoop) 
 @pytest.mark.parametrize("parameters", [HulaHoop(), OTHER])
 def test_linearised_at_rest(parameters: HulaHoop, theta: float) -> None:
     c = coefficients(claimed(case_of(parameters)))
-    mass, damping, stiffness = ENGINE.linearise(
-        still(parameters), "tree", np.array([0.0, theta, 0.0, 0.0])
+    mass, damping, stiffness = ENGINE.bind(still(parameters), "tree").linearise(
+        np.array([0.0, theta, 0.0, 0.0])
     )
     assert np.allclose(mass, mass_matrix((0.0, theta), c), rtol=1e-12, atol=1e-17)
     assert np.allclose(damping, damping_matrix(c), rtol=1e-10, atol=1e-13)
@@ -289,8 +294,8 @@ def test_linearised_about_a_moving_state() -> None:
     y, theta, speed = 0.01, 0.7, 18.0
     c = coefficients(OTHER)
     state = np.array([y, theta, 0.3, speed])
-    _, damping, stiffness = ENGINE.linearise(still(OTHER), "tree", state)
-    a = ENGINE.accelerations(still(OTHER), "tree", np.zeros(1), state[None])[0]
+    _, damping, stiffness = ENGINE.bind(still(OTHER), "tree").linearise(state)
+    a = ENGINE.bind(still(OTHER), "tree").accelerations(np.zeros(1), state[None])[0]
     sin, cos = c.coupling * np.sin(theta), c.coupling * np.cos(theta)
     assert np.allclose(damping, [[c.damping, -2 * speed * sin], [0, c.hinge_damping]], atol=1e-9)
     expected = [[c.stiffness, -sin * a[1] - cos * speed**2], [0, -sin * a[0]]]
@@ -306,7 +311,9 @@ def test_nothing_is_written(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     before = mujoco.MjLogConfig.get()
-    trajectory = ENGINE.simulate(case_of(None, SPINNING), "tree", RK4, 1024.0, np.array([102400.0]))
+    trajectory = ENGINE.bind(case_of(None, SPINNING), "tree").simulate(
+        case_of(None, SPINNING), RK4, 1024.0, np.array([102400.0])
+    )
     assert any(trajectory.warnings.values())
     assert not list(tmp_path.iterdir())
     assert capfd.readouterr() == ("", "")
@@ -331,11 +338,7 @@ def test_missing_mujoco_is_said_plainly(monkeypatch: pytest.MonkeyPatch, reason:
     "change", [('ref="0.06"', 'ref="0.06003"'), ('name="y" type', 'name="y" ref="0.001" type')]
 )
 def test_a_model_that_opens_in_the_wrong_state_is_refused(change: tuple[str, str]) -> None:
-    class Displaced(MujocoAdapter):
-        def text(self, case: Case, model: str) -> str:
-            text = super().text(case, model)
-            assert text.count(change[0]) == 1
-            return text.replace(*change)
-
+    displaced = Edited(change).bind(case_of(None, {}), "tree")
+    assert MujocoAdapter().bind(case_of(None, {}), "tree").text.count(change[0]) == 1
     with pytest.raises(EngineError, match="as opened"):
-        Displaced().joint_system(case_of(None, {}), "tree")
+        assert displaced.origin

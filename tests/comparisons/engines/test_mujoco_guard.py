@@ -52,7 +52,7 @@ def trajectory_of(model: Any, data: Any, times: Any) -> Trajectory:
         motion.clock,
         motion.steps,
         warnings=motion.warnings,
-        changed=motion.changed,
+        changed_inputs=motion.changed_inputs,
     )
 
 
@@ -72,7 +72,7 @@ def test_automatic_reset_is_caught(samples: str) -> None:
     times = UNSTABLE * np.arange(1.0, 201.0)
     case = case_of(None, SPINNING)
     chosen = times if samples == "dense" else times[-1:]
-    trajectory = engine.simulate(case, "tree", METHODS["Euler"], UNSTABLE, chosen)
+    trajectory = engine.bind(case, "tree").simulate(case, METHODS["Euler"], UNSTABLE, chosen)
     assert all(np.isfinite(values).all() for values in trajectory.values.values())
     assert guarded(trajectory, case, UNSTABLE) == "warning"
     expected = "clock_reversed" if samples == "dense" else "clock"
@@ -83,7 +83,7 @@ def test_automatic_reset_is_caught(samples: str) -> None:
 
 def test_huge_step_is_caught() -> None:
     case, times = case_of(None, SPINNING), 1024.0 * np.arange(1.0, 101.0)
-    trajectory = ENGINE.simulate(case, "tree", RK4, 1024.0, times)
+    trajectory = ENGINE.bind(case, "tree").simulate(case, RK4, 1024.0, times)
     assert guarded(trajectory, case, 1024.0) == "warning"
     assert any(trajectory.warnings[name] for name in ("BADQPOS", "BADQVEL", "BADQACC"))
     with pytest.raises(EngineError, match="warning counter"):
@@ -92,7 +92,7 @@ def test_huge_step_is_caught() -> None:
 
 def test_state_that_is_not_finite_is_caught() -> None:
     case = case_of(None, {"theta_dot": 1e200})
-    trajectory = ENGINE.simulate(case, "tree", RK4, 0.125, np.array([0.125, 1.0]))
+    trajectory = ENGINE.bind(case, "tree").simulate(case, RK4, 0.125, np.array([0.125, 1.0]))
     assert guarded(trajectory, case, 0.125) == "warning"
     assert guarded(without_warnings(trajectory), case, 0.125) == "non_finite"
 
@@ -128,6 +128,6 @@ def test_input_that_changes_during_the_run_is_caught(change: str) -> None:
         trajectory = trajectory_of(model, data, np.array([0.002]))
     finally:
         mujoco.set_mjcb_passive(None)
-    assert change in trajectory.changed
+    assert change in trajectory.changed_inputs
     on_time = dataclasses.replace(trajectory, clock=trajectory.times, steps=1)
     assert guarded(on_time, case_of(), 0.002) == "inputs_changed"

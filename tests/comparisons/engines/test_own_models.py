@@ -12,14 +12,15 @@ import pytest
 import mbcheck
 from mbcheck.comparisons.checks.suite import checks_of
 from mbcheck.comparisons.engines import registry as engines
-from mbcheck.comparisons.engines.adapter import OwnModelsAdapter, adapt
-from mbcheck.comparisons.engines.equations import invariants_of, scene_equations
+from mbcheck.comparisons.engines.adapter import Adapter, adapt
 from mbcheck.comparisons.engines.registry import remote_plugin
 from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.setup import Setup
-from mbcheck.comparisons.faults.variants import Wrapped
+from mbcheck.comparisons.faults.runs import Altered
 from mbcheck.reference import get_scene
+from mbcheck.reference.equations import invariants_of, scene_equations
 from mbcheck.reference.errors import UnknownNameError, UsageError
+from mbcheck.reference.scene import Case
 from mbcheck.reference.solve import schemes
 from mbcheck.reference.speed_regulator.soft import soft_scene
 from mbcheck.tests.support.engines.solved import Solved
@@ -42,13 +43,13 @@ class Own(mbcheck.Engine):
     def models(self, scene: str) -> tuple[str, ...]:
         return ("rigid", "soft", "unknown") if scene == REGULATOR.name else ("rigid",)
 
-    def own_model(self, system: Any) -> mbcheck.OwnModel:
+    def describe_model(self, system: Any) -> mbcheck.ModelDescription:
         if system.model == "rigid":
-            return mbcheck.OwnModel()
+            return mbcheck.ModelDescription()
         if system.model == "unknown":
-            return mbcheck.OwnModel(constrained=True)
+            return mbcheck.ModelDescription(constrained=True)
         equations = (SOFT, system.case.parameters) if self.tells else None
-        return mbcheck.OwnModel(True, REACTIONS, equations)
+        return mbcheck.ModelDescription(True, REACTIONS, equations)
 
     def start(self, system: Any, q: Any, v: Any) -> tuple[Any, Any]:
         scene = SOFT if system.model == "soft" else get_scene(system.case.scene)
@@ -100,14 +101,16 @@ def test_equations_of_another_scene_are_refused() -> None:
     """They are asked for a state of the scene before there is a check to blame for it."""
 
     class Everywhere(Own):
-        def own_model(self, system: Any) -> mbcheck.OwnModel:
-            return mbcheck.OwnModel(equations=(SOFT, ROTATION.parameters))
+        def describe_model(self, system: Any) -> mbcheck.ModelDescription:
+            return mbcheck.ModelDescription(equations=(SOFT, ROTATION.parameters))
 
     hoop = get_scene("hula_hoop")
     with pytest.raises(
-        UsageError, match="own_model: its equations for hula_hoop: they do not tell"
+        UsageError, match="describe_model: its equations for hula_hoop: they do not tell"
     ):
-        adapt("own", Everywhere()).why_not(hoop.cases[0], "rigid", None)
+        adapt("own", Everywhere()).bind(hoop.cases[0], "rigid").unsupported_reason(
+            hoop.cases[0], None
+        )
 
 
 @pytest.mark.parametrize("kind", ["algebra", "step", "trajectory"])
@@ -124,12 +127,14 @@ def test_what_equations_raise_while_in_use_is_laid_at_their_engines_door(kind: s
         def models(self, scene: str) -> tuple[str, ...]:
             return ("soft",)
 
-        def own_model(self, system: Any) -> mbcheck.OwnModel:
+        def describe_model(self, system: Any) -> mbcheck.ModelDescription:
             own = replace(SOFT, accelerations=failing)
-            return mbcheck.OwnModel(True, REACTIONS, (own, system.case.parameters))
+            return mbcheck.ModelDescription(True, REACTIONS, (own, system.case.parameters))
 
     found = results(Failing(), REGULATOR.name, (kind,), ROTATION.name)
-    reason = "own: own_model: accelerations of its equations: ZeroDivisionError: no mass is left"
+    reason = (
+        "own: describe_model: accelerations of its equations: ZeroDivisionError: no mass is left"
+    )
     assert {(item.verdict, item.reason) for item in found} == {("error", reason)}
     assert "in failing" in (found[0].traceback or "")
 
@@ -145,19 +150,21 @@ def test_a_soft_closure_is_as_far_off_as_its_equations_say() -> None:
 
 def test_loops_that_are_soft_by_no_told_rule_are_skipped() -> None:
     engine = adapt("own", Own())
-    assert isinstance(engine, OwnModelsAdapter)
-    assert "soft by a rule of its own" in str(engine.why_not(ROTATION, "unknown", None))
+    assert isinstance(engine, Adapter)
+    assert "soft by a rule of its own" in str(
+        engine.bind(ROTATION, "unknown").unsupported_reason(ROTATION, None)
+    )
     opened = REGULATOR.case("opened_loop")
-    assert engine.why_not(opened, "soft", None) is None
-    assert "starts open" in str(engine.why_not(opened, "rigid", None))
-    assert Setup(engine, ROTATION, "soft").has_soft_closure
+    assert engine.bind(opened, "soft").unsupported_reason(opened, None) is None
+    assert "start open" in str(engine.bind(opened, "rigid").unsupported_reason(opened, None))
+    assert Setup(engine, ROTATION, "soft").bound.has_soft_closure
 
 
 @pytest.mark.parametrize("state", [{}, dict(get_scene("rigid_body").cases[0].state)])
 def test_quaternions_start_as_the_scene_says(state: dict[str, float]) -> None:
     body = get_scene("rigid_body")
     case = replace(body.cases[0], state=state)
-    system = adapt("own", Own()).joint_system(case, "rigid")
+    system = adapt("own", Own()).bind(case, "rigid").system(case)
     assert system.joints == body.coordinates
     start = np.append(system.positions, system.velocities)
     np.testing.assert_array_equal(start, body.state(state))
@@ -169,20 +176,20 @@ def test_what_an_engine_declines_to_linearise_is_not_replaced() -> None:
             raise mbcheck.Unsupported("beside weights")
 
     with pytest.raises(mbcheck.Unsupported, match="beside weights"):
-        adapt("own", Declining()).linearise(ROTATION, "rigid", np.zeros(2))
+        adapt("own", Declining()).bind(ROTATION, "rigid").linearise(np.zeros(2))
 
 
 WRONG: dict[str, tuple[Any, str]] = {
-    "nothing": (None, "own_model must return an OwnModel, not NoneType None"),
-    "a word": (mbcheck.OwnModel("no"), "constrained must be True or False"),  # type: ignore[arg-type]
+    "nothing": (None, "describe_model must return a ModelDescription, not NoneType None"),
+    "a word": (mbcheck.ModelDescription("no"), "constrained must be True or False"),  # type: ignore[arg-type]
     "reactions": (
-        mbcheck.OwnModel(reactions=("here",)),
+        mbcheck.ModelDescription(reactions=("here",)),
         "reactions must be a tuple of names among",
     ),
-    "no pair": (mbcheck.OwnModel(equations=SOFT), "equations must be None or"),  # type: ignore[arg-type]
-    "elements": (mbcheck.OwnModel(elements=3), "elements must be None or"),  # type: ignore[arg-type]
-    "order": (mbcheck.OwnModel(element_order=-1), "element_order must be an order of 0"),
-    "placed": (mbcheck.OwnModel(why_not_placed=False), "must be None or a reason"),  # type: ignore[arg-type]
+    "no pair": (mbcheck.ModelDescription(equations=SOFT), "equations must be None or"),  # type: ignore[arg-type]
+    "elements": (mbcheck.ModelDescription(elements=3), "elements must be None or"),  # type: ignore[arg-type]
+    "order": (mbcheck.ModelDescription(element_order=-1), "element_order must be an order of 0"),
+    "placed": (mbcheck.ModelDescription(unplaceable_reason=False), "must be None or a reason"),  # type: ignore[arg-type]
 }
 
 
@@ -191,11 +198,11 @@ def test_descriptions_that_have_no_sense_are_refused(name: str) -> None:
     answer, words = WRONG[name]
 
     class Babbling(Own):
-        def own_model(self, system: Any) -> Any:
+        def describe_model(self, system: Any) -> Any:
             return answer
 
-    with pytest.raises(UsageError, match=f"engine own: own_model: .*{words}"):
-        adapt("own", Babbling()).why_not(ROTATION, "rigid", None)
+    with pytest.raises(UsageError, match=f"engine own: describe_model: .*{words}"):
+        adapt("own", Babbling()).bind(ROTATION, "rigid").unsupported_reason(ROTATION, None)
 
 
 @pytest.mark.parametrize(
@@ -218,31 +225,34 @@ def test_names_of_models_that_have_no_sense_are_refused(answer: Any, words: str)
 
 def test_models_that_an_engine_has_not_are_skipped_with_its_reason() -> None:
     class Unable(Own):
-        def own_model(self, system: Any) -> mbcheck.OwnModel:
+        def describe_model(self, system: Any) -> mbcheck.ModelDescription:
             raise mbcheck.Unsupported("no loops")
 
-    assert adapt("own", Unable()).why_not(ROTATION, "rigid", None) == "no loops"
+    assert (
+        adapt("own", Unable()).bind(ROTATION, "rigid").unsupported_reason(ROTATION, None)
+        == "no loops"
+    )
     found = results(Unable(), REGULATOR.name, ("algebra",), ROTATION.name)
     assert {(item.verdict, item.reason) for item in found} == {("skipped", "no loops")}
 
 
 def test_reasons_of_an_engine_with_models_of_its_own_are_answers_too() -> None:
     class Babbling(Own):
-        def why_not(self, system: Any, method: Any) -> Any:
+        def unsupported_reason(self, system: Any, method: Any) -> Any:
             return False
 
-    with pytest.raises(UsageError, match="engine own: why_not: why_not must return"):
-        adapt("own", Babbling()).why_not(ROTATION, "rigid", None)
+    with pytest.raises(UsageError, match="unsupported_reason: unsupported_reason must return"):
+        adapt("own", Babbling()).bind(ROTATION, "rigid").unsupported_reason(ROTATION, None)
 
 
 def test_what_a_description_raises_is_told() -> None:
     class Overflowing(Own):
-        def own_model(self, system: Any) -> mbcheck.OwnModel:
+        def describe_model(self, system: Any) -> mbcheck.ModelDescription:
             raise OverflowError
 
-    line = r"own_model: OverflowError.* \(test_own_models.py, line \d+\)$"
+    line = r"describe_model: OverflowError.* \(test_own_models.py, line \d+\)$"
     with pytest.raises(UsageError, match=f"engine own: {line}"):
-        adapt("own", Overflowing()).why_not(ROTATION, "rigid", None)
+        adapt("own", Overflowing()).bind(ROTATION, "rigid").unsupported_reason(ROTATION, None)
 
 
 def test_scenes_that_an_engine_has_not_have_no_models() -> None:
@@ -258,19 +268,19 @@ def test_scenes_that_an_engine_has_not_have_no_models() -> None:
 
 def test_equations_need_parameters_of_their_own() -> None:
     class Mixed(Own):
-        def own_model(self, system: Any) -> mbcheck.OwnModel:
-            return mbcheck.OwnModel(equations=(SOFT, None))
+        def describe_model(self, system: Any) -> mbcheck.ModelDescription:
+            return mbcheck.ModelDescription(equations=(SOFT, None))
 
     with pytest.raises(UsageError, match="EquationsOfMotion, its parameters"):
-        adapt("own", Mixed()).why_not(ROTATION, "rigid", None)
+        adapt("own", Mixed()).bind(ROTATION, "rigid").unsupported_reason(ROTATION, None)
 
 
 def test_an_energy_that_is_told_does_not_hide_what_states_lose() -> None:
     class Leaking(Solved):
         name = "leaking"
 
-        def own_model(self, system: Any) -> mbcheck.OwnModel:
-            return mbcheck.OwnModel()
+        def describe_model(self, system: Any) -> mbcheck.ModelDescription:
+            return mbcheck.ModelDescription()
 
         def simulate(self, system: Any, method: Any, step: float, times: Any) -> mbcheck.Motion:
             motion = super().simulate(system, method, step, times)
@@ -344,13 +354,11 @@ def test_elements_show_the_integrals_of_their_own_states(
 ) -> None:
     """By the closed form of their strain energy; of a beam drifts were looked at alone."""
 
-    class Off(Wrapped):
-        def simulate(self, *arguments: Any) -> Trajectory:
-            run = self.engine.simulate(*arguments)
-            return replace(run, values={**run.values, name: factor * run.values[name] + added})
+    def off(run: Trajectory, case: Case) -> Trajectory:
+        return replace(run, values={**run.values, name: factor * run.values[name] + added})
 
     subject = Subject("rotating_beam", "exudyn", "elements", "GeneralizedAlpha")
-    found = results_of(subject, "energy", Off(engines.get_engine("exudyn")), "pulse_quick")
+    found = results_of(subject, "energy", Altered(engines.get_engine("exudyn"), off), "pulse_quick")
     assert {item.verdict for item in found} == {verdict}
 
 
@@ -358,14 +366,17 @@ def test_integrals_may_be_told_where_they_are_not_conserved() -> None:
     case = get_scene("rotating_beam").case("spin_up_quick")
     exudyn = engines.get_engine("exudyn")
     times = np.array([0.0, 2.0**-8])
-    run = exudyn.simulate(case, "elements", exudyn.methods[-2], 2.0**-8, times)
+    run = exudyn.bind(case, "elements").simulate(case, exudyn.methods[-2], 2.0**-8, times)
     assert {"energy", "momentum"} <= set(run.values)
 
 
 def test_a_continuum_takes_equations_of_a_models_own() -> None:
     (case, *_) = get_scene("rotating_beam").cases
-    assert "is a continuum" in str(adapt("own", Own()).why_not(case, "rigid", None))
-    assert engines.get_engine("exudyn").why_not(case, "elements", None) is None
+    assert "is a continuum" in str(
+        adapt("own", Own()).bind(case, "rigid").unsupported_reason(case, None)
+    )
+    elements = engines.get_engine("exudyn").bind(case, "elements")
+    assert elements.unsupported_reason(case, None) is None
 
 
 def test_names_of_models_are_those_of_the_engine() -> None:
@@ -373,7 +384,7 @@ def test_names_of_models_are_those_of_the_engine() -> None:
     assert engine.models(REGULATOR.name) == ("rigid", "soft", "unknown")
     assert engine.twins(REGULATOR.name) == ()
     with pytest.raises(UnknownNameError, match="own model of speed_regulator"):
-        engine.has_constraints(ROTATION, "sof")
+        engine.bind(ROTATION, "sof")
     engines._named["own"] = engine
     try:
         models = {check.model for check in checks_of("algebra", ROTATION, "own")}
@@ -391,15 +402,15 @@ def test_equations_do_not_come_from_another_process(
         "    name, version, reads_mjcf = 'elsewhere', '1', False\n"
         "    methods = (mbcheck.Method('RK4', 4),)\n"
         "    def models(self, scene):\n        return ('rigid', 'soft')\n"
-        "    def own_model(self, system):\n"
+        "    def describe_model(self, system):\n"
         "        soft = (soft_scene(), system.case.parameters)\n"
         "        equations = soft if system.model == 'soft' else None\n"
-        "        return mbcheck.OwnModel(True, equations=equations)\n"
+        "        return mbcheck.ModelDescription(True, equations=equations)\n"
         "    def simulate(self, *call):\n        raise mbcheck.Unsupported('never')\n"
     )
     monkeypatch.chdir(tmp_path)
     engine = remote_plugin("elsewhere:Own")
     assert engine.models(REGULATOR.name) == ("rigid", "soft")
-    assert engine.has_constraints(ROTATION, "rigid")
+    assert engine.bind(ROTATION, "rigid").has_constraints
     with pytest.raises(UsageError, match="in this process"):
-        engine.model_equations(ROTATION, "soft")
+        assert engine.bind(ROTATION, "soft").own_equations

@@ -259,7 +259,7 @@ def test_a_mass_matrix_that_is_none_is_refused() -> None:
     case = get_scene("hula_hoop").cases[0]
     engine = adapt("toy_engine:Toy", with_answer(mass_matrix=np.diag)(toy_class()))
     with pytest.raises(EngineError, match=re.escape("mass_matrix has shape (3,), expected (3, 3)")):
-        engine.mass_matrices(case, "tree", np.zeros((1, 4)))
+        engine.bind(case, "tree").mass_matrices(np.zeros((1, 4)))
 
 
 def test_what_an_engine_cannot_do_is_skipped_with_its_reason() -> None:
@@ -373,8 +373,10 @@ def test_a_step_of_low_order_does_not_hide_a_wrong_model() -> None:
 
 
 def test_an_engine_cannot_change_what_others_are_shown() -> None:
-    system = adapt("toy_engine:Toy", toy_class()).joint_system(
-        get_scene("speed_regulator").cases[0], "connect"
+    system = (
+        adapt("toy_engine:Toy", toy_class())
+        .bind(get_scene("speed_regulator").cases[0], "connect")
+        .system(get_scene("speed_regulator").cases[0])
     )
     with pytest.raises(TypeError):
         del system.terms[0].joints["y"]  # type: ignore[attr-defined]

@@ -76,7 +76,7 @@ LOADED: dict[str, tuple[Callable[[], Any], str]] = {
         "did you mean 'RK44'?",
     ),
     "an unknown linear scheme": (
-        lambda: with_attributes(methods=(mbcheck.Method("a", 2, linear="trapezoid"),)),
+        lambda: with_attributes(methods=(mbcheck.Method("a", 2, linear_scheme="trapezoid"),)),
         "unknown linear scheme of toy_engine:Toy a 'trapezoid'; did you mean 'trapezoidal'?",
     ),
     "a scheme that is no name": (
@@ -106,16 +106,16 @@ LOADED: dict[str, tuple[Callable[[], Any], str]] = {
         "options must be a function, not tuple",
     ),
     "a reason as text": (
-        lambda: with_attributes(why_not="no loops"),
-        "why_not must be a function, not str 'no loops'; rename it",
+        lambda: with_attributes(unsupported_reason="no loops"),
+        "unsupported_reason must be a function, not str 'no loops'; rename it",
     ),
     "models as text": (
         lambda: with_attributes(reads_mjcf=False, models=("a", "b")),
         "models must be a function, not tuple",
     ),
     "a model of its own beside the file": (
-        lambda: with_attributes(own_model=lambda self, system: mbcheck.OwnModel()),
-        'own_model needs reads_mjcf = False, or closure = "soft"',
+        lambda: with_attributes(describe_model=lambda self, system: mbcheck.ModelDescription()),
+        'compliant_joints = True, or closure = "soft"',
     ),
     "a word for what it reads": (
         lambda: with_attributes(reads_mjcf="no"),
@@ -166,7 +166,7 @@ def test_places_that_are_none_are_told_apart(
 def test_a_system_has_the_state_and_the_switch_of_its_case() -> None:
     case = get_scene("rotating_beam").case("pulse_quick")
     engine = adapt("toy_engine:Toy", toy_class())
-    system = engine.joint_system(case, "chain")
+    system = engine.bind(case, "chain").system(case)
     stop = mjcf.models("rotating_beam")["chain"].stop(case.parameters)
     assert stop is not None
     on, off = (
@@ -178,7 +178,7 @@ def test_a_system_has_the_state_and_the_switch_of_its_case() -> None:
 
 def test_loops_of_a_system_are_closed_where_the_case_starts() -> None:
     case = get_scene("speed_regulator").cases[0]
-    system = adapt("toy_engine:Toy", toy_class()).joint_system(case, "connect")
+    system = adapt("toy_engine:Toy", toy_class()).bind(case, "connect").system(case)
     assert np.max(np.abs(gaps(mechanism(system.mjcf), system.positions))) < 1e-15
     assert [one.name for one in system.closures] == ["closure"]
 

@@ -65,7 +65,7 @@ def test_a_step_that_softens_the_closure_is_refused_alone() -> None:
     cases = cases_of("speed_regulator", "rotation", torque=(1.0, 2.0))
     adapter = get_engine("mujoco")
     setup = Setup(adapter, cases[0], "connect", adapter.methods[0])
-    longest = adapter.source(cases[0], "connect").longest_step
+    longest = adapter.bind(cases[0], "connect").source.longest_step
     first, second = many(setup, cases, np.array([longest / 4, longest * 1.01]))
     assert not isinstance(first, EngineError)
     assert second.kind == "step"

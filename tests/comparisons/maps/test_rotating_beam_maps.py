@@ -176,16 +176,16 @@ def test_an_engine_without_foreshortening_is_found_out(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Its stiffness is that at rest, less what the speed takes."""
-    from mbcheck.comparisons.engines.adapter import Adapter
+    from mbcheck.comparisons.engines.adapter import BoundModel
 
-    true = Adapter.linearise
+    true = BoundModel.linearise
 
-    def linearise(self: Any, case: Any, model: str, state: Any) -> Any:
+    def linearise(self: Any, state: Any) -> Any:
         speed = state[len(state) // 2]
-        mass, damping, stiffness = true(self, case, model, 0 * state)
+        mass, damping, stiffness = true(self, 0 * state)
         return mass, damping, stiffness - speed**2 * mass
 
-    monkeypatch.setattr(Adapter, "linearise", linearise)
+    monkeypatch.setattr(BoundModel, "linearise", linearise)
     found, _ = evaluated("stability", {"angular_speed": [2.0, 4.0]}, "mujoco", segments=4)
     assert found.values["stable"].tolist() == [1, 0]
 

@@ -203,12 +203,12 @@ def test_an_engine_with_another_damper_is_seen(monkeypatch: pytest.MonkeyPatch) 
 
 def light(monkeypatch: pytest.MonkeyPatch) -> None:
     """Take most of the rod's damper from MuJoCo."""
-    plain = Adapter.simulate
+    plain = Adapter.bind
 
-    def changed(self: Any, case: Any, *more: Any) -> Any:
-        return plain(self, without_damper(case), *more)
+    def changed(self: Any, case: Any, model: str) -> Any:
+        return plain(self, without_damper(case), model)
 
-    monkeypatch.setattr(Adapter, "simulate", changed)
+    monkeypatch.setattr(Adapter, "bind", changed)
 
 
 def without_damper(case: Any) -> Any:

@@ -64,5 +64,5 @@ def test_the_reference_undone_declares_no_theory() -> None:
     """It runs a simplified theory as the exact one, and says nothing."""
     case = get_scene("rotating_beam").cases[0]
     second_order = "second_order"
-    assert get_engine("reference").model_equations(case, second_order) is not None
-    assert Undeclared().model_equations(case, second_order) is None
+    assert get_engine("reference").bind(case, second_order).own_equations is not None
+    assert Undeclared().bind(case, second_order).own_equations is None

@@ -13,7 +13,6 @@ import pytest
 from mbcheck.comparisons.checks.kinds.order import relative_error
 from mbcheck.comparisons.checks.truth import roundoff_reference
 from mbcheck.comparisons.cli.group import program
-from mbcheck.comparisons.engines.equations import scene_equations
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import run
 from mbcheck.comparisons.faults.variants import Misread
@@ -44,6 +43,7 @@ from mbcheck.comparisons.tradeoff.table import (
     trials_of,
 )
 from mbcheck.comparisons.tradeoff.verb import write
+from mbcheck.reference.equations import scene_equations
 from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import refusal
 from mbcheck.tests.support.documents import validated

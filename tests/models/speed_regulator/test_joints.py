@@ -1,6 +1,6 @@
 """Reactions of the joints of speed_regulator, and a loop that starts open."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -9,16 +9,15 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.checks.suite import checks_of, run_check
-from mbcheck.comparisons.engines.adapter import Adapter
-from mbcheck.comparisons.engines.equations import ModelEquations
+from mbcheck.comparisons.engines.adapter import Adapter, BoundModel
 from mbcheck.comparisons.engines.mujoco.engine import joint_force
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.faults.exudyn import ExudynAdapter
-from mbcheck.comparisons.faults.mujoco import MujocoAdapter
-from mbcheck.comparisons.faults.variants import Delegating
+from mbcheck.comparisons.faults.mujoco import Edited, MujocoAdapter
+from mbcheck.comparisons.faults.variants import Wrapped
 from mbcheck.models.speed_regulator import exudyn_model
 from mbcheck.models.speed_regulator.mjcf import MODELS
+from mbcheck.reference.equations import ModelEquations
 from mbcheck.reference.errors import UnknownNameError
 from mbcheck.reference.scene import Array, Case, EquationsOfMotion
 from mbcheck.reference.solve.single import solve
@@ -94,8 +93,8 @@ def test_mujocos_reactions_are_those_of_the_claim(
 def test_exudyns_reactions_are_right(p: SpeedRegulator) -> None:
     states = samples(p)[:, [0, 3]]
     case = Case(SCENE.name, "some_motion", p)
-    found = ENGINE.reactions(case, "redundant", np.zeros(len(states)), states)
-    assert tuple(found) == ENGINE.reaction_names(case, "redundant") == REACTIONS
+    found = ENGINE.bind(case, "redundant").reactions(np.zeros(len(states)), states)
+    assert tuple(found) == ENGINE.bind(case, "redundant").reaction_names == REACTIONS
     truths = reactions(SCENE, p, states)
     scale = np.max(np.abs(truths))
     np.testing.assert_allclose(np.array(list(found.values())).T, truths, rtol=0, atol=1e-11 * scale)
@@ -110,19 +109,9 @@ def test_models_without_joints_tell_no_reactions() -> None:
 HOMOGENEOUS = DEFAULT.rod_mass * DEFAULT.rod_length**2 / 12
 
 
-class WrongMujoco(MujocoAdapter):
-    """MuJoCo with other numbers of the rod in its file."""
-
-    def __init__(self, mass: float, inertia: float) -> None:
-        super().__init__()
-        self.numbers = {'mass="0.5"': f'mass="{mass!r}"', repr(HOMOGENEOUS): repr(inertia)}
-
-    def text(self, case: Case, model: str) -> str:
-        found = super().text(case, model)
-        for number, wrong in self.numbers.items():
-            assert number in found
-            found = found.replace(number, wrong)
-        return found
+def wrong_mujoco(mass: float, inertia: float) -> Edited:
+    """Return MuJoCo with other numbers of the rod in its file."""
+    return Edited(('mass="0.5"', f'mass="{mass!r}"'), (repr(HOMOGENEOUS), repr(inertia)))
 
 
 class WrongExudyn(ExudynAdapter):
@@ -139,21 +128,20 @@ class WrongExudyn(ExudynAdapter):
         return system
 
 
-class PushedBack(Delegating):
+class PushedBack(Wrapped):
     """An engine that tells the force in A on the other body."""
 
-    def __init__(self, engine: Any) -> None:
-        self.engine = engine
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self.engine, name)
-
-    def reactions(self, *where: Any) -> dict[str, Array]:
-        found = self.engine.reactions(*where)
+    def compute(self, model: BoundModel, name: str, *arguments: Any) -> Any:
+        found = super().compute(model, name, *arguments)
+        if name != "reactions":
+            return found
         return {name: -value if "_a_" in name else value for name, value in found.items()}
 
 
-WRONG: Mapping[str, type[Any]] = {"mujoco": WrongMujoco, "exudyn": WrongExudyn}
+WRONG: Mapping[str, Callable[[float, float], Adapter]] = {
+    "mujoco": wrong_mujoco,
+    "exudyn": WrongExudyn,
+}
 
 
 def verdicts(engine: str, case: Case, wrong: Adapter | None = None) -> dict[str, set[str]]:
@@ -192,40 +180,46 @@ def test_an_opened_loop_closes_in_mujoco(name: str) -> None:
     engine = MujocoAdapter()
     rk4 = next(item for item in engine.methods if item.name == "RK4")
     times = np.array([0.0, 0.25, 0.5])
-    found = engine.simulate(OPENED, name, rk4, 2.0**-11, times).values
+    found = engine.bind(OPENED, name).simulate(OPENED, rk4, 2.0**-11, times).values
     gap = OPENED.inconsistency["y"]
     start = SCENE.observe(SCENE.state(OPENED.state), DEFAULT)
     assert found["y"][0] - start["y"] == pytest.approx(gap, rel=1e-12)
     assert found["position_violation"][0] == pytest.approx(gap, rel=1e-12)
     assert found["phi"][0] == 0.0
-    own = Setup(engine, OPENED, name).equations
+    own = engine.bind(OPENED, name).equations
     left = solve(own.scene, own.parameters, own.start(OPENED), times[1:]).states
     violation = own.scene.observe(left, own.parameters)["position_violation"]
     assert np.max(violation) < 0.25 * gap  # what the load leaves open
     assert found["position_violation"][1:] == pytest.approx(violation, abs=1e-6 * gap)
 
 
-class Assembling(MujocoAdapter):
+class Assembling(Wrapped):
     """MuJoCo that is started with the loop closed, whatever the case says."""
 
-    def simulate(self, case: Case, *rest: Any) -> Any:
-        return super().simulate(replace(case, inconsistency={}), *rest)
+    def simulate(self, model: BoundModel, case: Case, *rest: Any) -> Any:
+        return super().simulate(model, replace(case, inconsistency={}), *rest)
 
 
 @pytest.mark.slow
 def test_the_check_of_an_opened_loop_sees_that_it_was_open() -> None:
     assert set.union(*verdicts("mujoco", OPENED).values()) == {"pass"}
-    closed = verdicts("mujoco", OPENED, Assembling())
+    closed = verdicts("mujoco", OPENED, Assembling(MujocoAdapter()))
     assert closed["scheme_residual"] == closed["model_error"] == {"deviation"}
 
 
 def test_models_that_cannot_start_open_say_so() -> None:
     for name in EXUDYN:
-        assert "only an assembled mechanism" in str(ENGINE.why_not(OPENED, name, None))
+        assert "only an assembled mechanism" in str(
+            ENGINE.bind(OPENED, name).unsupported_reason(OPENED, None)
+        )
     mujoco_engine = MujocoAdapter()
-    reason = mujoco_engine.why_not(replace(OPENED, parameters=MASSLESS), "transmission", None)
+    massless = replace(OPENED, parameters=MASSLESS)
+    reason = mujoco_engine.bind(massless, "transmission").unsupported_reason(massless, None)
     assert "none can start open" in str(reason)
-    assert all(mujoco_engine.why_not(OPENED, name, None) is None for name in CLOSURES)
+    reasons = [
+        mujoco_engine.bind(OPENED, name).unsupported_reason(OPENED, None) for name in CLOSURES
+    ]
+    assert reasons == [None] * len(CLOSURES)
 
 
 def test_only_what_is_declared_may_be_inconsistent() -> None:

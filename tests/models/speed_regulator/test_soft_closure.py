@@ -215,7 +215,7 @@ def test_checks_take_shorter_steps_than_that() -> None:
     for case in SCENE.cases:
         for model in CLOSURES:
             for method in engine.methods:
-                if engine.why_not(case, model, method) is None:
+                if engine.bind(case, model).unsupported_reason(case, method) is None:
                     step = Setup(engine, case, model, method).default_step
                     assert step <= SOLREF[0] / 2
 

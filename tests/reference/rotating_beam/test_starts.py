@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.checks.truth import Truth, truncated
-from mbcheck.comparisons.engines.equations import ModelEquations
+from mbcheck.reference.equations import ModelEquations
 from mbcheck.reference.rotating_beam import SCENE
 from mbcheck.reference.rotating_beam.chain import chain_scene
 from mbcheck.reference.rotating_beam.elements import NODAL, element_scene

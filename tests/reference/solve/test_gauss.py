@@ -10,7 +10,6 @@ from numpy.polynomial import legendre
 from scipy.integrate import DOP853, solve_ivp
 
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.reference import get_scene
 from mbcheck.reference.scene import Array
 from mbcheck.reference.solve import gauss
@@ -81,7 +80,7 @@ def test_what_cannot_be_followed_is_no_success() -> None:
 @pytest.mark.parametrize("model", ["connect", "connect_hard"])
 def test_a_stiff_reference_is_that_of_the_explicit_method(model: str) -> None:
     case = get_scene("speed_regulator").case("rotation")
-    own = Setup(get_engine("mujoco"), case, model).equations
+    own = get_engine("mujoco").bind(case, model).equations
     assert own.scene.stiff
     times = np.linspace(0, 0.5, 40)[1:]
     found = solve(own.scene, own.parameters, own.start(case), times)

@@ -173,9 +173,12 @@ def spoilt(case: Case, random: np.random.Generator, factor: float) -> Seeded | N
 
     engine = adapt("plugged", Plugged(spoil))
     for model in engine.models(case.scene):
-        if engine.why_not(case, model, engine.methods[0]) or engine.has_constraints(case, model):
+        if (
+            engine.bind(case, model).unsupported_reason(case, engine.methods[0])
+            or engine.bind(case, model).has_constraints
+        ):
             continue
-        system = engine.joint_system(case, model)
+        system = engine.bind(case, model).system(case)
         layout = system.layout
         change, v = random.uniform(-1, 1, (2, layout.size[1]))
         driving = [i for i, joint in enumerate(system.joints) if joint in DRIVING]

@@ -54,7 +54,7 @@ class Floating(Rotating):
 
     name, version, spin = "floating", "1", OWN
 
-    def why_not(self, system: mbcheck.System, method: Any) -> str | None:
+    def unsupported_reason(self, system: mbcheck.System, method: Any) -> str | None:
         """Refuse what has other joints."""
         same = system.kinds[0] == "free" and {*system.kinds[1:]} == {"hinge"}
         return None if same else "a free joint and hinges only"

@@ -10,7 +10,7 @@ from typing import Any
 
 from mbcheck.comparisons.engines import registry as engines
 from mbcheck.comparisons.engines.protocol import Method
-from mbcheck.comparisons.engines.reference import ReferenceEngine
+from mbcheck.comparisons.engines.reference import ReferenceEngine, ReferenceModel
 from mbcheck.comparisons.engines.run import Trajectory, grid_indices
 from mbcheck.reference import get_scene
 from mbcheck.reference.scene import Array, Case
@@ -63,20 +63,10 @@ DEEDS: dict[str, Callable[[], None]] = {
 }
 
 
-class Hostile(ReferenceEngine):
-    """The reference's equations by Kutta's method; other methods do what they are named after."""
+class HostileModel(ReferenceModel):
+    """A model whose runs do what their method is named after."""
 
-    def __init__(self) -> None:
-        super().__init__()
-        self.name, self.version = NAME, "0"
-        self.methods = tuple(Method(name, 4, "RK44") for name in ("RK4", *DEEDS))
-
-    def models(self, scene: str) -> tuple[str, ...]:
-        return ("exact",)
-
-    def simulate(
-        self, case: Case, model: str, method: Method, step: float, times: Array
-    ) -> Trajectory:
+    def simulate(self, case: Case, method: Method, step: float, times: Array) -> Trajectory:
         if method.name in DEEDS:
             DEEDS[method.name]()
         scene, p = get_scene(case.scene), case.parameters
@@ -85,6 +75,20 @@ class Hostile(ReferenceEngine):
         states = schemes.integrate(equations, "RK44", start, step, numbers)
         values = scene.observe(states, p)
         return Trajectory(times=times, values=values, clock=times, steps=int(numbers[-1]))
+
+
+class Hostile(ReferenceEngine):
+    """The reference's equations by Kutta's method; other methods do what they are named after."""
+
+    bound = HostileModel
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.name, self.version = NAME, "0"
+        self.methods = tuple(Method(name, 4, "RK44") for name in ("RK4", *DEEDS))
+
+    def models(self, scene: str) -> tuple[str, ...]:
+        return ("exact",)
 
 
 def register() -> None:

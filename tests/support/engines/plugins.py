@@ -72,7 +72,8 @@ PLACES = {
     "    def methods(self): {do}; return Right.methods",
     "accelerations": "class Bad(Right):\n    name = '{name}'\n"
     "    def accelerations(self, *a): {do}; return super().accelerations(*a)",
-    "why_not": "class Bad(Right):\n    name = '{name}'\n    def why_not(self, *a): {do}",
+    "unsupported_reason": "class Bad(Right):\n    name = '{name}'\n"
+    "    def unsupported_reason(self, *a): {do}",
     "simulate": "class Bad(Right):\n    name = '{name}'\n"
     "    def simulate(self, *a): {do}; return super().simulate(*a)",
 }
@@ -161,19 +162,23 @@ ODD: dict[str, tuple[str, str, str]] = {
         f"{SIMULATE}        return mbcheck.Motion([['1']], [['1']])\n",
         "real numbers",
     ),
-    "why_not_5": ("", "    def why_not(self, *a): return 5\n", "must return a reason"),
-    "why_not_usage": (
+    "reason_5": ("", "    def unsupported_reason(self, *a): return 5\n", "must return a reason"),
+    "reason_usage": (
         "",
-        "    def why_not(self, *a): raise mbcheck.UsageError('not so')\n",
-        "why_not: not so",
+        "    def unsupported_reason(self, *a): raise mbcheck.UsageError('not so')\n",
+        "unsupported_reason: not so",
     ),
-    "why_not_later": (
+    "reason_later": (
         "",
-        "    asked = 0\n    def why_not(self, *a):\n        Bad.asked += 1\n"
+        "    asked = 0\n    def unsupported_reason(self, *a):\n        Bad.asked += 1\n"
         "        return 5 if Bad.asked > 3 else None\n",
         "must return a reason",
     ),
-    "server": ("", "    def why_not(self, *a): os.kill(os.getppid(), 9)\n", "exit code 255"),
+    "server": (
+        "",
+        "    def unsupported_reason(self, *a): os.kill(os.getppid(), 9)\n",
+        "exit code 255",
+    ),
     "models_5": ("", "    def models(self, *a): return 5\n", "a tuple of names"),
     "models_nul": ("", "    def models(self, *a): return ('a\\0',)\n", "calls a model"),
     "models_many": (
@@ -181,11 +186,15 @@ ODD: dict[str, tuple[str, str, str]] = {
         "    def models(self, *a): return [f'm{i}' for i in range(10**6)]\n",
         "100",
     ),
-    "own_model_5": ("", "    def own_model(self, *a): return 5\n", "must return an OwnModel"),
+    "own_model_5": (
+        "",
+        "    def describe_model(self, *a): return 5\n",
+        "must return an ModelDescription",
+    ),
     "no_version": ("", "    version = None\n", "version must be text"),
     "long_version": ("", "    version = 'x' * 10**8\n", "version must be text"),
     "nul": ("", "    methods = (mbcheck.Method('R\\0', 1),)\n", "calls a method"),
-    "nan_value": ("", "    largest_value = float('nan')\n", "must be a number"),
+    "nan_value": ("", "    max_value = float('nan')\n", "must be a number"),
     "thousands": (
         "",
         "    methods = tuple(mbcheck.Method(f'm{i}', 4) for i in range(3000))\n",

@@ -22,7 +22,7 @@ class Sliding(Turning):
 
     name, spin = "sliding", slice(2, None)
 
-    def why_not(self, system: mbcheck.System, method: Any) -> str | None:
+    def unsupported_reason(self, system: mbcheck.System, method: Any) -> str | None:
         """Refuse what has other joints, or stands otherwise."""
         same = system.kinds == ("slide", "slide", "ball")
         return None if same else "a foot, a slide and a ball joint only"

@@ -93,7 +93,7 @@ class Turning(Rotating):
 
     name, version, spin = "turning", "1", slice(0, None)
 
-    def why_not(self, system: mbcheck.System, method: Any) -> str | None:
+    def unsupported_reason(self, system: mbcheck.System, method: Any) -> str | None:
         """Refuse what has other joints."""
         return None if system.kinds == ("ball",) else "one ball joint only"
 

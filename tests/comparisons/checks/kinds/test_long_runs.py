@@ -12,16 +12,17 @@ import pytest
 from mbcheck.comparisons.checks.kinds.long_runs import CONSERVATIVE, FREE, LOCKED
 from mbcheck.comparisons.checks.suite import run_check
 from mbcheck.comparisons.checks.verdict import GUARD, REFERENCE, Result
+from mbcheck.comparisons.engines.adapter import BoundModel
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.faults.catalogue import ENGINES
+from mbcheck.comparisons.faults.runs import Altered
 from mbcheck.comparisons.faults.variants import Misread, Wrapped
 from mbcheck.comparisons.scenes.data import scene_data
 from mbcheck.comparisons.scenes.extremes import LongMotion, check_of, prepared
 from mbcheck.reference import get_scene
 from mbcheck.reference.scene import Array, Case
-from mbcheck.tests.support.subjects import Altered
 
 PERIODS = 20
 
@@ -94,10 +95,10 @@ class FastClock(Wrapped):
     """An engine whose steps are longer than it tells."""
 
     def simulate(
-        self, case: Case, model: str, method: Method, step: float, times: Array
+        self, model: BoundModel, case: Case, method: Method, step: float, times: Array
     ) -> Trajectory:
         factor = 1 + 1e-4
-        found = self.engine.simulate(case, model, method, step * factor, times * factor)
+        found = model.simulate(case, method, step * factor, times * factor)
         return replace(found, times=times, clock=times)
 
 

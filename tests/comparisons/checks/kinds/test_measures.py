@@ -186,7 +186,7 @@ def test_the_side_of_a_chains_first_frequency(changes: dict[str, object], expect
     p = case.parameters.replace(segments=12, **changes)
     assert side(p) == expected
     setup = Setup(get_engine("mujoco"), replace(case, parameters=p), "chain")
-    assert setup.frequency_side == expected
+    assert setup.bound.frequency_side == expected
     off = elements.of_model_equations(setup)[0] / elements.exact(setup.case)[0] - 1
     assert expected in (0, np.sign(off))
 

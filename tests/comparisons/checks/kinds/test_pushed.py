@@ -18,16 +18,15 @@ from mbcheck.comparisons.checks.verdict import (
     REFERENCE,
     Result,
 )
-from mbcheck.comparisons.engines.equations import scene_equations
-from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.faults.exudyn import ExudynAdapter
 from mbcheck.comparisons.faults.mujoco import MujocoAdapter
-from mbcheck.comparisons.faults.runs import Resetting
+from mbcheck.comparisons.faults.runs import Altered, Resetting
 from mbcheck.comparisons.faults.variants import Misread
 from mbcheck.reference import get_scene
-from mbcheck.reference.scene import Array, Case
+from mbcheck.reference.equations import scene_equations
+from mbcheck.reference.scene import Case
 
 SPINNING = get_scene("hula_hoop").case("spinning_3hz_60n")
 STEP = 2.0**-10
@@ -41,7 +40,7 @@ def verdict(engine: Any, method: str = "RK4", case: Case = SPINNING, **changes: 
     model, made = engine.models(case.scene)[0], known[method]
     check = Check(
         "parameters", case, engine.name, model, made, (pushed.QUANTITY,),
-        why_not=engine.why_not(case, model, made), step=STEP,
+        why_not=engine.bind(case, model).unsupported_reason(case, made), step=STEP,
     )  # fmt: skip
     (result,) = run_check(check, engine=engine)
     return result
@@ -116,13 +115,10 @@ def test_the_adapter_refuses_and_the_engine_refuses() -> None:
 
 
 def test_an_exception_in_a_run_is_a_failure_of_the_engine() -> None:
-    class Torn(MujocoAdapter):
-        def simulate(
-            self, case: Case, model: str, method: Method, step: float, times: Array
-        ) -> Trajectory:
-            raise ValueError("sensor torn off")
+    def torn(found: Trajectory, case: Case) -> Trajectory:
+        raise ValueError("sensor torn off")
 
-    row = verdict(Torn())
+    row = verdict(Altered(MujocoAdapter(), torn))
     assert row.verdict == "error"
     assert row.noticed_by[0] == ENGINE
     assert "sensor torn off" in row.reason

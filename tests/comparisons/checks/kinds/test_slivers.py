@@ -19,7 +19,7 @@ from mbcheck.tests.support.engines.solved import STAGES, Solved
 from mbcheck.tests.support.example import results
 
 STEP = 0.1 / 64  # which no clock can add up without rounding
-METHOD = mbcheck.Method("ExplicitMidpoint", 2, evaluations=2)
+METHOD = mbcheck.Method("ExplicitMidpoint", 2, evaluations_per_step=2)
 
 
 class Stopping(Solved):

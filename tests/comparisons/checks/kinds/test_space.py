@@ -15,7 +15,6 @@ from mbcheck.comparisons.checks.kinds.energy import sensor_gaps
 from mbcheck.comparisons.checks.mistakes.motions import explanation, seen_in, with_expected
 from mbcheck.comparisons.checks.suite import plan_cases, run_check
 from mbcheck.comparisons.engines.adapter import adapt
-from mbcheck.comparisons.engines.equations import ModelEquations
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.faults.catalogue import scaled
 from mbcheck.comparisons.faults.exudyn import Rebuilt
@@ -26,6 +25,7 @@ from mbcheck.models.floating_beam import exudyn_model as beam_model
 from mbcheck.models.floating_platform import exudyn_model as platform_model
 from mbcheck.reference import get_scene
 from mbcheck.reference.body.rotation import without_products
+from mbcheck.reference.equations import ModelEquations
 from mbcheck.reference.quaternions import matrix, of_rotation, product
 from mbcheck.reference.scene import Case
 from mbcheck.tests.support.draws import case_near, some_are_slow

@@ -12,6 +12,7 @@ from mbcheck.comparisons.checks.kinds.limits import bisected
 from mbcheck.comparisons.checks.suite import Check, run_check
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.faults.catalogue import ENGINES
+from mbcheck.comparisons.faults.runs import OtherMethod
 from mbcheck.comparisons.faults.variants import Misread
 from mbcheck.comparisons.scenes.extremes import limits
 
@@ -100,15 +101,7 @@ def test_a_spring_that_is_off_is_seen(method: str) -> None:
 
 
 def test_a_method_that_is_another_is_seen() -> None:
-    class Downgraded(Misread):
-        """It claims RK4 and takes Euler."""
-
-        def compute(self, method: Any, case: Any, model: str, *rest: Any) -> Any:
-            euler = next(m for m in self.engine.methods if m.name == "Euler")
-            chosen = (euler, *rest[1:]) if method.__name__ == "simulate" else rest
-            return method(case, model, *chosen)
-
-    wrong = Downgraded(ENGINES["mujoco"](), lambda p: p)
+    wrong = OtherMethod(ENGINES["mujoco"](), "Euler")  # it claims RK4
     found = row("hula_hoop", "mujoco", "RK4", made=wrong)
     assert found.verdict == "deviation"
     assert h_omega(found) == pytest.approx(2.0, rel=1e-2)

@@ -71,10 +71,10 @@ def test_that_step_does_and_the_default_does_not() -> None:
     samples = np.array([case.horizon])
     with pytest.raises(EngineError, match="the run is unstable"), np.errstate(all="ignore"):
         run(setup, samples)
-    right = truth(setup.equations, case, samples, setup.observables)
+    right = truth(setup.bound.equations, case, samples, setup.bound.observables)
     shorter = setup.with_step(power_of_two(limit.step))
     refuse_unstable(shorter)
-    off = np.abs(run(shorter, samples).matrix(setup.observables) - right.values)
+    off = np.abs(run(shorter, samples).matrix(setup.bound.observables) - right.values)
     assert np.max(off / right.size[:, None]) < 0.05
 
 

@@ -13,8 +13,8 @@ from traceback import walk_tb
 from types import FunctionType
 from typing import Any, NamedTuple
 
-from ...reference import get_scene
-from ...reference.scene import Array, Case, EquationsOfMotion
+from . import get_scene
+from .scene import Array, Case, EquationsOfMotion
 
 
 class ModelEquations(NamedTuple):
@@ -57,7 +57,7 @@ def scene_equations(case: Case) -> ModelEquations:
 
 
 def invariants_of(equations: ModelEquations) -> Mapping[str, Callable[..., Array]]:
-    """Return what a claim conserves where nothing drives it: the energy, and more if it tells."""
+    """Return the conserved quantities of undriven equations: the energy, and others they name."""
     scene = equations.scene
     if scene.invariants is None:
         return {"energy": scene.energy}
