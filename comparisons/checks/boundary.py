@@ -23,8 +23,9 @@ from ...reference.parameters import BoundarySearch
 from ...reference.scene import Array
 from ..engines.run import EPS
 from ..engines.setup import Setup
+from .comparison import CAP, NEXT_ORDERS, ORBIT_REFINEMENTS, converging, richardson
 from .orbits import engine_paths, engine_tracer, orbit_step
-from .tolerances import CAP, NEXT_ORDERS, ORBIT_REFINEMENTS, converging, richardson, rounding
+from .truth import rounding
 from .verdict import Finding, Inconclusive
 
 SETTLED = 0.25
@@ -181,12 +182,12 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         raise CannotJudgeError(f"{why}: {note}")
     moving = len(ratios) > 1 and abs(np.log2(ratios[-1] / ratios[-2])) > SETTLED
     finding = Finding("boundary", unit, here, truth, error, 0.0, note)
-    first = converging(finding, estimate, floor, shrinks, moving)
+    shifted = converging(finding, estimate, floor, shrinks, moving)
     if not estimate.is_regular(floor):
         silence = "shifts do not shrink with the declared order, so that nothing is extrapolated"
-        return [first, Inconclusive("extrapolated", silence)]
+        return [shifted, Inconclusive("extrapolated", silence)]
     reason = f"{what}, extrapolated to h -> 0: shifted by {shift(limit - truth, unit)}"
-    return [first, Finding("extrapolated", unit, limit, truth, off, room, reason)]
+    return [shifted, Finding("extrapolated", unit, limit, truth, off, room, reason)]
 
 
 def shift(size: float, unit: str) -> str:

@@ -23,7 +23,7 @@ from ...reference.linear import Mode, linearise_at, modes
 from ...reference.scene import Array, Case
 from ..engines.run import contained
 from ..engines.setup import Setup
-from .tolerances import RICHARDSON_SAFETY
+from .comparison import RICHARDSON_SAFETY
 from .verdict import Finding
 
 COUNT = 2

@@ -33,7 +33,7 @@ from ...reference.orbits import (
 )
 from ...reference.scene import Array, Case
 from ..engines.setup import Setup, run_many, shortest_period
-from .tolerances import ORBIT_STEPS
+from .comparison import ORBIT_STEPS
 
 EFFORT = Effort(jacobians=20)
 

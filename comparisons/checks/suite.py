@@ -39,7 +39,7 @@ from .mistakes.motions import seen_in
 from .mistakes.observables import other_measures
 from .refusals import refuse_undriven
 from .rules.cautions import Caution, cautions, explained, noticing_rules
-from .table import EXTREMES, KINDS, Kind, kind_of
+from .table import EVERY_KIND, EXTREMES, KINDS, Kind
 from .verdict import (
     ENGINE,
     PROFILES,
@@ -213,7 +213,7 @@ class Check(Task):
     @property
     def integrates(self) -> bool:
         """Whether its kind integrates."""
-        return kind_of(self.kind).integrates
+        return EVERY_KIND[self.kind].integrates
 
     @property
     def takes_long(self) -> bool:
@@ -457,7 +457,7 @@ def run_check(
     """
     if check.why_not is not None:
         return check.skipped(check.why_not, (ENGINE,))
-    begin, kind = perf_counter(), kind_of(check.kind)
+    begin, kind = perf_counter(), EVERY_KIND[check.kind]
     setup: Setup | None = None
     try:
         setup = check.setup(engine)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections import ChainMap
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from ..engines.setup import Setup
@@ -162,6 +163,4 @@ EXTREMES = {
 """Kinds of checks at extremes; see `scenes.extremes`."""
 
 
-def kind_of(name: str) -> Kind:
-    """Return the kind of check of a name."""
-    return EXTREMES.get(name) or KINDS[name]
+EVERY_KIND: Mapping[str, Kind] = ChainMap(KINDS, EXTREMES)

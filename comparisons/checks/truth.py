@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...reference import get_scene
 from ...reference.differences import by_complex_step
@@ -19,7 +20,6 @@ from ...reference.solve.single import solve
 from ...reference.solve.solution import Solution, state_size
 from ..engines.run import EPS, VIOLATIONS
 from ..engines.setup import power_of_two
-from .tolerances import rounding, rows
 
 MOST_STEPS = 1 << 13
 """Longer runs with a method's default step are cut: what it does wrong shows before. An
@@ -87,7 +87,7 @@ class Truth:
     scale: Array
     states: Array
 
-    def at(self, places: Array) -> Truth:
+    def at(self, places: NDArray[np.intp]) -> Truth:
         """Return it at some of its times; bounds and sizes remain those of all."""
         return replace(
             self,
@@ -95,6 +95,21 @@ class Truth:
             values=self.values[:, places],
             states=self.states[:, places],
         )
+
+
+def rows(equations: ModelEquations, states: Array, names: tuple[str, ...]) -> Array:
+    """Return observables (k, n_t) of states (2 n, n_t) by model equations; unknown ones are 0."""
+    observables = equations.scene.observe(states, equations.parameters)
+    values = (observables.get(name, 0.0) for name in names)
+    return np.array([np.broadcast_to(value, states.shape[1:]) for value in values])
+
+
+def rounding(steps: float, growth: float, epsilon: float = EPS) -> float:
+    """Relative error that rounding may leave after so many steps, errors growing so much.
+
+    ``epsilon`` is `Setup.epsilon`.
+    """
+    return 8 * epsilon * (16 + steps) * max(growth, 1.0)
 
 
 def sample_spacing(horizon: float) -> float:

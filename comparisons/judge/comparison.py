@@ -15,7 +15,7 @@ from ...reference.equations import ModelEquations, scene_equations
 from ...reference.errors import UsageError
 from ...reference.scene import Array, Case
 from ...reference.solve.solution import floor_relative_to_largest
-from ..checks.comparison import Comparison, Part, exact_prediction, scheme_rows
+from ..checks.comparison import CAP, Comparison, Part, exact_prediction, sample_numbers, scheme_rows
 from ..checks.mistakes.observables import (
     Observed,
     conventions,
@@ -23,8 +23,7 @@ from ..checks.mistakes.observables import (
     late,
     other_measures,
 )
-from ..checks.tolerances import CAP, rounding, sample_numbers
-from ..checks.truth import MOST_STEPS, Truth, moves, permitted_horizon, truth_to_the_end
+from ..checks.truth import MOST_STEPS, Truth, moves, permitted_horizon, rounding, truth_to_the_end
 from ..engines.setup import shortest_period
 from .recording import Recording
 

@@ -18,11 +18,11 @@ from ....reference.linear import linearise
 from ....reference.scene import Array, Dynamics
 from ...engines.run import call_engine
 from ...engines.setup import Setup
+from ..comparison import matrix_rounding
 from ..kinds import algebra, frequency
 from ..mistakes.motions import seen_in
 from ..mistakes.observables import EXPLAINED
 from ..mistakes.terms import with_axes_of_world, with_tensors_behind
-from ..tolerances import matrix_rounding
 from ..truth import random_states
 from ..verdict import Finding, judge
 from .runs import Deviation, after_steps

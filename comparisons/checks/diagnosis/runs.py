@@ -14,12 +14,11 @@ from ....reference.scene import Array
 from ....reference.solve.schemes import TABLEAUS
 from ...engines.run import EPS, call_engine
 from ...engines.setup import Setup, power_of_two
-from ..comparison import EngineRuns, Measured, Part, ideal_rows
+from ..comparison import EngineRuns, Measured, Part, ideal_rows, matrix_rounding, sample_numbers
 from ..kinds import algebra, one_step
 from ..mistakes.motions import LONG, explanation, reset, seen_in, with_expected
 from ..mistakes.observables import EXPLAINED, SEEN
 from ..orbits import true_orbit
-from ..tolerances import matrix_rounding, sample_numbers
 from ..truth import after_starts, simulated_horizon
 from ..verdict import Finding, judge
 

@@ -14,8 +14,7 @@ from ....reference.scene import Array, Case
 from ....reference.solve.bounds import sensitivities
 from ...engines.run import EPS, contained
 from ...engines.setup import Setup
-from ..comparison import Measured
-from ..tolerances import OPERATIONS, ROUNDING, largest_inertias, matrix_rounding
+from ..comparison import OPERATIONS, ROUNDING, Measured, largest_inertias, matrix_rounding
 from ..truth import RANDOM_STATES, random_states
 from ..verdict import Finding, Inconclusive
 

@@ -11,15 +11,18 @@ from ....reference.equations import ModelEquations, invariants_of, scene_equatio
 from ....reference.errors import CannotJudgeError, EngineError
 from ....reference.scene import Array
 from ...engines.setup import Setup
-from ..comparison import Measured, Part, drifts, ideal_rows, invariant_size
-from ..tolerances import (
+from ..comparison import (
     RICHARDSON_SAFETY,
     SAFETY,
+    Measured,
+    Part,
+    drifts,
+    ideal_rows,
+    invariant_size,
     last_trusted_sample,
-    rounding,
     sample_numbers,
 )
-from ..truth import permitted_horizon, simulated_horizon, truth
+from ..truth import permitted_horizon, rounding, simulated_horizon, truth
 from ..verdict import Finding
 
 ENERGIES = ("energy", "jacobi")

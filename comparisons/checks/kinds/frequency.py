@@ -13,8 +13,7 @@ from ....reference.scene import Array, Case, Scene
 from ...engines.run import contained
 from ...engines.setup import Setup
 from .. import elements
-from ..comparison import Measured
-from ..tolerances import matrix_rounding
+from ..comparison import Measured, matrix_rounding
 from ..verdict import Finding
 
 BACKWARD_ERROR = 1e-11

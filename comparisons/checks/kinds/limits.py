@@ -25,7 +25,7 @@ from ...engines.setup import Setup
 from ..comparison import Measured
 from ..free_vibrations import START, Critical, Place, critical, places, stable_step
 from ..rules.cautions import cautions, noticing_rules
-from ..tolerances import rows
+from ..truth import rows
 from ..verdict import REFERENCE, Finding, detected_by
 
 QUANTITY = "step_limit"

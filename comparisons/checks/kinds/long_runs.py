@@ -22,10 +22,10 @@ from ....reference.linear import linearise
 from ....reference.scene import Array, Case
 from ...engines.run import EPS, VIOLATIONS, Trajectory
 from ...engines.setup import Setup, shortest_period
-from ..comparison import Measured, drifts
+from ..comparison import RICHARDSON_SAFETY, VIOLATION, Measured, drifts
 from ..orbits import true_orbit
 from ..rules.cautions import cautions, noticing_rules
-from ..tolerances import RICHARDSON_SAFETY, VIOLATION, rounding
+from ..truth import rounding
 from ..verdict import REFERENCE, Finding, Inconclusive
 
 FREE, CONSERVATIVE, LOCKED, AFTER_PULSE = "free", "conservative", "locked", "after_pulse"

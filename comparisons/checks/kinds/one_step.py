@@ -18,6 +18,7 @@ from ....reference.scene import Array, Case
 from ....reference.solve.schemes import OF_VELOCITIES, VelocityEquations, mean_acceleration
 from ...engines.setup import Setup, power_of_two, run_many
 from ..comparison import (
+    CAP,
     REFINEMENTS,
     Measured,
     Part,
@@ -28,18 +29,13 @@ from ..comparison import (
     conclusion,
     ideal_rows,
     largest_share,
-    unfollowed_vibrations,
-)
-from ..tolerances import (
-    CAP,
     least_error,
     richardson,
-    rounding,
-    rows,
     sample_numbers,
     taylor_remainder,
+    unfollowed_vibrations,
 )
-from ..truth import Truth, after_starts, simulated_horizon, truth
+from ..truth import Truth, after_starts, rounding, rows, simulated_horizon, truth
 from ..verdict import Finding, Inconclusive
 
 STATES = 8

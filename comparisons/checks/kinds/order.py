@@ -15,8 +15,7 @@ from ....reference.errors import EngineError
 from ....reference.scene import Array
 from ...engines.setup import Setup, shortest_period
 from .. import elements
-from ..comparison import Measured, Part, ideal_rows
-from ..tolerances import least_error, richardson, taylor_remainder
+from ..comparison import Measured, Part, ideal_rows, least_error, richardson, taylor_remainder
 from ..truth import Truth, permitted_horizon, roundoff_reference
 from ..verdict import Finding, Inconclusive, Series
 
@@ -100,10 +99,8 @@ def measure(setup: Setup) -> Measured:
     reason = (
         f"slopes {listed} down to h = {steps[-1]:.3g} s, error {errors[-1]:.2g}; declared {order}"
     )
-    off, drawn = (
-        max(0.0, expected - finest),
-        Series("step", *map(np.array, (steps, errors)), declared),
-    )
+    off = max(0.0, expected - finest)
+    drawn = Series("step", np.array(steps), np.array(errors), declared)
     extrapolated = f"relative error of the value extrapolated to h -> 0 over {horizon:.3g} s"
     return Measured(
         [

@@ -34,7 +34,7 @@ from ....reference.errors import CannotJudgeError, Unsupported
 from ....reference.scene import Array
 from ...engines.run import contained
 from ...engines.setup import Setup
-from ..comparison import Measured
+from ..comparison import OPERATIONS, ROUNDING, Measured, largest_inertias, matrix_rounding
 from ..mistakes.shares import (
     DISTINCT,
     VISIBLE,
@@ -45,7 +45,6 @@ from ..mistakes.shares import (
     part_of,
 )
 from ..mistakes.terms import added_forces, added_inertias, joints_of
-from ..tolerances import OPERATIONS, ROUNDING, largest_inertias, matrix_rounding
 from ..truth import random_states
 from ..verdict import Finding, Inconclusive
 

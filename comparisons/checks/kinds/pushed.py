@@ -19,17 +19,18 @@ from ....reference.scene import Array, Case
 from ....reference.solve.solution import run_sizes
 from ...engines.run import VIOLATIONS
 from ...engines.setup import Setup
-from ..comparison import Measured, Part, ideal_rows
-from ..rules.cautions import cautions, noticing_rules
-from ..tolerances import (
+from ..comparison import (
     CAP,
     RICHARDSON_SAFETY,
     SAFETY,
     VIOLATION,
-    rounding,
+    Measured,
+    Part,
+    ideal_rows,
     sample_numbers,
 )
-from ..truth import VIBRATION_GROWTH, Truth, truth_to_the_end
+from ..rules.cautions import cautions, noticing_rules
+from ..truth import VIBRATION_GROWTH, Truth, rounding, truth_to_the_end
 from ..verdict import HALVING, REFERENCE, Finding
 
 QUANTITY = "motion_error"

@@ -31,18 +31,18 @@ from ....reference.solve.batched import solve_many
 from ....reference.solve.single import solve
 from ...engines.setup import Setup, shortest_period
 from .. import boundary
-from ..comparison import Measured
-from ..orbits import orbit_step, true_orbit
-from ..tolerances import (
+from ..comparison import (
     CAP,
     CLEAR,
     NEXT_ORDERS,
     ORBIT_REFINEMENTS,
+    Measured,
     Richardson,
     converging,
     richardson,
     sample_numbers,
 )
+from ..orbits import orbit_step, true_orbit
 from ..verdict import Finding, Inconclusive
 
 SAMPLES = 64

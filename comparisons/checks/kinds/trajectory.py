@@ -18,24 +18,21 @@ from ....reference.errors import CannotJudgeError, EngineError
 from ....reference.scene import Array
 from ...engines.setup import Setup
 from ..comparison import (
+    CAP,
     REFINEMENTS,
+    RICHARDSON_SAFETY,
     Measured,
     Part,
     RunComparison,
     by_extrapolation,
     by_scheme,
     ideal_rows,
-    unfollowed_vibrations,
-)
-from ..tolerances import (
-    CAP,
-    RICHARDSON_SAFETY,
     last_trusted_sample,
     richardson,
-    rounding,
     sample_numbers,
+    unfollowed_vibrations,
 )
-from ..truth import permitted_horizon, simulated_horizon, truth
+from ..truth import permitted_horizon, rounding, simulated_horizon, truth
 from ..verdict import Finding, Inconclusive
 
 SAMPLES, RUN_SAMPLES = 32, 256

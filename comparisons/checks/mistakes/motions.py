@@ -14,8 +14,7 @@ from ....reference.scene import Array, Case
 from ....reference.solve import schemes
 from ...engines.setup import Setup
 from ..comparison import EngineRuns, Part
-from ..tolerances import rows
-from ..truth import truth
+from ..truth import rows, truth
 from .observables import EXPLAINED, SEEN, Observed, limited, otherwise_observed
 
 LONG = 32

@@ -11,6 +11,7 @@ import pytest
 from scipy.linalg import null_space
 
 from mbcheck.comparisons.checks import elements
+from mbcheck.comparisons.checks.comparison import NEXT_ORDERS, Richardson
 from mbcheck.comparisons.checks.kinds import (
     algebra,
     energy,
@@ -20,7 +21,6 @@ from mbcheck.comparisons.checks.kinds import (
     stability,
 )
 from mbcheck.comparisons.checks.mistakes.shares import Effect, explain
-from mbcheck.comparisons.checks.tolerances import NEXT_ORDERS, Richardson
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.scenes.rotor_pendulum.phase import leading_modulus
