@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -243,10 +243,10 @@ def place_of_rest(case: Case) -> str | None:
 
 def applied(checks: Sequence[Check], custom: CustomCase) -> list[Check]:
     """Return checks, with why those are skipped that do not apply."""
-    missing = cache(lambda need: MISSING[need](custom))
+    why_of = cache(partial(why_inapplicable, custom))
     skipped = []
     for check in checks:
-        reason = next(filter(None, map(missing, KINDS[check.kind].needs)), "")
+        reason = why_of(check.kind)
         if not reason and check.kind == "order" and check.case.watch == "elements":
             reason = "no reference tells from how many elements on they converge as declared"
         if not reason and check.kind == "algebra":
@@ -255,6 +255,11 @@ def applied(checks: Sequence[Check], custom: CustomCase) -> list[Check]:
                 reason = "elements converge to the continuum, and have no closed form"
         skipped.append(replace(check, why_not=reason or check.why_not))
     return skipped
+
+
+def why_inapplicable(custom: CustomCase, kind: str) -> str:
+    """Return why a kind of check does not apply; empty where it does."""
+    return next(filter(None, (MISSING[need](custom) for need in KINDS[kind].needs)), "")
 
 
 def why_no_rest(custom: CustomCase) -> str:

@@ -15,10 +15,10 @@ from ....models.placement import world_axes
 from ....reference.equations import ModelEquations
 from ....reference.errors import Unsupported
 from ....reference.linear import linearise
-from ....reference.scene import Array, Dynamics
+from ....reference.scene import Array, EquationsOfMotion
 from ...engines.run import call_engine
 from ...engines.setup import Setup
-from ..comparison import matrix_rounding
+from ..comparison import ROUNDING, matrix_rounding
 from ..kinds import algebra, frequency
 from ..mistakes.motions import seen_in
 from ..mistakes.observables import EXPLAINED
@@ -67,7 +67,7 @@ def of_accelerations(deviation: Deviation) -> str:
     names, times, states = algebra.measured_states(setup)
     scene, parameters = setup.bound.solved_equations
 
-    def right_of(one: Dynamics) -> Array:
+    def right_of(one: EquationsOfMotion) -> Array:
         equations = ModelEquations(one, parameters)
         rows = algebra.expected(setup.case, equations, times, states, names, ())
         return rows["accelerations"]
@@ -105,7 +105,7 @@ def of_softness(setup: Setup, closed: float) -> str:
     if not closed < EXPLAINED * max(errors):
         return ""
     words = zip(("stiffness", "damping"), errors, strict=True)
-    granted = matrix_rounding(setup.epsilon, algebra.ROUNDING)
+    granted = matrix_rounding(setup.epsilon, ROUNDING)
     wrong = " and ".join(word for word, error in words if error > granted)
     return (
         f"the loop has another {wrong} than the file says (solref, solimp): "
@@ -119,7 +119,7 @@ def of_motion(setup: Setup, moved: Array, right_moved: Array) -> str:
     Where nothing acts at rest there is nothing to be right.
     """
     (answer, right), back = (accelerations_of(setup, by) for by in (0.0, -1.0))
-    acts = np.max(np.abs(right)) > algebra.ROUNDING * np.max(np.abs(right_moved))
+    acts = np.max(np.abs(right)) > ROUNDING * np.max(np.abs(right_moved))
     there, away = moved - right_moved, np.subtract(*back)
     most = EXPLAINED * float(np.max(np.abs(there)))
     if not acts or not np.max(np.abs(answer - right)) < most:

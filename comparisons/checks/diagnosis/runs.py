@@ -14,7 +14,15 @@ from ....reference.scene import Array
 from ....reference.solve.schemes import TABLEAUS
 from ...engines.run import EPS, call_engine
 from ...engines.setup import Setup, power_of_two
-from ..comparison import EngineRuns, Measured, Part, ideal_rows, matrix_rounding, sample_numbers
+from ..comparison import (
+    ROUNDING,
+    EngineRuns,
+    Measured,
+    Part,
+    ideal_rows,
+    matrix_rounding,
+    sample_numbers,
+)
 from ..kinds import algebra, one_step
 from ..mistakes.motions import LONG, explanation, reset, seen_in, with_expected
 from ..mistakes.observables import EXPLAINED, SEEN
@@ -265,7 +273,7 @@ def of_repetition(deviation: Deviation) -> str:
     first, second = deviation.numbers, deviation.repeated()
     size = np.max(np.abs(first), axis=1, keepdims=True)
     apart = float(np.max(np.abs(second - first) / np.where(size > 0, size, 1.0)))
-    if apart > matrix_rounding(deviation.setup.epsilon, algebra.ROUNDING):
+    if apart > matrix_rounding(deviation.setup.epsilon, ROUNDING):
         return f"it does not repeat itself: two identical calls differ by {apart:.2g} of their size"
     return ""
 

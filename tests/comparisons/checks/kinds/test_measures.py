@@ -11,9 +11,8 @@ import pytest
 from scipy.linalg import null_space
 
 from mbcheck.comparisons.checks import elements
-from mbcheck.comparisons.checks.comparison import NEXT_ORDERS, Richardson
+from mbcheck.comparisons.checks.comparison import NEXT_ORDERS, ROUNDING, Richardson
 from mbcheck.comparisons.checks.kinds import (
-    algebra,
     energy,
     frequency,
     one_step,
@@ -21,6 +20,7 @@ from mbcheck.comparisons.checks.kinds import (
     stability,
 )
 from mbcheck.comparisons.checks.mistakes.shares import Effect, explain
+from mbcheck.comparisons.checks.verdict import Finding
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.scenes.rotor_pendulum.phase import leading_modulus
@@ -75,6 +75,7 @@ def test_a_drift_is_predicted_and_no_more_is_granted(engine: str, model: str, me
     blind = replace(setup)
     blind.__dict__["scheme"] = None  # as if it were no published scheme
     (drift,) = energy.measure(blind).findings
+    assert isinstance(drift, Finding)
     assert drift.error > 1e-9
     assert 1.2 < drift.tolerance / drift.error < 1.8
 
@@ -142,11 +143,11 @@ def test_several_parts_that_are_off_have_their_own_shares() -> None:
     """Whatever the size of their forces; no part alone explains the rows."""
     columns = np.random.default_rng(4).normal(size=(20, 4)) * [1e-3, 1.0, 0.1, 1.0]
     extra, names = np.array([0.5, -1.0, 0.0, 2.0]), ("mass.a", "spring.b", "damper.c", "spring.d")
-    found = explain(candidates(columns, *names), (), columns @ extra, algebra.ROUNDING)
+    found = explain(candidates(columns, *names), (), columns @ extra, ROUNDING)
     assert found.left < found.granted
     values = np.concatenate([found.values[name] for name in names])
     np.testing.assert_allclose(values, extra, atol=1e-12)
-    moved = algebra.ROUNDING * np.sum(np.abs(np.linalg.pinv(columns)), axis=1)
+    moved = ROUNDING * np.sum(np.abs(np.linalg.pinv(columns)), axis=1)
     np.testing.assert_allclose(np.concatenate([found.tolerances[n] for n in names]), moved)
 
 
