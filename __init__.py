@@ -107,6 +107,8 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     if name == "__version__":
         return import_module(".comparisons.queries.environment", __name__).own_version()
+    if name == "OwnModel":
+        raise AttributeError("mbcheck.OwnModel is now mbcheck.ModelDescription, see CHANGELOG.md")
     if name not in PLACES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     module, attribute = PLACES[name]

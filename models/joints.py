@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from types import MappingProxyType
 
@@ -20,6 +20,12 @@ SIZES: Mapping[str, tuple[int, int]] = MappingProxyType(
 
 SPATIAL = ("ball", "free")
 """Kinds of joints whose position has a quaternion: its last four numbers."""
+
+
+@lru_cache(maxsize=256)
+def layout_of(kinds: tuple[str, ...]) -> JointLayout:
+    """Return the layout of joints of these kinds, the same object each time."""
+    return JointLayout(kinds)
 
 
 @dataclass(frozen=True)
@@ -50,13 +56,13 @@ class JointLayout:
                 if kind in SPATIAL]  # fmt: skip
         return tuple(slice(end - 4, end) for end in ends)
 
-    @property
+    @cached_property
     def size(self) -> tuple[int, int]:
         """Numbers n_q of positions and n_v of velocities."""
         count, rates = (sum(SIZES[kind][i] for kind in self.kinds) for i in (0, 1))
         return count, rates
 
-    @property
+    @cached_property
     def is_spatial(self) -> bool:
         """Whether a joint turns about any axis."""
         return any(kind in SPATIAL for kind in self.kinds)

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from ..reference.scene import Array, Case
-from .joints import SPATIAL, JointLayout
+from .joints import SPATIAL, JointLayout, layout_of
 from .mechanism import Closure, Term
 
 
@@ -71,7 +71,7 @@ class System:
     @cached_property
     def layout(self) -> JointLayout:
         """Where each joint stands in vectors of positions and of velocities."""
-        return JointLayout(self.kinds or ("hinge",) * len(self.joints))
+        return layout_of(self.kinds or ("hinge",) * len(self.joints))
 
     def displaced(self, positions: Array, change: Array) -> Array:
         """Return positions (n_q,) after constant velocities (n,) times a time: ``change``.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -24,6 +25,7 @@ SCENES = (
 `SCENE`, and a folder of the same name in `models`."""
 
 
+@cache
 def get_scene(name: str) -> Scene:
     """Return the scene of this name.
 

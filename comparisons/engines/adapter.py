@@ -328,14 +328,10 @@ class BoundModel:
             return self.described[1] or UNKNOWN_SOFTNESS
         if engine.reads_mjcf:
             return self.source.why_not(self.case.parameters)
-        if (
-            self.scene.discretisation_coordinates
-            and description.equations is None is description.elements
-        ):
-            return (
-                f"{self.scene.name} is a continuum: tell the equations of the model, or its "
-                "elements"
-            )
+        own = description.equations or description.elements
+        if self.scene.discretisation_coordinates and not own:
+            name = self.scene.name
+            return f"{name} is a continuum: tell the equations of the model, or its elements"
         return None
 
     def ask_reason(self, case: Case, method: Method | None) -> str | None:
@@ -413,14 +409,18 @@ class BoundModel:
         return np.array([float(values[name]) for name in self.scene.public_states])
 
     def system(self, case: Case) -> System:
-        """Return the system of a case for the engine; its loops may start open."""
+        """Return the system of a case for the engine, with the parameters that are bound.
+
+        Its loops may start open.
+        """
         origin, time, state = self.origin, float(case.start_time), self.start(case)
         q, v = np.split(state, 2)
         if self.engine.reads_mjcf:
             motion, off = self.motion(time, state), case.inconsistency
             q = np.hstack([motion[name][0] + off.get(name, 0.0) for name in origin.joints])
             v = np.hstack([motion[name][1] + off.get(f"{name}_dot", 0.0) for name in origin.joints])
-        return replace(origin, case=case, positions=q, velocities=v, start_time=time)
+        bound = replace(case, parameters=self.case.parameters, placement=self.case.placement)
+        return replace(origin, case=bound, positions=q, velocities=v, start_time=time)
 
     @cached_property
     def origin(self) -> System:
@@ -755,9 +755,8 @@ class BoundModel:
         if not inverse and self.knows_softness:
             raise Unsupported("accelerations of a soft closure show no modes of a closed loop")
         q, v = self.joint_states(times, state[None])
-        acceleration = (
-            0 * v[0]
-        )  # a soft closure gives way even at rest, which a closed loop does not
+        # a soft closure gives way even at rest, which a closed loop does not
+        acceleration = 0 * v[0]
         if inverse and not self.has_constraints:
             acceleration = self.joint_accelerations(times, q, v)[0]
 

@@ -65,9 +65,9 @@ WHOLE = {
 
 def readable(setup: Setup) -> System | None:
     """Return the model in joint coordinates, None of an engine that reads no MJCF of ours."""
-    # forces of a soft closure are none of the parts
-    soft = setup.bound.has_constraints and not setup.bound.is_exact
-    if soft or not setup.engine.reads_mjcf:
+    # forces of what gives way are none of the parts
+    soft = setup.bound.has_constraints or setup.engine.compliant_joints
+    if (soft and not setup.bound.is_exact) or not setup.engine.reads_mjcf:
         return None
     try:
         system = setup.bound.system(setup.case)

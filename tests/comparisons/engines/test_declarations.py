@@ -15,7 +15,9 @@ from mbcheck.comparisons.engines import protocol
 from mbcheck.comparisons.engines.adapter import CLOSURE_TIME, adapt
 from mbcheck.comparisons.engines.registry import remote_plugin
 from mbcheck.comparisons.engines.setup import Setup, run
+from mbcheck.comparisons.engines.validation import RENAMED, RENAMED_ARGUMENTS
 from mbcheck.examples.mujoco_engine import MujocoPlugin
+from mbcheck.models import mjcf
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
@@ -335,3 +337,122 @@ def test_built_in_engines_take_public_names_alone(folder: str, clone: Path) -> N
                 assert {one.name for one in node.names} <= set(mbcheck.__all__)
             elif isinstance(node, ast.ImportFrom) and node.level > 2:
                 assert str(node.module).split(".")[0] in ("models", "reference"), path.name
+
+
+# Names of before ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("old", RENAMED)
+def test_an_engine_written_for_old_names_is_told_the_new_ones(old: str) -> None:
+    with pytest.raises(mbcheck.UsageError, match=f"{old} is now {RENAMED[old]}: rename it"):
+        adapt("older", type("Older", (MujocoPlugin,), {old: lambda *call: None}))
+    assert RENAMED[old] in dir(mbcheck.Engine)
+
+
+@pytest.mark.parametrize("old", RENAMED_ARGUMENTS)
+def test_arguments_of_before_are_told_their_new_names(
+    old: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    new = RENAMED_ARGUMENTS[old]
+    kinds = (mbcheck.ModelDescription, mbcheck.Method, mbcheck.Option, mbcheck.Motion)
+    (kind,) = (one for one in kinds if new in one.__dataclass_fields__)
+    (tmp_path / f"older_{old}.py").write_text(
+        f"import mbcheck\nmbcheck.{kind.__name__}({old}=1)\nclass Older(mbcheck.Engine): pass\n"
+    )
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(mbcheck.UsageError, match=f"{old}'.*it is now {new}, see CHANGELOG"):
+        remote_plugin(f"older_{old}:Older")
+
+
+def test_the_old_name_of_a_description_is_told() -> None:
+    with pytest.raises(AttributeError, match=r"is now mbcheck\.ModelDescription"):
+        assert mbcheck.OwnModel  # type: ignore[attr-defined]
+
+
+# Several solvers ----------------------------------------------------------------------------
+
+
+class Solvers(MujocoPlugin):
+    """An engine of which one solver adds an acceleration."""
+
+    name, added = "solvers", 1.0
+
+    def accelerations(self, system: Any, time: float, q: Any, v: Any, method: Any = None) -> Any:
+        wrong = method is not None and method.name == "Euler"
+        return super().accelerations(system, time, q, v) + self.added * wrong
+
+
+@pytest.mark.parametrize("as_object", [True, False])
+def test_accelerations_of_each_solver_are_checked(
+    as_object: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "several.py").write_text(
+        "from mbcheck.tests.comparisons.engines.test_declarations import Solvers\n"
+        "class Several(Solvers): name = 'solvers'\n"
+    )
+    monkeypatch.chdir(tmp_path)
+    engine = Solvers() if as_object else "several:Several"
+    selection: Any = {"scenes": ["hula_hoop"], "kinds": ["algebra", "parts"]}
+    report = mbcheck.check(engines=[engine], ids=["*/semicircle_3hz_60n/*"], **selection)
+    verdicts = {(r.kind, r.method, r.verdict) for r in report.results}
+    assert {("algebra", "RK4", "pass"), ("algebra", "Euler", "deviation")} <= verdicts
+    assert not {one for one in verdicts if one[1] == "RK4" and one[2] != "pass"}
+    assert None not in {method for _, method, _ in verdicts}
+
+
+def test_a_solver_is_no_argument_of_an_engine_that_takes_none() -> None:
+    model = adapt("plugin", MujocoPlugin()).bind(HOOPS[0], "tree")
+    at = np.zeros(1), np.array([[0.01, 0.2, 0.3, 4.0]])
+    assert np.array_equal(model.accelerations(*at), model.accelerations(*at, RK4))
+    solvers = adapt("solvers", Solvers()).bind(HOOPS[0], "tree")
+    euler = MujocoPlugin.methods[1]
+    assert np.max(np.abs(solvers.accelerations(*at, euler) - model.accelerations(*at))) > 0.5
+
+
+# Compliant joints ---------------------------------------------------------------------------
+
+
+class Compliant(MujocoPlugin):
+    """An engine whose joints give way: here as if the platform were heavier."""
+
+    name, compliant_joints = "compliant", True
+
+    def at(self, system: Any, *state: Any) -> Any:
+        model = mjcf.models("hula_hoop")[system.model]
+        text = mjcf.export(model, heavier(system.case.parameters, 1.25))
+        return super().at(replace(system, mjcf=text), *state)
+
+
+class Described(Compliant):
+    """The same, with its equations."""
+
+    share = 1.25
+
+    def describe_model(self, system: Any) -> mbcheck.ModelDescription:
+        own = heavier(system.case.parameters, self.share)
+        return mbcheck.ModelDescription(equations=(get_scene("hula_hoop"), own))
+
+
+def heavier(p: HulaHoop, share: float) -> HulaHoop:
+    """Return parameters with a heavier platform."""
+    return p.replace(main_mass=share * p.main_mass)
+
+
+def test_joints_that_give_way_are_skipped_or_judged_by_their_equations() -> None:
+    kinds = ("parts", "algebra", "step", "trajectory")
+    found = results(Compliant(), "hula_hoop", kinds, "semicircle_3hz_60n")
+    assert {item.verdict for item in found} == {"skipped"}
+    assert all("its joints give way by a rule of its own" in item.reason for item in found)
+    found = results(Described(), "hula_hoop", kinds, "semicircle_3hz_60n")
+    assert {item.kind for item in found} == {"algebra", "step", "trajectory"}
+    assert not bad(found)
+    assert "model_error" in {item.quantity for item in found}
+    wrong = type("Wrong", (Described,), {"share": 1.0})
+    found = results(wrong(), "hula_hoop", ("algebra",), "semicircle_3hz_60n")
+    assert "deviation" in {item.verdict for item in found}
+
+
+def test_an_engine_with_rigid_joints_describes_no_model_of_a_file() -> None:
+    rigid = type("Rigid", (Described,), {"compliant_joints": False})
+    with pytest.raises(mbcheck.UsageError, match="compliant_joints = True, or closure"):
+        adapt("rigid", rigid)

@@ -103,7 +103,7 @@ def test_exudyns_reactions_are_right(p: SpeedRegulator) -> None:
 def test_models_without_joints_tell_no_reactions() -> None:
     for engine, name in (("mujoco", "transmission"), ("exudyn", "one_dof")):
         found: Any = get_engine(engine)
-        assert found.reaction_names(SCENE.case("rotation"), name) == ()
+        assert found.bind(SCENE.case("rotation"), name).reaction_names == ()
 
 
 HOMOGENEOUS = DEFAULT.rod_mass * DEFAULT.rod_length**2 / 12
