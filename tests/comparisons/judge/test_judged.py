@@ -133,6 +133,7 @@ SLIPS: list[tuple[Change, str]] = [
     (lambda c: c.update(y=-c["y"]), "y fits with the opposite sign"),
     (lambda c: c.update(theta=np.remainder(c["theta"], 2 * np.pi)), "up to whole turns"),
     (lambda c: c.update(theta=c["theta"] + 0.1), "starts with theta = 0.4, the case with 0.3"),
+    (lambda c: c.update(y=c["theta"], theta=c["y"]), "exchanged: y is theta, theta is y"),
 ]
 
 
