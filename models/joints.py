@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from itertools import pairwise
 from types import MappingProxyType
 
@@ -28,44 +27,34 @@ def layout_of(kinds: tuple[str, ...]) -> JointLayout:
     return JointLayout(kinds)
 
 
-@dataclass(frozen=True)
 class JointLayout:
     """Where joints of these kinds stand in vectors of positions (n_q,) and of velocities (n_v,).
 
     The position of a ball is the unit quaternion (w, x, y, z) from the frame of its body to the
     frame in which the body stands, its velocity the angular velocity in the frame of the body. A
     free joint has a place in the world, and its velocity there, before these.
+
+    Attributes
+    ----------
+    kinds : tuple of str
+    positions, velocities : tuple of slice
+        Where each joint stands in a vector of positions, and in one of velocities.
+    quaternions : tuple of slice
+        Where quaternions stand in a vector of positions.
+    size : (int, int)
+        Numbers n_q of positions and n_v of velocities.
+    is_spatial : bool
+        Whether a joint turns about any axis.
     """
 
-    kinds: tuple[str, ...]
-
-    @cached_property
-    def positions(self) -> tuple[slice, ...]:
-        """Where each joint stands in a vector of positions."""
-        return slices(SIZES[kind][0] for kind in self.kinds)
-
-    @cached_property
-    def velocities(self) -> tuple[slice, ...]:
-        """Where each joint stands in a vector of velocities."""
-        return slices(SIZES[kind][1] for kind in self.kinds)
-
-    @cached_property
-    def quaternions(self) -> tuple[slice, ...]:
-        """Where quaternions stand in a vector of positions."""
-        ends = [at.stop for at, kind in zip(self.positions, self.kinds, strict=True)
-                if kind in SPATIAL]  # fmt: skip
-        return tuple(slice(end - 4, end) for end in ends)
-
-    @cached_property
-    def size(self) -> tuple[int, int]:
-        """Numbers n_q of positions and n_v of velocities."""
-        count, rates = (sum(SIZES[kind][i] for kind in self.kinds) for i in (0, 1))
-        return count, rates
-
-    @cached_property
-    def is_spatial(self) -> bool:
-        """Whether a joint turns about any axis."""
-        return any(kind in SPATIAL for kind in self.kinds)
+    def __init__(self, kinds: tuple[str, ...]) -> None:
+        self.kinds = kinds
+        self.positions, self.velocities = (slices(SIZES[kind][i] for kind in kinds) for i in (0, 1))
+        places = zip(self.positions, kinds, strict=True)
+        ends = [at.stop for at, kind in places if kind in SPATIAL]
+        self.quaternions = tuple(slice(end - 4, end) for end in ends)
+        count, rates = (sum(SIZES[kind][i] for kind in kinds) for i in (0, 1))
+        self.size, self.is_spatial = (count, rates), bool(ends)
 
     def rates(self, q: Array, v: Array) -> Array:
         """Return the rates of positions (n_q,) by velocities (n_v,)."""

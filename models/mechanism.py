@@ -20,7 +20,7 @@ import numpy as np
 from ..reference import quaternions
 from ..reference.errors import CannotJudgeError
 from ..reference.scene import Array
-from .joints import SIZES, SPATIAL, JointLayout
+from .joints import SIZES, SPATIAL, JointLayout, layout_of
 
 
 def read_only(values: dict[str, Any]) -> MappingProxyType[str, Any]:
@@ -142,7 +142,7 @@ class Mechanism:
     @cached_property
     def layout(self) -> JointLayout:
         """Where its joints stand in vectors."""
-        return JointLayout(tuple(one.kind for one in self.joints))
+        return layout_of(tuple(one.kind for one in self.joints))
 
 
 # Reading

@@ -461,7 +461,7 @@ def run_check(
     setup: Setup | None = None
     try:
         setup = check.setup(engine)
-        if check.model in setup.engine.twins(check.case.scene):
+        if setup.engine.reads_mjcf and not setup.bound.integrates_drive:
             refuse_undriven(setup)
         if kind.refuse:
             kind.refuse(setup)

@@ -85,14 +85,15 @@ round-off of accelerations, whose stiffest modes are far faster than those of in
 the step."""
 
 TURNING = DIFFERENCE / 6
-"""The same step where quaternions turn: rotations have poles at the length 0, at the distance 1."""
+"""The same step where joints are no sums of coordinates: in loops, and where quaternions turn.
+Rotations have poles at the length 0, at the distance 1."""
 
 
 class BoundModel:
     """An engine's model of a scene, with the parameters of a case.
 
-    States are arrays (2 n,): coordinates, then rates, in the order of `coordinates`. What is slow
-    to find is computed once: `Adapter.bind` keeps models.
+    States are arrays (2 n,): coordinates, then rates, in the order of `coordinates`. What is known
+    of the model is computed once: `Adapter.bind` keeps models.
 
     Parameters
     ----------
@@ -226,7 +227,7 @@ class BoundModel:
         function = f"describe_model: its equations for {self.scene.name}"
         self.engine.ahead(function, refuse_missing)
 
-    @property
+    @cached_property
     def description(self) -> ModelDescription:
         """What is to be known of the model, see `described`."""
         return self.described[0]
@@ -251,56 +252,56 @@ class BoundModel:
         elements = self.description.elements
         return None if elements is None else ModelEquations(elements, self.case.parameters)
 
-    @property
+    @cached_property
     def solved_equations(self) -> ModelEquations:
         """What runs converge to as steps are halved: its elements' equations, or the model's."""
         return self.discrete or self.equations
 
-    @property
+    @cached_property
     def is_exact(self) -> bool:
         """Whether its equations are those of the scene."""
         return self.equations.is_exact_for(self.case)
 
-    @property
+    @cached_property
     def has_constraints(self) -> bool:
         """Whether constraints close loops of the model."""
         return self.description.constrained
 
-    @property
+    @cached_property
     def has_soft_closure(self) -> bool:
         """Whether a constraint closes a loop of the model, and gives way."""
         return self.has_constraints and self.equations.scene is not self.scene
 
-    @property
+    @cached_property
     def knows_softness(self) -> bool:
         """Whether a loop of the model is soft in a way that is known."""
         engine = self.engine
         by_file = engine.reads_mjcf and engine.closure == "mjcf"
         return self.has_constraints and (by_file or self.description.equations is not None)
 
-    @property
+    @cached_property
     def approximates_continuum(self) -> bool:
         """Whether the model converges to a continuum, and does not solve equations of its own."""
         scene = self.equations.scene
         return bool(scene.discretisation_coordinates) and self.coordinates != scene.coordinates
 
-    @property
+    @cached_property
     def integrates_drive(self) -> bool:
         """Whether the drive is a body of the model, integrated like the rest."""
         return self.source.controls is None
 
-    @property
+    @cached_property
     def frequency_side(self) -> int:
         """Whether its first frequency lies below (-1) or above (1) the continuum's, or 0."""
         return self.source.elements.side(self.case.parameters)
 
-    @property
+    @cached_property
     def observables(self) -> tuple[str, ...]:
         """What is compared of a run; closed loops also show how far they are open."""
         names = self.scene.observables
         return (*names, *VIOLATIONS) if self.has_constraints else names
 
-    @property
+    @cached_property
     def reaction_names(self) -> tuple[str, ...]:
         """The outputs of the scene that are forces in joints, which the engine tells."""
         return tuple(self.description.reactions) if "reactions" in self.engine.functions else ()
@@ -771,7 +772,8 @@ class BoundModel:
             return np.asarray((standing if stands else self.jacobian(time, moved)) @ force)
 
         standing = self.jacobian(time, state)
-        width = TURNING if self.origin.layout.is_spatial else DIFFERENCE
+        curved = self.has_constraints or self.origin.layout.is_spatial
+        width = TURNING if curved else DIFFERENCE
         _, slopes = by_differences(one_by_one(force), state, ORDER, width)
         slopes[self.prescribed] = 0
         mass = self.mass_matrices(state[None])[0] if inverse else self.own_mass_matrix(state)

@@ -82,12 +82,12 @@ class Setup:
     method: Method | None = None
     step: float | None = None
 
-    @property
+    @cached_property
     def scene(self) -> Scene:
         """The scene of the case."""
         return get_scene(self.case.scene)
 
-    @property
+    @cached_property
     def integrator(self) -> Method:
         """The method, of a setup that integrates.
 
@@ -100,13 +100,13 @@ class Setup:
             raise UsageError(f"{self.engine.name} {self.model} was given no method to integrate by")
         return self.method
 
-    @property
+    @cached_property
     def epsilon(self) -> float:
         """Distance from 1 to the next of the numbers that the method, or the engine, has."""
         own = self.method.precision if self.method else None
         return float(np.finfo(own or self.engine.precision).eps)
 
-    @property
+    @cached_property
     def step_size(self) -> float:
         """Step [s]: the one that was set, or the default."""
         return self.default_step if self.step is None else self.step
@@ -121,7 +121,7 @@ class Setup:
         """The published scheme that the method is on this model, None if it is none."""
         return self.bound.scheme(self.integrator)
 
-    @property
+    @cached_property
     def linear_scheme(self) -> str | None:
         """The scheme of `AMPLIFICATION` that the method is on free vibrations of the model."""
         if self.bound.approximates_continuum:
@@ -139,7 +139,7 @@ class Setup:
         """The longest step [s] for the equations of a closure; a continuum sets none."""
         return stable_step_bound(self.case, self.bound.equations)
 
-    @property
+    @cached_property
     def unsupported_reason(self) -> str | None:
         """Why the engine cannot run this, or None."""
         return self.bound.unsupported_reason(self.case, self.method)
