@@ -200,7 +200,7 @@ def by_mujoco(one: Row, sample: Sample, known: Array, first: int) -> Array:
             columns.append(on_the_loop(engine, case, sample, k, known[:, k]))
         else:
             time = sample.times[k : k + 1]
-            columns.append(engine.accelerations(case, one.model, time, state)[0])
+            columns.append(engine.bind(case, one.model).accelerations(time, state)[0])
     return np.array(columns).T
 
 
