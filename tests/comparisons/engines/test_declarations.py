@@ -366,7 +366,7 @@ def test_arguments_of_before_are_told_their_new_names(
 
 def test_the_old_name_of_a_description_is_told() -> None:
     with pytest.raises(AttributeError, match=r"is now mbcheck\.ModelDescription"):
-        assert mbcheck.OwnModel  # type: ignore[attr-defined]
+        assert mbcheck.OwnModel
 
 
 # Several solvers ----------------------------------------------------------------------------
