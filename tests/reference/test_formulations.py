@@ -216,7 +216,8 @@ def on_the_loop(engine: Any, case: Case, sample: Sample, k: int, known: Array) -
         scenes.speed_regulator(m, p, t)
         read, _, _ = m.move()
     state = np.concatenate([sample.q[:, k], sample.v[:, k]])[None]
-    system, place, rate = engine.joint_states(case, "connect", sample.times[k : k + 1], state)
+    bound = engine.bind(case, "connect")
+    system, (place, rate) = bound.origin, bound.joint_states(sample.times[k : k + 1], state)
     moving = {"phi": read["phi"], "pin_angle": read["rod"], "y": read["y"]}
     moving_all = np.array([float(moving[name]) for name in system.joints])
     tangent = rate[0] / sample.v[0, k]
