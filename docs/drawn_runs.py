@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbcheck.comparisons.checks.kinds import elements
+from mbcheck.comparisons.checks import elements
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup, run
 from mbcheck.reference import get_scene

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -14,9 +15,11 @@ from ...reference.equations import scene_equations
 from ...reference.errors import MbcheckError, NoOrbitError, UsageError
 from ...reference.orbits import state_scale
 from ...reference.scene import Array, Case
-from ..checks.kinds.energy import drifts
-from ..checks.kinds.stability import PERIODS, true_orbit
+from ..checks.comparison import drifts
+from ..checks.kinds.stability import PERIODS
+from ..checks.orbits import true_orbit
 from ..checks.suite import Check
+from ..checks.table import KINDS
 from ..checks.truth import (
     MOST_AMPLIFICATION,
     MOST_STEPS,
@@ -104,8 +107,8 @@ class CustomCase:
         if get_scene(case.scene).continuum.spectrum:
             elements = replace(case, kinds=("frequency", "order"), watch="elements")
             return replace(case, kinds=("algebra", "trajectory", "energy")), elements, orbit
-        kinds = ("algebra", "trajectory", "order", "frequency", "energy")
-        return replace(case, kinds=kinds), orbit
+        own = (name for name, kind in KINDS.items() if not kind.follows and name != "stability")
+        return replace(case, kinds=tuple(own)), orbit
 
 
 def custom_case(
@@ -240,10 +243,10 @@ def place_of_rest(case: Case) -> str | None:
 
 def applied(checks: Sequence[Check], custom: CustomCase) -> list[Check]:
     """Return checks, with why those are skipped that do not apply."""
-    reasons = inapplicable(custom, {check.kind for check in checks})
+    why_of = cache(partial(why_inapplicable, custom))
     skipped = []
     for check in checks:
-        reason = reasons.get(check.kind, "")
+        reason = why_of(check.kind)
         if not reason and check.kind == "order" and check.case.watch == "elements":
             reason = "no reference tells from how many elements on they converge as declared"
         if not reason and check.kind == "algebra":
@@ -254,24 +257,25 @@ def applied(checks: Sequence[Check], custom: CustomCase) -> list[Check]:
     return skipped
 
 
-def inapplicable(custom: CustomCase, kinds: Iterable[str]) -> dict[str, str]:
-    """Return why some of these kinds of check do not apply, by kind."""
-    kinds, case, reasons = set(kinds), custom.case, dict[str, str]()
-    if not case.about:
-        reasons["frequency"] = "these parameters leave the scene no state of rest"
-    if "stability" in kinds:
-        reasons["stability"] = why_no_orbit(case)
-    if not moves(custom.solution.states[: len(get_scene(case.scene).coordinates)]):
-        still = "nothing moves from this state: give --state"
-        reasons |= dict.fromkeys(("trajectory", "step", "order", "energy"), still)
-    elif "energy" in kinds:
-        reasons["energy"] = why_no_energy(custom)
-    return {kind: reason for kind, reason in reasons.items() if reason and kind in kinds}
+def why_inapplicable(custom: CustomCase, kind: str) -> str:
+    """Return why a kind of check does not apply; empty where it does."""
+    return next(filter(None, (MISSING[need](custom) for need in KINDS[kind].needs)), "")
 
 
-def why_no_orbit(case: Case) -> str:
+def why_no_rest(custom: CustomCase) -> str:
+    """Return why there is no state of rest; empty where there is one."""
+    return "" if custom.case.about else "these parameters leave the scene no state of rest"
+
+
+def why_no_motion(custom: CustomCase) -> str:
+    """Return why nothing can be followed; empty where something moves."""
+    coordinates = custom.solution.states[: len(get_scene(custom.case.scene).coordinates)]
+    return "" if moves(coordinates) else "nothing moves from this state: give --state"
+
+
+def why_no_orbit(custom: CustomCase) -> str:
     """Return why there is no periodic orbit that can be followed; empty where there is one."""
-    scene = get_scene(case.scene)
+    case, scene = custom.case, get_scene(custom.case.scene)
     try:
         orbit = true_orbit(case.scene, case.parameters)
     except NoOrbitError as error:
@@ -298,3 +302,12 @@ def why_no_energy(custom: CustomCase) -> str:
         if not np.max(np.abs(drift)) < CONSERVED:
             return f"{name} is not conserved here, or starts near 0"
     return ""
+
+
+MISSING: Mapping[str, Callable[[CustomCase], str]] = {
+    "rest": why_no_rest,
+    "motion": why_no_motion,
+    "orbit": why_no_orbit,
+    "conserved": why_no_energy,
+}
+"""By what a kind of check needs, why a case does not have it."""

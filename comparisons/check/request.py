@@ -14,8 +14,8 @@ from ...reference.errors import UnknownNameError, UsageError
 from ..checks import known as known_deviations
 from ..checks import suite
 from ..checks.execution import run_checks, unavailable
-from ..checks.refusals import narrowed
 from ..checks.request import SOURCES, CheckRequest, Execution
+from ..checks.table import EXTREMES
 from ..checks.verdict import PROFILES, Result
 from ..documents.fields import OptionMark, takes_fields_of
 from ..engines.protocol import Engine
@@ -69,7 +69,7 @@ def select(request: CheckRequest, custom: CustomCase | None = None) -> Sequence[
         for pattern in request.ids:
             named = {check.prefix for check in checks if suite.matches(check, [pattern])}
             prefixes |= quick & named or named
-        return narrowed(checks, "--quick", lambda one: one.prefix in prefixes)
+        return suite.narrowed(checks, "--quick", lambda one: one.prefix in prefixes)
     if request.engines or request.methods or request.is_custom or request.placement:
         raise UsageError(
             "--engine, --method, --set, --state, --horizon and --placement choose among checks of "
@@ -82,8 +82,8 @@ def select(request: CheckRequest, custom: CustomCase | None = None) -> Sequence[
 
 def of_extremes(request: CheckRequest) -> bool:
     """Return True if checks at extremes are wanted: so, by their kind, or by an id with one."""
-    named = any(f"/{kind}/" in name for kind in suite.EXTREMES for name in request.ids)
-    return request.extremes or named or any(kind in suite.EXTREMES for kind in request.kinds)
+    named = any(f"/{kind}/" in name for kind in EXTREMES for name in request.ids)
+    return request.extremes or named or any(kind in EXTREMES for kind in request.kinds)
 
 
 def plan_checks(request: CheckRequest) -> CheckPlan:

@@ -25,7 +25,7 @@ from ...reference.linear import linearise, linearise_at
 from ...reference.scene import Array
 from ..engines.run import EPS
 from ..engines.setup import Setup
-from .tolerances import rows
+from .truth import rows
 
 START = "start"
 CLOCK = "drive"

@@ -10,10 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
+from ...reference import get_scene
 from ...reference.continuation.bifurcations import half_period_signs
 from ...reference.continuation.tracing import Stepper, Tracer
 from ...reference.differences import balanced_step
@@ -31,7 +33,7 @@ from ...reference.orbits import (
 )
 from ...reference.scene import Array, Case
 from ..engines.setup import Setup, run_many, shortest_period
-from .tolerances import ORBIT_STEPS
+from .comparison import ORBIT_STEPS
 
 EFFORT = Effort(jacobians=20)
 
@@ -185,6 +187,12 @@ class WholeSteps:
         scale = state_scale(scene, state, 2 * np.pi / period)
         advance, section = period_advance(scene), section_row(scene)
         return PeriodMap(self, state, period, scale, advance, section, ORDER, PERTURBATION)
+
+
+@lru_cache(maxsize=16)
+def true_orbit(scene: str, parameters: Any) -> Orbit:
+    """Return the periodic orbit of the reference."""
+    return find_orbit(get_scene(scene), parameters)
 
 
 def orbit_step(setup: Setup) -> float:

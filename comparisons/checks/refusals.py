@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import replace
-from difflib import get_close_matches
-from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...reference.errors import CannotJudgeError, EngineError, MbcheckError, UsageError
+from ...reference.errors import CannotJudgeError, EngineError, MbcheckError
 from ...reference.scene import Array
 from ..engines.run import call_engine
 from ..engines.setup import Setup
@@ -20,31 +17,8 @@ from .rules.cautions import RULES, cautions, explained
 from .truth import roundoff_reference
 from .verdict import Finding
 
-if TYPE_CHECKING:
-    from .suite import Task
-
 UNDRIVEN = 8
 """Steps in which a drive would be seen."""
-
-
-T = TypeVar("T", bound="Task")
-
-
-def narrowed(tasks: Sequence[T], option: str, keeps: Callable[[T], bool]) -> list[T]:
-    """Return the tasks that an option keeps.
-
-    Raises
-    ------
-    UsageError
-        If it keeps none: names the option, and the nearest ids of what it was given.
-    """
-    left = [task for task in tasks if keeps(task)]
-    if left:
-        return left
-    ids = [name for task in tasks for name in task.ids]
-    near = get_close_matches(option.partition(" ")[2].replace("*", ""), ids, cutoff=0)
-    hint = f"nearest ids: {', '.join(near)}" if near else "`mbcheck list` shows what there is"
-    raise UsageError(f"no check matches: none is left by {option}; {hint}")
 
 
 def refuse_undriven(setup: Setup) -> None:
@@ -94,8 +68,8 @@ def is_driven(setup: Setup, undriven: Setup, motion: Array, steps: NDArray[np.in
     is asked for its accelerations once more, at other times.
     """
     if setup.method is None:
-        findings = (item for item in algebra.measure(undriven) if isinstance(item, Finding))
-        return any(item.error > item.tolerance for item in findings)
+        findings = algebra.measure(undriven).findings
+        return any(isinstance(one, Finding) and one.error > one.tolerance for one in findings)
     names = setup.scene.observables
     times = np.asarray(setup.case.start_time + setup.default_step * steps, dtype=float)
     driven, still = (

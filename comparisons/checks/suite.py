@@ -5,8 +5,10 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from fnmatch import fnmatchcase
 from time import perf_counter
+from typing import TypeVar
 
 from ...reference import get_scene
 from ...reference.equations import function_that_raised
@@ -17,6 +19,7 @@ from ...reference.errors import (
     MbcheckError,
     UnknownNameError,
     Unsupported,
+    UsageError,
 )
 from ...reference.scene import Case
 from ..engines.adapter import Adapter
@@ -30,72 +33,22 @@ from ..engines.registry import (
 from ..engines.run import describe, excerpt, noting, traceback_of
 from ..engines.setup import Setup
 from ..faults.variants import Variant
-from .diagnosis.cause import cause
-from .kinds import (
-    algebra,
-    energy,
-    frequency,
-    limits,
-    long_runs,
-    one_step,
-    order,
-    parts,
-    pushed,
-    stability,
-    trajectory,
-)
-from .refusals import narrowed, refuse_undriven, refuse_unstable
+from .comparison import Measured
+from .diagnosis.runs import Deviation, cause
+from .mistakes.motions import seen_in
+from .mistakes.observables import other_measures
+from .refusals import refuse_undriven
 from .rules.cautions import Caution, cautions, explained, noticing_rules
+from .table import EVERY_KIND, EXTREMES, KINDS, Kind
 from .verdict import (
     ENGINE,
     PROFILES,
     REFERENCE,
     Finding,
-    Inconclusive,
     Result,
     Subject,
     detected_by,
-    judge,
 )
-
-
-@dataclass(frozen=True)
-class Kind:
-    """One kind of check: what it measures, and how."""
-
-    quantities: Callable[[Setup], tuple[str, ...]]
-    measure: Callable[[Setup], Sequence[Finding | Inconclusive]]
-    integrates: bool
-    follows: str | None = None
-    """Cases of this kind have it too"""
-    runs_free: bool = False
-    """Whether all it does is to follow motions over many steps"""
-
-
-KINDS = {
-    "parts": Kind(parts.quantities, parts.measure, False, follows="algebra"),
-    "algebra": Kind(algebra.quantities, algebra.measure, False),
-    "step": Kind(one_step.quantities, one_step.measure, True, follows="trajectory"),
-    "trajectory": Kind(trajectory.quantities, trajectory.measure, True, runs_free=True),
-    "order": Kind(order.quantities, order.measure, True),
-    "frequency": Kind(frequency.quantities, frequency.measure, False),
-    "stability": Kind(stability.quantities, stability.measure, True, runs_free=True),
-    "energy": Kind(energy.quantities, energy.measure, True, runs_free=True),
-}
-
-EXTREMES = {
-    "limits": Kind(limits.quantities, limits.measure, True),
-    "parameters": Kind(pushed.quantities, pushed.measure, True),
-    "starts": Kind(pushed.quantities, pushed.measure, True),
-    "long": Kind(long_runs.quantities, long_runs.measure, True),
-    "failures": Kind(pushed.quantities, pushed.measure, True),
-}
-"""Kinds of checks at extremes; see `scenes.extremes`."""
-
-
-def kind_of(name: str) -> Kind:
-    """Return the kind of check of a name."""
-    return EXTREMES.get(name) or KINDS[name]
 
 
 class Task(ABC):
@@ -260,7 +213,7 @@ class Check(Task):
     @property
     def integrates(self) -> bool:
         """Whether its kind integrates."""
-        return kind_of(self.kind).integrates
+        return EVERY_KIND[self.kind].integrates
 
     @property
     def takes_long(self) -> bool:
@@ -356,6 +309,26 @@ def matching(
     return narrowed(checks, "a run without --full", lambda one: full or not one.full_only)
 
 
+T = TypeVar("T", bound=Task)
+
+
+def narrowed(tasks: Sequence[T], option: str, keeps: Callable[[T], bool]) -> list[T]:
+    """Return the tasks that an option keeps.
+
+    Raises
+    ------
+    UsageError
+        If it keeps none: names the option, and the nearest ids of what it was given.
+    """
+    left = [task for task in tasks if keeps(task)]
+    if left:
+        return left
+    ids = [name for task in tasks for name in task.ids]
+    near = get_close_matches(option.partition(" ")[2].replace("*", ""), ids, cutoff=0)
+    hint = f"nearest ids: {', '.join(near)}" if near else "`mbcheck list` shows what there is"
+    raise UsageError(f"no check matches: none is left by {option}; {hint}")
+
+
 def planned(kind: str, case: Case, engine_name: str) -> list[Check]:
     """Return the checks of `checks_of`; none of an engine that fails as it is asked."""
     try:
@@ -364,10 +337,6 @@ def planned(kind: str, case: Case, engine_name: str) -> list[Check]:
         if not broken_engines([engine_name]):
             raise
         return []  # `execution.unavailable` tells it
-
-
-QUICK = ("parts", "algebra", "step", "trajectory")
-"""Kinds of check of a quick answer."""
 
 
 def quick(checks: Iterable[Check]) -> list[Check]:
@@ -381,7 +350,7 @@ def quick(checks: Iterable[Check]) -> list[Check]:
         level = check.case.scene, check.engine, check.kind
         here = *level, check.case.label
         key = level if check.kind == "trajectory" else (*level, check.model)
-        if check.kind not in QUICK or key in seen or check.why_not is not None:
+        if not KINDS[check.kind].quick or key in seen or check.why_not is not None:
             continue
         twins = check.setup().engine.twins(check.case.scene)
         if check.model in twins and not (check.kind == "step" and here in steps):
@@ -419,7 +388,7 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
     twins = engine.twins(case.scene)
     for model in models[:1] if case.watch == "outcome" else models:
         if model in twins and (
-            kind not in QUICK or engine.bind(case, model).unsupported_reason(case, None)
+            not what.quick or engine.bind(case, model).unsupported_reason(case, None)
         ):
             continue
         beside, top = model != models[0], best_method(Setup(engine, case, model))
@@ -455,11 +424,11 @@ def later_motions(scene: str) -> list[str]:
 def integrators(setup: Setup, kind: str) -> tuple[Method | None, ...]:
     """Return the methods that a kind of check is made with.
 
-    An engine whose solvers differ in accelerations has *parts* and *algebra* for each of them.
+    An engine whose solvers differ in accelerations is asked for them by each.
     """
     case = setup.case
     if not KINDS[kind].integrates or case.watch == "elements":
-        by_method = kind in ("parts", "algebra") and setup.engine.takes_method
+        by_method = KINDS[kind].asks_forces and setup.engine.takes_method
         return setup.engine.methods if by_method else (None,)
     if case.methods == "best" and kind != "order":
         best = best_method(setup)
@@ -484,20 +453,20 @@ def run_check(
 ) -> list[Result]:
     """Run one check; whatever goes wrong becomes results, one for each of its quantities.
 
-    With ``explain`` they say where deviations may come from, which runs the engine again.
+    With ``explain`` they say where deviations may come from, which may run the engine again.
     """
     if check.why_not is not None:
         return check.skipped(check.why_not, (ENGINE,))
-    begin = perf_counter()
+    begin, kind = perf_counter(), EVERY_KIND[check.kind]
     setup: Setup | None = None
     try:
         setup = check.setup(engine)
         if setup.engine.reads_mjcf and not setup.bound.integrates_drive:
             refuse_undriven(setup)
-        if kind_of(check.kind).runs_free:
-            refuse_unstable(setup)
+        if kind.refuse:
+            kind.refuse(setup)
         with noting() as notes:
-            findings = kind_of(check.kind).measure(setup)
+            measured = kind.measure(setup)
     except CannotJudgeError as error:
         said = cautioned(setup) if check.step is not None else []
         refused = (ENGINE,) if isinstance(error, Unsupported) else ()
@@ -512,45 +481,44 @@ def run_check(
         reason = origin(setup, error) + describe(error, "")
         return check.failed(reason, traceback_of(error))
     work = {"seconds": perf_counter() - begin}
-    judgements = {
-        item.quantity: judge(item, PROFILES[profile])
-        for item in findings
-        if isinstance(item, Finding)
-    }
-    verdicts = {name: verdict for name, (verdict, _) in judgements.items()}
-    explain = explain and not check.extreme and "deviation" in verdicts.values()
-    where = cause(setup, check.kind, verdicts) if explain else ""
-    said = cautioned(setup) if explain else []
     about, results = check.subject, list[Result]()
-    for finding in findings:
-        if isinstance(finding, Inconclusive):
-            results.append(about.result(finding.quantity, "skipped", finding.reason))
-            continue
-        verdict, reason = judgements[finding.quantity]
-        deviates = verdict == "deviation"
-        reason = "; ".join(filter(None, (reason, *(f"note: {text}" for text in notes))))
-        noticed = finding.noticed_by or (*noticing_rules(said), REFERENCE)
-        if deviates and explain:
-            reason = explained("; ".join(filter(None, (reason, where))), said)
-        results.append(
-            about.result(
-                finding.quantity,
-                verdict,
-                reason,
-                unit=finding.unit,
-                value=float(finding.value),
-                reference=float(finding.reference),
-                error=float(finding.error),
-                tolerance=float(PROFILES[profile] * finding.tolerance),
-                work=work,
-                series=finding.series,
-                cause=(where or None) if deviates else None,
-                noticed_by=() if verdict == "pass" else noticed,
-            )
-        )
-    lost = set(check.quantities) - {finding.quantity for finding in findings}
-    missing = (about.result(name, "error", "was not measured") for name in sorted(lost))
-    return [*results, *missing]
+    for finding in measured.findings:
+        result = about.with_verdict(finding, PROFILES[profile], work=work)
+        if isinstance(finding, Finding):
+            noticed = () if result.verdict == "pass" else finding.noticed_by or (REFERENCE,)
+            reason = "; ".join([result.reason, *(f"note: {text}" for text in notes)])
+            result = replace(result, reason=reason, noticed_by=noticed)
+        results.append(result)
+    lost = set(check.quantities) - {item.quantity for item in results}
+    results += [about.result(name, "error", "was not measured") for name in sorted(lost)]
+    return with_causes(results, setup, kind, measured) if explain else results
+
+
+def with_causes(
+    results: list[Result], setup: Setup, kind: Kind, measured: Measured
+) -> list[Result]:
+    """Return results, those that deviate with where that comes from, and what rules say of the run.
+
+    Where no mistake alone explains all, the measure in which an observable is told is.
+    """
+    verdicts = {one.quantity: one.verdict for one in results if one.verdict != "skipped"}
+    if "deviation" not in verdicts.values() or not kind.level:
+        return results
+    where = cause(
+        Deviation(setup, kind.measure, verdicts, measured.runs, kind.asks_forces), kind.searches
+    )
+    said, measures = cautioned(setup), dict[str, str]()
+    if measured.runs and not where:
+        measures = other_measures(seen_in(measured.runs), least=0.0)
+    rules, explained_results = noticing_rules(said), []
+    for one in results:
+        if one.verdict == "deviation":
+            words = filter(None, (one.reason, measures.get(one.quantity), where))
+            reason = explained("; ".join(words), said)
+            one = replace(one, reason=reason, cause=where or None)
+        noticed = (*rules, REFERENCE) if one.noticed_by == (REFERENCE,) else one.noticed_by
+        explained_results.append(replace(one, noticed_by=noticed))
+    return explained_results
 
 
 def origin(setup: Setup | None, error: BaseException) -> str:

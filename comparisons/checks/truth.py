@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...reference import get_scene
 from ...reference.differences import by_complex_step
@@ -19,7 +20,6 @@ from ...reference.solve.single import solve
 from ...reference.solve.solution import Solution, state_size
 from ..engines.run import EPS, VIOLATIONS
 from ..engines.setup import power_of_two
-from .tolerances import rounding, rows
 
 MOST_STEPS = 1 << 13
 """Longer runs with a method's default step are cut: what it does wrong shows before. An
@@ -54,6 +54,12 @@ STILL = 1e-9
 MARKS = 8
 """Places where a horizon may be cut."""
 
+SHARP = 1e-14
+"""Relative tolerance of what is solved down to round-off."""
+
+RANDOM_STATES = 16
+SEED = 2011
+
 
 @dataclass(frozen=True)
 class Truth:
@@ -80,6 +86,30 @@ class Truth:
     size: Array
     scale: Array
     states: Array
+
+    def at(self, places: NDArray[np.intp]) -> Truth:
+        """Return it at some of its times; bounds and sizes remain those of all."""
+        return replace(
+            self,
+            times=self.times[places],
+            values=self.values[:, places],
+            states=self.states[:, places],
+        )
+
+
+def rows(equations: ModelEquations, states: Array, names: tuple[str, ...]) -> Array:
+    """Return observables (k, n_t) of states (2 n, n_t) by model equations; unknown ones are 0."""
+    observables = equations.scene.observe(states, equations.parameters)
+    values = (observables.get(name, 0.0) for name in names)
+    return np.array([np.broadcast_to(value, states.shape[1:]) for value in values])
+
+
+def rounding(steps: float, growth: float, epsilon: float = EPS) -> float:
+    """Relative error that rounding may leave after so many steps, errors growing so much.
+
+    ``epsilon`` is `Setup.epsilon`.
+    """
+    return 8 * epsilon * (16 + steps) * max(growth, 1.0)
 
 
 def sample_spacing(horizon: float) -> float:
@@ -244,13 +274,40 @@ def roundoff_reference(
     equations: ModelEquations, case: Case, times: Array, names: tuple[str, ...]
 ) -> Truth:
     """Return the solution over a short time, down to round-off unless it is stiff."""
-    return roundoff_references(equations, [case], times[:, None], names)[0]
+    return _roundoff_references(equations, [case], times[:, None], names)[0]
 
 
-def roundoff_references(
-    equations: ModelEquations, cases: Sequence[Case], times: Array, names: tuple[str, ...]
+def after_starts(
+    equations: ModelEquations,
+    cases: Sequence[Case],
+    after: Any,
+    names: tuple[str, ...],
+    tolerance: float = SHARP,
+) -> Truth:
+    """Return the same (k, n m) some times (m,) [s] after each of n starts.
+
+    A relative tolerance larger than `SHARP` saves the steps that fight with round-off.
+    """
+    times = np.add.outer(np.atleast_1d(after), [one.start_time for one in cases])
+    solutions = _roundoff_references(equations, cases, times, names, tolerance)
+    return Truth(
+        times=np.concatenate([one.times for one in solutions]),
+        values=np.hstack([one.values for one in solutions]),
+        bound=np.max([one.bound for one in solutions], axis=0),
+        size=np.max([one.size for one in solutions], axis=0),
+        scale=np.max([one.scale for one in solutions], axis=0),
+        states=np.hstack([one.states for one in solutions]),
+    )
+
+
+def _roundoff_references(
+    equations: ModelEquations,
+    cases: Sequence[Case],
+    times: Array,
+    names: tuple[str, ...],
+    tolerance: float = SHARP,
 ) -> tuple[Truth, ...]:
-    """Return the same of some starts, each at times (n_t, k) of its own; all solved together."""
+    """Return solutions from some starts, each at times (n_t, k) of its own; solved together."""
     begins, columns = [one.start_time for one in cases], list(map(tuple, times.T.tolist()))
     states = [tuple(map(float, equations.start(one))) for one in cases]
     each = list(zip(states, begins, columns, strict=True))
@@ -259,7 +316,7 @@ def roundoff_references(
             _truth(equations, state, begin, column, column[-1] - begin, names)
             for state, begin, column in each
         )
-    return _sharp(equations, tuple(each), names)
+    return _sharp(equations, tuple(each), names, tolerance)
 
 
 @lru_cache(maxsize=64)
@@ -267,10 +324,11 @@ def _sharp(
     equations: ModelEquations,
     each: tuple[tuple[tuple[float, ...], float, tuple[float, ...]], ...],
     names: tuple[str, ...],
+    tolerance: float,
 ) -> tuple[Truth, ...]:
     states, begins, times = (np.array(values).T for values in zip(*each, strict=True))
     start = begins if len(each) > 1 else float(begins[0])
-    solution = solve_many(equations.scene, equations.parameters, states, times, start, 1e-14)
+    solution = solve_many(equations.scene, equations.parameters, states, times, start, tolerance)
     return tuple(
         truth_of(
             equations,
@@ -333,3 +391,21 @@ def simulated_horizon(case: Case, step: float, scheme: str | None, epsilon: floa
     if get_scene(case.scene).discretisation_coordinates:
         return horizon if case.full_only else min(horizon, MOST_STEPS * step)
     return min(horizon, (MOST_STEPS if scheme else MOST_STEPS // 8) * step)
+
+
+def random_states(
+    equations: ModelEquations, case: Case, names: tuple[str, ...]
+) -> tuple[Array, Array]:
+    """Return times (k,) and states (k, 2 n) of coordinates, of the size that the motion has."""
+    scene = equations.scene
+    horizon, _ = permitted_horizon(case)
+    spacing = sample_spacing(horizon)
+    times = np.asarray(case.start_time + spacing * np.arange(1, int(horizon / spacing) + 1), float)
+    states = (*names, *(f"{name}_dot" for name in names))
+    size = sizes(equations, case, times, states)
+    size[[i for i, name in enumerate(names) if name in scene.rotations_per_period]] = np.pi
+    random = np.random.default_rng(SEED)
+    period = float(scene.period(case.parameters))
+    moments = period * random.random(RANDOM_STATES)
+    drawn = size * random.uniform(-1, 1, (RANDOM_STATES, len(size)))
+    return moments, scene.on_unit_quaternions(drawn) if names == scene.coordinates else drawn

@@ -131,6 +131,24 @@ class Subject:
         """Return a result about it; ``more`` are further fields of `Result`."""
         return Result(**vars(self), quantity=quantity, verdict=verdict, reason=reason, **more)
 
+    def with_verdict(self, finding: Finding | Inconclusive, factor: float, **more: Any) -> Result:
+        """Return the verdict on a finding, all tolerances times a factor, see `PROFILES`."""
+        if isinstance(finding, Inconclusive):
+            return self.result(finding.quantity, "skipped", finding.reason)
+        verdict, reason = judge(finding, factor)
+        return self.result(
+            finding.quantity,
+            verdict,
+            reason,
+            unit=finding.unit,
+            value=float(finding.value),
+            reference=float(finding.reference),
+            error=float(finding.error),
+            tolerance=float(factor * finding.tolerance),
+            series=finding.series,
+            **more,
+        )
+
 
 @dataclass(frozen=True, kw_only=True)
 class Result(Subject):

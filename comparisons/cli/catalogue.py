@@ -13,7 +13,8 @@ from ...models import mjcf
 from ...reference import SCENES, get_scene
 from ...reference.errors import EngineUnavailableError
 from ...reference.scene import Case, Scene
-from ..checks.suite import KINDS, plan
+from ..checks.suite import plan
+from ..checks.table import KINDS
 from ..documents import SCHEMA
 from ..engines.registry import checked_engines, get_engine, known, usable
 from ..maps.request import axis_names, quantities

@@ -768,8 +768,10 @@ class BoundModel:
             at, speed = self.joint_motion(time, moved)
             force = engine.inner.inverse_dynamics(self.origin, time, at, speed, acceleration.copy())
             force = numbers("inverse_dynamics", force, acceleration.shape, finite=True)
-            return np.asarray(self.jacobian(time, moved) @ force)
+            stands = np.array_equal(moved[:n], state[:n])  # only rates are moved
+            return np.asarray((standing if stands else self.jacobian(time, moved)) @ force)
 
+        standing = self.jacobian(time, state)
         curved = self.has_constraints or self.origin.layout.is_spatial
         width = TURNING if curved else DIFFERENCE
         _, slopes = by_differences(one_by_one(force), state, ORDER, width)

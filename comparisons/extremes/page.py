@@ -9,7 +9,7 @@ from itertools import groupby
 
 from rich.console import Console
 
-from ..checks.suite import EXTREMES
+from ..checks.table import EXTREMES
 from ..checks.verdict import ENGINE, REFERENCE, Result
 from ..faults.variants import NOT_PROVOKED
 from ..reports.text import markdown_table, print_line, print_table, print_wrapped

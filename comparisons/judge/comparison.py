@@ -9,14 +9,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...reference import get_scene
 from ...reference.cost import expected_end
 from ...reference.equations import ModelEquations, scene_equations
 from ...reference.errors import UsageError
 from ...reference.scene import Array, Case
-from ...reference.solve import schemes
 from ...reference.solve.solution import floor_relative_to_largest
-from ..checks.tolerances import CAP, rounding, rows, sample_numbers
-from ..checks.truth import MOST_STEPS, Truth, moves, permitted_horizon, truth_to_the_end
+from ..checks.comparison import CAP, Comparison, Part, exact_prediction, sample_numbers, scheme_rows
+from ..checks.mistakes.observables import (
+    Observed,
+    conventions,
+    exchanged,
+    late,
+    other_measures,
+)
+from ..checks.truth import MOST_STEPS, Truth, moves, permitted_horizon, rounding, truth_to_the_end
 from ..engines.setup import shortest_period
 from .recording import Recording
 
@@ -54,43 +61,40 @@ ON_START = 1e-9
 """Distance, in the span of a trajectory, within which its first row stands at the start."""
 
 
+MOST_ROUNDED = 1e-3
+"""No rounding of printed numbers above this share of a quantity's size is granted."""
+
+SHIFTED = 2000
+"""Samples by which it is judged whether times are off."""
+
+NOTICEABLE = 1e-4
+"""Share of a quantity's size below which an error is not looked into: so much makes a file that is
+written with few digits."""
+
+
 @dataclass(frozen=True)
-class Comparison:
-    """A trajectory beside its reference.
+class FileComparison(Comparison):
+    """A trajectory beside its reference, as far as it can be judged.
 
     Attributes
     ----------
     case : Case
-    names : tuple of str, k of them
-    times : array (n_t,)
-    values, reference : array (k, n_t)
-        The reference is NaN from where nothing can be judged.
-    states : array (2 n, n_t)
-        Of the reference.
-    bound, size, slope : array (k,)
-        On the reference's error; its largest value, and that of its rate.
-    seen : int
-        Number of samples, from the first, that can be judged.
     growth : float
         Of an initial error.
-    predicted : array (k,), or None
-        Errors that are granted of a method's order.
+    printed : array (k,)
+        Errors that are granted for the digits of the file.
     notes : tuple of str
     """
 
     case: Case
-    names: tuple[str, ...]
-    times: Array
-    values: Array
-    reference: Array
-    states: Array
-    bound: Array
-    size: Array
-    slope: Array
-    seen: int
     growth: float
-    predicted: Array | None
+    printed: Array
     notes: tuple[str, ...]
+
+    @property
+    def span(self) -> float:
+        """Time from the start of the case to the last sample [s]."""
+        return float(self.right.times[-1] - self.case.start_time)
 
 
 def compare(
@@ -99,7 +103,7 @@ def compare(
     names: tuple[str, ...],
     basis: Mapping[str, float],
     most_steps: int = MOST_STEPS,
-) -> Comparison:
+) -> FileComparison:
     """Solve the case at the times of a trajectory, as far as errors grow slowly.
 
     A scheme that predicts the error takes `most_steps` steps at most.
@@ -113,13 +117,19 @@ def compare(
     times = np.maximum(file.times, start)
     span = float(times[-1] - start)
     horizon, growth = permitted_horizon(replace(case, horizon=span))
-    seen = int(np.searchsorted(times, start + horizon * (1 + ON_START), side="right"))
-    notes = []
-    if seen < len(times):
-        notes.append(
-            f"errors grow too fast to be told from the method's after t = {start + horizon:.4g} s: "
-            f"{len(times) - seen} of {len(times)} samples lie after that and are not judged"
-        )
+    notes = list[str]()
+
+    def judged_until(after: float, most: int, why: str) -> int:
+        """Return the number of samples until then, and note why no more are judged."""
+        count = int(np.searchsorted(times, start + after * (1 + ON_START), side="right"))
+        if count < most:
+            notes.append(
+                f"{why} after t = {start + after:.4g} s: {len(times) - count} of {len(times)} "
+                "samples lie after that and are not judged"
+            )
+        return min(count, most)
+
+    seen = judged_until(horizon, len(times), "errors grow too fast to be told from the method's")
     scheme = Scheme.of(basis, horizon, most_steps) if "order" in basis else None
     marks = start + scheme.marks if scheme else np.empty(0)
     grid = start + horizon * np.arange(GRID + 1) / GRID
@@ -131,36 +141,25 @@ def compare(
             f"nothing moves in {case.scene}/{case.name}: it cannot judge a trajectory; choose "
             "another case, or give --state"
         )
-    predicted = None
+    granted, room = basis.get("relative", 1.0) * right.size, 0.0
+    printed = np.zeros(len(names))
     if scheme:
-        predicted, reach = scheme.errors(Problem(equations, case, right, names))
-        within = int(np.searchsorted(times, start + reach * (1 + ON_START), side="right"))
-        if within < seen:
-            notes.append(
-                f"a method of order {scheme.order} with h = {scheme.step:.3g} s may be off by more "
-                f"than {CAP:.0%} after t = {start + reach:.4g} s: {len(times) - within} of "
-                f"{len(times)} samples lie after that and are not judged"
-            )
-            seen = within
+        granted, reach = scheme.errors(Problem(equations, case, right, names))
+        of = f"a method of order {scheme.order} with h = {scheme.step:.3g} s"
+        seen = judged_until(reach, seen, f"{of} may be off by more than {CAP:.0%}")
     if not seen or times[seen - 1] <= start:
         raise UsageError(f"no sample lies where it can be judged; {'; '.join(notes) or 'none'}")
-    at = np.searchsorted(right.times, times[:seen])
-    on_grid = right.values[:, np.searchsorted(right.times, grid)]
-    return Comparison(
-        case=case,
-        names=names,
-        times=times[:seen],
-        values=np.array([file.columns[name][:seen] for name in names]),
-        reference=right.values[:, at],
-        states=right.states[:, at],
-        bound=right.bound,
-        size=right.size,
-        slope=np.max(np.abs(np.gradient(on_grid, grid, axis=1)), axis=1),
-        seen=seen,
-        growth=growth,
-        predicted=predicted,
-        notes=tuple(notes),
-    )
+    if scheme:
+        on_grid = right.values[:, np.searchsorted(right.times, grid)]
+        slope = np.max(np.abs(np.gradient(on_grid, grid, axis=1)), axis=1)
+        digits = np.array([file.rounding(file.columns[name]) for name in names])
+        digits += slope * file.rounding(file.times)
+        printed, room = np.minimum(digits, MOST_ROUNDED * right.size), rounding(seen, growth)
+    right = right.at(np.searchsorted(right.times, times[:seen]))
+    values = np.array([file.columns[name][:seen] for name in names])
+    units, prediction = get_scene(case.scene).units, exact_prediction(granted + printed, values)
+    compared = names, units, values, right, prediction, room, seen
+    return FileComparison(*compared, case, growth, printed, tuple(notes))
 
 
 def refuse_outside(times: Array, case: Case) -> None:
@@ -276,16 +275,10 @@ class Scheme:
         """Return the largest errors (k, n_m) up to each mark, with so many times the step."""
         equations, case, truth, names = problem
         numbers = self.numbers[self.numbers % factor == 0]
-        states = schemes.integrate(
-            schemes.ScalarEquations(equations.scene, equations.parameters),
-            scheme,
-            equations.start(case),
-            factor * self.coarse,
-            numbers // factor,
-            case.start_time,
-        )
+        parts, step = [Part(case, numbers // factor)], factor * self.coarse
+        values = scheme_rows(equations, scheme, parts, step, names)
         at = np.searchsorted(truth.times, case.start_time + self.coarse * numbers)
-        away = np.abs(rows(equations, states, names) - truth.values[:, at]) / truth.size[:, None]
+        away = np.abs(values - truth.values[:, at]) / truth.size[:, None]
         return np.maximum.accumulate(np.where(np.isfinite(away), away, np.inf), axis=1)
 
     def refuse_before_convergence(self, problem: Problem, scheme: str, error: float) -> None:
@@ -312,3 +305,52 @@ def fastest(problem: Problem) -> float:
     turning = [names.index(f"{name}_dot") for name in problem.equations.scene.rotations_per_period]
     rates = np.abs(problem.truth.states[turning])
     return max(2 * math.pi / shortest_period(problem.case), float(np.max(rates, initial=0.0)))
+
+
+# What looks like a mistake
+
+
+def likely_mistakes(compared: FileComparison) -> list[str]:
+    """Return in words what would explain the errors: times, places, units, signs, the start."""
+    scene, right = get_scene(compared.case.scene), compared.right
+    every = slice(None, None, max(1, compared.seen // SHIFTED))
+    seen = Observed(scene, compared.names, compared.values, right.values, right.size[:, None])
+    some = replace(seen, values=seen.values[:, every], right=seen.right[:, every])
+    others = list[str]()
+    rates = scene.right_hand_side(compared.case.parameters)
+    if shifted := late(some, rates(right.times[every], right.states[:, every]), NOTICEABLE):
+        return [shifted]
+    if np.all(np.isfinite(some.values)) and some.error > NOTICEABLE:
+        others = [*conventions(some, some.error), *exchanged(some, some.error)][:1]
+    if others:
+        return others
+    measures = other_measures(seen, NOTICEABLE)
+    fitting = [said for said in measures.values() if said]
+    start = started_elsewhere(compared, [name for name in measures if not measures[name]])
+    return [*fitting, *([start] if start else [])]
+
+
+def started_elsewhere(compared: FileComparison, among: list[str]) -> str:
+    """Return where the first row differs from the initial state, if it stands there."""
+    if compared.right.times[0] > compared.case.start_time + ON_START * compared.span:
+        return ""
+    firsts = zip(
+        compared.names,
+        compared.values[:, 0],
+        compared.right.values[:, 0],
+        compared.right.size,
+        strict=True,
+    )
+    apart = [
+        f"{name} = {value:.6g}, the case with {true:.6g}"
+        for name, value, true, size in firsts
+        if name in among
+        and name in get_scene(compared.case.scene).state_names
+        and abs(value - true) > NOTICEABLE * size
+    ]
+    if not apart:
+        return ""
+    return (
+        f"the trajectory starts with {', with '.join(apart)}: another motion, which --state "
+        "judges by its own reference"
+    )

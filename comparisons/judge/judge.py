@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
@@ -14,8 +14,7 @@ import numpy as np
 from ...reference import SCENES, get_scene
 from ...reference.errors import EngineError, UnknownNameError, UsageError
 from ...reference.scene import Case
-from ..checks.tolerances import rounding
-from ..checks.verdict import PROFILES, Finding, Result, Series, Subject, judge
+from ..checks.verdict import PROFILES, Finding, Result, Series, Subject
 from ..documents import document
 from ..documents.fields import OptionMark, documented, takes_fields_of
 from ..queries.environment import versions
@@ -23,18 +22,21 @@ from ..queries.query import as_float, changed, initial_values
 from ..reports.run.outcome import Report, with_lost_numbers
 from ..reports.run.results import summary
 from ..reports.words import with_unit
-from .comparison import METHOD_SPREAD, SCHEMES_OF, Comparison, compare, refuse_outside
+from .comparison import (
+    METHOD_SPREAD,
+    SCHEMES_OF,
+    FileComparison,
+    compare,
+    likely_mistakes,
+    refuse_outside,
+)
 from .recording import Recording, recording
-from .slips import mistakes
 
 FILE = "file"
 """What stands for the method in ids."""
 
 DRAWN = 800
 """Samples of a trajectory that are kept for pictures."""
-
-MOST_ROUNDED = 1e-3
-"""No rounding of printed numbers above this share of a quantity's size is granted."""
 
 
 @dataclass(frozen=True)
@@ -202,16 +204,21 @@ def judge_trajectory(asked: JudgeRequest) -> Judgement:
     names, notes = comparable(file, reference_case)
     refuse_outside(file.times, reference_case)
     comparison = compare(file, reference_case, names, basis)
-    not_finite = [first_not_finite(comparison, row) for row in range(len(names))]
-    if any(not_finite) and not basis:
-        raise EngineError("non_finite", next(filter(None, not_finite)))
+    not_finite = {name: first_not_finite(comparison, row) for row, name in enumerate(names)}
+    if any(not_finite.values()) and not basis:
+        raise EngineError("non_finite", next(filter(None, not_finite.values())))
+    findings = {
+        item.quantity: item
+        for item in findings_of(comparison, basis)
+        if not not_finite[item.quantity]
+    }
     errors = tuple(
-        largest_error(comparison, row, name)
-        for row, name in enumerate(names)
-        if not not_finite[row]
+        largest_error(findings[name], *numbers)
+        for name, *numbers in zip(names, comparison.right.size, comparison.right.bound, strict=True)
+        if name in findings
     )
-    notes = [*notes, *comparison.notes, *mistakes(comparison)]
-    results = verdicts(comparison, file, errors, notes, basis, profile) if basis else []
+    notes = [*notes, *comparison.notes, *likely_mistakes(comparison)]
+    results = verdicts(comparison, file, findings, not_finite, notes, profile) if basis else []
     return Judgement(
         scene=reference_case.scene,
         case=reference_case.name,
@@ -324,46 +331,73 @@ def same_unit(unit: str) -> str:
     return re.sub(r"[\s*·.^]", "", unit).replace("sec", "s")
 
 
-def first_not_finite(comparison: Comparison, row: int) -> str:
+def first_not_finite(comparison: FileComparison, row: int) -> str:
     """Return where an observable is not finite, in words; empty if it is."""
     places = np.flatnonzero(~np.isfinite(comparison.values[row]))
     if not places.size:
         return ""
-    value, time = comparison.values[row, places[0]], comparison.times[places[0]]
+    value, time = comparison.values[row, places[0]], comparison.right.times[places[0]]
     return f"{comparison.names[row]} is {value} at t = {time:.6g} s: the run is unstable there"
 
 
-def largest_error(comparison: Comparison, row: int, name: str) -> LargestError:
-    """Return where an observable is off most."""
-    values, reference = comparison.values[row], comparison.reference[row]
-    worst = int(np.argmax(np.abs(values - reference)))
+def largest_error(finding: Finding, size: float, bound: float) -> LargestError:
+    """Return where an observable is off most, by the finding on it."""
+    series = finding.series
+    assert series is not None
     return LargestError(
-        quantity=name,
-        unit=get_scene(comparison.case.scene).units[name],
-        time=float(comparison.times[worst]),
-        value=float(values[worst]),
-        reference=float(reference[worst]),
-        error=abs(float(values[worst] - reference[worst])),
-        size=float(comparison.size[row]),
-        bound=float(comparison.bound[row]),
+        quantity=finding.quantity,
+        unit=finding.unit,
+        time=float(series.x[np.argmax(np.abs(series.value - series.reference))]),
+        value=finding.value,
+        reference=finding.reference,
+        error=finding.error,
+        size=float(size),
+        bound=float(bound),
     )
 
 
 # Verdicts
 
 
+def findings_of(comparison: FileComparison, basis: Mapping[str, float]) -> Sequence[Finding]:
+    """Return the error of each observable with its tolerance, and where that comes from."""
+    right, room = comparison.right, ""
+    if "order" in basis:
+        published = " and ".join(SCHEMES_OF[int(basis["order"])])
+        room = (
+            f"{METHOD_SPREAD[int(basis['order'])]:g} x the error of {published} with "
+            f"h = {basis['step']:.3g} s on the exact equations, or of a turn in Cartesian "
+            "coordinates"
+        )
+
+    def describe(row: int, worst: int) -> str:
+        error = abs(comparison.values[row, worst] - right.values[row, worst])
+        size, digits = float(right.size[row]), comparison.printed[row]
+        words = room + (f", {digits:.2g} for the file's digits" if digits else "")
+        if not room:
+            unit = comparison.unit(comparison.names[row])
+            words = f"tolerance {basis.get('relative', 1.0):.3g} x {with_unit(size, unit)}"
+        return (
+            f"worst at t = {right.times[worst]:.4g} s; {comparison.seen} samples over "
+            f"{comparison.span:.4g} s, in which errors grow by {comparison.growth:.3g}; relative "
+            f"error {error / size:.2g}; {words}"
+        )
+
+    findings = comparison.observables(describe, over_time=True)
+    return [item for item in findings if isinstance(item, Finding)]
+
+
 def verdicts(
-    comparison: Comparison,
+    comparison: FileComparison,
     file: Recording,
-    errors: Iterable[LargestError],
+    findings: Mapping[str, Finding],
+    not_finite: Mapping[str, str],
     notes: Iterable[str],
-    basis: Mapping[str, float],
     profile: str,
 ) -> list[Result]:
     """Return a result for every observable of the scene, and other columns that it knows."""
     case = comparison.case
     scene = get_scene(case.scene)
-    by_name = {error.quantity: error for error in errors}
     # the file stands for an engine without models and methods
     who = re.sub(r"[^A-Za-z0-9_.+-]", "_", file.name) or "_"
     prefix = f"verification/{case.scene}/{case.name}/trajectory/{who}/{FILE}"
@@ -376,73 +410,24 @@ def verdicts(
             hint = f"; is it its column {near[0]!r}?" if near else ""
             reason = f"the file has no column {name}{hint}"
             results.append(about.result(name, "skipped", reason, unit=unit))
-            continue
-        row = comparison.names.index(name)
-        if name not in by_name:
-            reason = f"non_finite: {first_not_finite(comparison, row)}"
+        elif not_finite[name]:
+            reason = f"non_finite: {not_finite[name]}"
             results.append(about.result(name, "error", reason, unit=unit))
-            continue
-        finding = finding_of(comparison, file, row, by_name[name], basis)
-        verdict, reason = judge(finding, PROFILES[profile])
-        if verdict == "deviation":
-            reason = "; ".join([reason, *notes])
-        results.append(
-            about.result(
-                name,
-                verdict,
-                reason,
-                unit=unit,
-                value=finding.value,
-                reference=finding.reference,
-                error=finding.error,
-                tolerance=PROFILES[profile] * finding.tolerance,
-                series=finding.series,
-            )
-        )
+        else:
+            finding = findings[name]
+            drawn = replace(finding, series=drawn_series(finding))
+            result = about.with_verdict(drawn, PROFILES[profile])
+            if result.verdict == "deviation":
+                result = replace(result, reason="; ".join([result.reason, *notes]))
+            results.append(result)
     return results
 
 
-def finding_of(
-    comparison: Comparison,
-    file: Recording,
-    row: int,
-    error: LargestError,
-    basis: Mapping[str, float],
-) -> Finding:
-    """Return the error of an observable with its tolerance, and where that comes from."""
-    if comparison.predicted is None:
-        granted = basis["relative"] * error.size
-        words = f"tolerance {basis['relative']:.3g} x {with_unit(error.size, error.unit)}"
-    else:
-        printed = file.rounding(file.columns[error.quantity])
-        printed += float(comparison.slope[row]) * file.rounding(file.times)
-        granted = (
-            float(comparison.predicted[row])
-            + rounding(comparison.seen, comparison.growth) * error.size
-        )
-        granted += min(printed, MOST_ROUNDED * error.size)
-        order, step = int(basis["order"]), basis["step"]
-        published = " and ".join(SCHEMES_OF[order])
-        words = (
-            f"{METHOD_SPREAD[order]:g} x the error of {published} with h = {step:.3g} s "
-            "on the exact equations, or of a turn in Cartesian coordinates"
-            + (f", {printed:.2g} for the file's digits" if printed else "")
-        )
-    span = comparison.times[-1] - comparison.case.start_time
-    worst = int(np.searchsorted(comparison.times, error.time))
-    samples = np.unique([*np.linspace(0, comparison.seen - 1, DRAWN).astype(int), worst])
-    drawn = (comparison.values[row, samples], comparison.reference[row, samples])
-    return Finding(
-        quantity=error.quantity,
-        unit=error.unit,
-        value=error.value,
-        reference=error.reference,
-        error=error.error,
-        tolerance=granted + error.bound,
-        reason=(
-            f"worst at t = {error.time:.4g} s; {comparison.seen} samples over {span:.4g} s, "
-            f"in which errors grow by {comparison.growth:.3g}; relative error "
-            f"{error.relative:.2g}; {words}"
-        ),
-        series=Series("time", comparison.times[samples], *drawn),
-    )
+def drawn_series(finding: Finding) -> Series | None:
+    """Return so many samples of a finding's series as pictures need, the worst among them."""
+    series = finding.series
+    if series is None:
+        return None
+    worst = int(np.argmax(np.abs(series.value - series.reference)))
+    some = np.unique([*np.linspace(0, len(series.x) - 1, DRAWN).astype(int), worst])
+    return Series("time", series.x[some], series.value[some], series.reference[some])

@@ -14,8 +14,7 @@ from time import perf_counter
 import numpy as np
 
 from ...reference.errors import UnknownNameError
-from ..checks.refusals import narrowed
-from ..checks.suite import Task, matches
+from ..checks.suite import Task, matches, narrowed
 from ..checks.verdict import Result, Subject, Verdict
 from ..engines.registry import REFERENCE, resolve_selection
 from .assess import Assessment, assessed, attempt, measure

@@ -12,7 +12,7 @@ from ...reference.bounds.modes import Entries, bounded_modes, linearisation_erro
 from ...reference.errors import UnknownNameError, UsageError
 from ...reference.linear import Mode, linearise, modes
 from ...reference.scene import Array
-from ..checks.kinds import elements
+from ..checks import elements
 from ..checks.kinds.frequency import resting
 from ..documents import document
 from ..documents.fields import takes_fields_of

@@ -17,7 +17,8 @@ from ...reference.errors import UnknownNameError
 from ...reference.scene import Case
 from ..checks.kinds.long_runs import FREE, LOCKED, WINDOW, free_mode, started
 from ..checks.kinds.pushed import FEWEST
-from ..checks.suite import EXTREMES, Check, best_method, matching
+from ..checks.suite import Check, best_method, matching
+from ..checks.table import EXTREMES
 from ..engines.registry import REFERENCE, get_engine, resolve_selection
 from ..engines.setup import Setup, default_step, power_of_two, shortest_period
 from ..faults.variants import EXTRA_METHODS, LONG_METHODS, Variant

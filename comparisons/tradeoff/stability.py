@@ -14,7 +14,7 @@ from math import log2
 from ...reference import get_scene
 from ...reference.continuation.bifurcations import KINDS
 from ...reference.errors import EngineError
-from ..checks.kinds import boundary
+from ..checks import boundary
 from ..engines.registry import get_engine
 from ..engines.run import EPS
 from ..engines.setup import Setup

@@ -21,8 +21,7 @@ from ...reference.scene import Array, Case
 from ..checks.free_vibrations import stable_step
 from ..checks.kinds.order import relative_error
 from ..checks.suite import best_method
-from ..checks.tolerances import rounding
-from ..checks.truth import Truth, permitted_horizon, roundoff_reference
+from ..checks.truth import Truth, permitted_horizon, rounding, roundoff_reference
 from ..engines.protocol import Option
 from ..engines.registry import get_engine
 from ..engines.run import Trajectory

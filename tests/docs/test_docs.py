@@ -11,9 +11,9 @@ from typing import Any
 
 import pytest
 
-from mbcheck.comparisons.checks import tolerances
+from mbcheck.comparisons.checks import comparison
 from mbcheck.comparisons.checks.rules.cautions import RULES
-from mbcheck.comparisons.checks.suite import KINDS
+from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.checks.truth import MOST_AMPLIFICATION
 from mbcheck.comparisons.checks.verdict import PROFILES
 from mbcheck.comparisons.cli import catalogue
@@ -221,9 +221,9 @@ def test_rules_are_described_as_they_are() -> None:
 def test_tolerances_are_described_as_they_are() -> None:
     text = " ".join(read("docs/checks.md").split())
     for constant, words in (
-        (tolerances.SAFETY, "{:g} times its error is granted"),
-        (tolerances.RICHARDSON_SAFETY, "{:g} times that is granted"),
-        (100 * tolerances.CAP, "No more than {:g} % of the size"),
+        (comparison.SAFETY, "{:g} times its error is granted"),
+        (comparison.RICHARDSON_SAFETY, "{:g} times that is granted"),
+        (100 * comparison.CAP, "No more than {:g} % of the size"),
         (MOST_AMPLIFICATION, "grows by no more than {:,.0f}:"),
         (PROFILES["strict"], "`--profile strict` takes {:g} times"),
         (PROFILES["loose"], "`--profile loose` {:g} times"),

@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from mbcheck.comparisons.checks.suite import KINDS, checks_of, kinds_of, run_check
+from mbcheck.comparisons.checks.suite import checks_of, kinds_of, run_check
+from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.examples import mujoco_engine
 from mbcheck.examples.mujoco_engine import MujocoPlugin

@@ -31,6 +31,7 @@ def test_layers_are_those_that_there_are(clone: Path) -> None:
 # A snippet for every rule ---------------------------------------------------------------------
 
 HERE = "comparisons/checks/a.py"
+KIND = "comparisons/checks/kinds/a.py"
 TEST = "tests/comparisons/b/test_a.py"
 MUJOCO = "comparisons/engines/mujoco_run.py"
 BROKEN: list[tuple[str, str, str, str]] = [
@@ -42,6 +43,8 @@ BROKEN: list[tuple[str, str, str, str]] = [
     ("engines_by_name", MUJOCO, "NAME = 'exudyn'", f"{MUJOCO}::exudyn"),
     ("asked_engines", HERE, "def f(engine): return getattr(engine, 'batch', None)", f"{HERE}::f"),
     ("asked_engines", HERE, "def f(s): return hasattr(s.engine, 'batch')", f"{HERE}::f"),
+    ("sibling_kinds", KIND, "from . import c", f"{KIND}: mbcheck.comparisons.checks.kinds.c"),
+    ("sibling_kinds", KIND, "from ..table import c", f"{KIND}: mbcheck.comparisons.checks.table.c"),
     ("broad_excepts", HERE, "def f():\n    try: g()\n    except Exception: pass", f"{HERE}::f"),
     ("broad_excepts", HERE, "def f():\n    try: g()\n    except: pass", f"{HERE}::f"),
     (
@@ -81,6 +84,8 @@ def test_rule_sees_what_breaks_it(rule: str, path: str, source: str, breach: str
         ("scenes_by_name", "comparisons/scenes/hula_hoop/a.py", "NAME = 'hula_hoop'"),
         ("engines_by_name", HERE, "TEXT = 'MuJoCo'"),
         ("engines_by_name", "comparisons/faults/a.py", "NAME = 'mujoco'"),
+        ("sibling_kinds", KIND, "from ..comparison import c"),
+        ("sibling_kinds", "comparisons/checks/diagnosis/a.py", "from ..kinds import c"),
         ("asked_engines", HERE, "def f(engine): return engine.batch"),
         ("broad_excepts", HERE, "def f():\n    try: g()\n    except EngineError: pass"),
         ("broad_excepts", HERE, "def f():\n    try: g()\n    except Exception:\n        raise"),

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import mbcheck
-from mbcheck.comparisons.checks.suite import KINDS
+from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.checks.truth import truth_of
 from mbcheck.comparisons.cli import catalogue
 from mbcheck.comparisons.engines.registry import checked_engines

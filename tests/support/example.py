@@ -7,7 +7,8 @@ import types
 from pathlib import Path
 from typing import Any
 
-from mbcheck.comparisons.checks.suite import KINDS, Check, checks_of, kinds_of, run_check
+from mbcheck.comparisons.checks.suite import Check, checks_of, kinds_of, run_check
+from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines import registry as engines
 from mbcheck.comparisons.engines.adapter import Adapter, adapt

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import NamedTuple
 
-from mbcheck.comparisons.checks.suite import KINDS, Check, checks_of, run_check
+from mbcheck.comparisons.checks.suite import Check, checks_of, run_check
+from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.reference import get_scene

@@ -14,14 +14,9 @@ from ....reference.scene import Array, Case
 from ....reference.solve.bounds import sensitivities
 from ...engines.run import EPS, contained
 from ...engines.setup import Setup
-from ..tolerances import OPERATIONS, largest_inertias, matrix_rounding
-from ..truth import permitted_horizon, sample_spacing, sizes
+from ..comparison import OPERATIONS, ROUNDING, Measured, largest_inertias, matrix_rounding
+from ..truth import RANDOM_STATES, random_states
 from ..verdict import Finding, Inconclusive
-
-STATES = 16
-SEED = 2011
-ROUNDING = 1e-10
-"""Relative error granted to closed-form algebra; a thousand times what either engine needs."""
 
 OPEN = 1e-3
 """By how much (m, rad, and these per second) a loop that gives way is opened."""
@@ -39,24 +34,6 @@ def quantities(setup: Setup) -> tuple[str, ...]:
 def comparable(equations: ModelEquations, case: Case) -> bool:
     """Return whether a claim has other equations than the scene in the same coordinates."""
     return not equations.is_exact_for(case) and not get_scene(case.scene).discretisation_coordinates
-
-
-def random_states(
-    equations: ModelEquations, case: Case, names: tuple[str, ...]
-) -> tuple[Array, Array]:
-    """Return times (k,) and states (k, 2 n) of coordinates, of the size that the motion has."""
-    scene = equations.scene
-    horizon, _ = permitted_horizon(case)
-    spacing = sample_spacing(horizon)
-    times = np.asarray(case.start_time + spacing * np.arange(1, int(horizon / spacing) + 1), float)
-    states = (*names, *(f"{name}_dot" for name in names))
-    size = sizes(equations, case, times, states)
-    size[[i for i, name in enumerate(names) if name in scene.rotations_per_period]] = np.pi
-    random = np.random.default_rng(SEED)
-    period = float(scene.period(case.parameters))
-    moments = period * random.random(STATES)
-    drawn = size * random.uniform(-1, 1, (STATES, len(size)))
-    return moments, scene.on_unit_quaternions(drawn) if names == scene.coordinates else drawn
 
 
 def measured_states(setup: Setup) -> tuple[tuple[str, ...], Array, Array]:
@@ -161,7 +138,7 @@ def inertias(
     return inertia
 
 
-def measure(setup: Setup) -> list[Finding | Inconclusive]:
+def measure(setup: Setup) -> Measured:
     """Compare with the closed form of what the model claims to be, and that with the scene."""
     equations = setup.bound.solved_equations
     names, times, states = measured_states(setup)
@@ -178,7 +155,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
             answers |= {name: np.asarray(forces[name])[:, None] for name in reactions}
         both = opened(setup, times, states)
     truths = expected(setup.case, equations, times, states, names, reactions)
-    reason = f"relative error over {STATES} random states"
+    reason = f"relative error over {RANDOM_STATES} random states"
     room = matrix_rounding(setup.epsilon, ROUNDING)
     cancelled = max(CANCELLED, CANCELLED * ROUNDING / EPS * setup.epsilon / room)
     units = np.array([equations.scene.units.get(name, "1") for name in names])
@@ -208,7 +185,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         error = abs(measured - predicted)
         reason = f"{reason}: what the model is off the scene at any step, against its prediction"
         findings.append(Finding("model_error", "1", measured, predicted, error, room, reason))
-    return findings
+    return Measured(findings)
 
 
 def rounding_of_rates(

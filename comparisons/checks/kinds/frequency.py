@@ -12,9 +12,9 @@ from ....reference.linear import Mode, linearise, modes
 from ....reference.scene import Array, Case, Scene
 from ...engines.run import contained
 from ...engines.setup import Setup
-from ..tolerances import matrix_rounding
+from .. import elements
+from ..comparison import Measured, matrix_rounding
 from ..verdict import Finding
-from . import elements
 
 BACKWARD_ERROR = 1e-11
 """Relative error granted to an engine's M, C, K. They are differences of forces with steps
@@ -98,13 +98,13 @@ def sensitivity(mass: Array, damping: Array, stiffness: Array, mode: Mode, grant
     return float(granted * change / abs(y.conj() @ (2 * value * m + c) @ x))
 
 
-def measure(setup: Setup) -> list[Finding]:
+def measure(setup: Setup) -> Measured:
     """Compare the engine's modes with those of its model, pair by pair, and these with the scene's.
 
     The case's forces and motors are switched off.
     """
     if setup.scene.continuum.spectrum:
-        return elements.measure_frequencies(setup)
+        return Measured(elements.measure_frequencies(setup))
     scene, parameters, state, steady = resting(setup.case)
     still = replace(setup.case, parameters=parameters)
     with contained():
@@ -145,7 +145,7 @@ def measure(setup: Setup) -> list[Finding]:
         reason = "what the model's modes are off the scene's, relative to the highest"
         off = abs(measured - predicted)
         findings.append(Finding("model_error", "1", measured, predicted, off, granted, reason))
-    return findings
+    return Measured(findings)
 
 
 def eigenvalue(mode: Mode) -> complex:

@@ -22,9 +22,10 @@ from ....reference.differences import by_complex_step
 from ....reference.errors import CannotJudgeError, EngineError, Unsupported
 from ....reference.scene import Array, Case
 from ...engines.setup import Setup
+from ..comparison import Measured
 from ..free_vibrations import START, Critical, Place, critical, places, stable_step
 from ..rules.cautions import cautions, noticing_rules
-from ..tolerances import rows
+from ..truth import rows
 from ..verdict import REFERENCE, Finding, detected_by
 
 QUANTITY = "step_limit"
@@ -64,7 +65,7 @@ def quantities(setup: Setup) -> tuple[str, ...]:
     return (QUANTITY,)
 
 
-def measure(setup: Setup) -> list[Finding]:
+def measure(setup: Setup) -> Measured:
     """Find the largest stable step on runs, and compare it with that of the amplification matrix.
 
     Of a method without a limit, compare the growth with steps of `UNLIMITED` periods.
@@ -79,7 +80,7 @@ def measure(setup: Setup) -> list[Finding]:
     horizon = PERIODS * 2 * np.pi / omega
     limit = stable_step(setup, horizon, [at])
     if limit is None:
-        return [without_limit(Vibration(setup, at, scheme, *fastest_mode(at)))]
+        return Measured([without_limit(Vibration(setup, at, scheme, *fastest_mode(at)))])
     # the mode that the method multiplies most beyond its limit
     values, vectors = np.linalg.eig(AMPLIFICATION[scheme](at.matrices, BEYOND * limit.step))
     shape = vectors[: 2 * len(at.coordinates), np.argmax(np.abs(values))].real
@@ -99,7 +100,8 @@ def measure(setup: Setup) -> list[Finding]:
     error, tolerance = abs(measured - expected), AGREEMENT * expected
     # beside a limit all steps are coarse: no rule tells that it is a wrong one
     noticed = (REFERENCE,)
-    return [Finding(QUANTITY, "s", measured, expected, error, tolerance, reason, None, noticed)]
+    finding = Finding(QUANTITY, "s", measured, expected, error, tolerance, reason, None, noticed)
+    return Measured([finding])
 
 
 def bisected(bad: Callable[[float], bool], low: float, high: float) -> float:

@@ -22,11 +22,11 @@ from ....reference.linear import linearise
 from ....reference.scene import Array, Case
 from ...engines.run import EPS, VIOLATIONS, Trajectory
 from ...engines.setup import Setup, shortest_period
+from ..comparison import RICHARDSON_SAFETY, VIOLATION, Measured, drifts
+from ..orbits import true_orbit
 from ..rules.cautions import cautions, noticing_rules
-from ..tolerances import RICHARDSON_SAFETY, VIOLATION, rounding
+from ..truth import rounding
 from ..verdict import REFERENCE, Finding, Inconclusive
-from .energy import drifts as invariant_drifts
-from .stability import true_orbit
 
 FREE, CONSERVATIVE, LOCKED, AFTER_PULSE = "free", "conservative", "locked", "after_pulse"
 """What is followed, as the `watch` of a case: small free vibrations about a state of rest; motion
@@ -109,7 +109,7 @@ def quantities(setup: Setup) -> tuple[str, ...]:
     return (*drifting, *lost, *(VIOLATIONS if has_rigid_loops(setup) else ()), "clock")
 
 
-def measure(setup: Setup) -> list[Finding | Inconclusive]:
+def measure(setup: Setup) -> Measured:
     """Follow a motion with the step and with half of it, and judge what drifts."""
     run = RUNS[setup.case.watch](setup)
     step, horizon = run.setup.step_size, run.setup.case.horizon
@@ -139,7 +139,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         noticed = (*noticing_rules(cautions(run.setup, horizon)), REFERENCE)
     asked = {one.quantity: replace(one, noticed_by=noticed) for one in findings}
     gone = "less is left of the motion than it is distorted by"
-    return [asked.get(name, Inconclusive(name, gone)) for name in quantities(setup)]
+    return Measured([asked.get(name, Inconclusive(name, gone)) for name in quantities(setup)])
 
 
 # Free vibrations ----------------------------------------------------------------------------
@@ -234,7 +234,7 @@ def free_vibration(setup: Setup) -> LongRun:
     noise += tolerance * setup.case.horizon / period / mode.amplitude
     bend = mode.amplitude**2 * angle[-1] * max(1.0, mode.push * angle[-1])
 
-    def drifts(trajectory: Trajectory) -> Drifts:
+    def losses(trajectory: Trajectory) -> Drifts:
         amplitudes = mode.amplitudes(trajectory.matrix(setup.scene.state_names))
         first, last = np.split(amplitudes, 2)
         left = float(np.mean(np.abs(last) ** 2) / np.mean(np.abs(first) ** 2))
@@ -244,7 +244,7 @@ def free_vibration(setup: Setup) -> LongRun:
             by_name["phase"] = float(np.angle(after / before)), noise + bend
         return by_name
 
-    return LongRun(setup, period, samples, drifts)
+    return LongRun(setup, period, samples, losses)
 
 
 # Motions of any size ------------------------------------------------------------------------
@@ -262,18 +262,16 @@ def conservative(setup: Setup) -> LongRun:
     end = equations.scene.drive_end_time(equations.parameters) if after_drive else 0.0
     samples = np.union1d(marks(end, step, WINDOW), marks(case.horizon, step, MARKS))
 
-    def drifts(trajectory: Trajectory) -> Drifts:
+    def losses(trajectory: Trajectory) -> Drifts:
         by_name = {}
-        for name, drift in invariant_drifts(
-            equations, case, trajectory.times, trajectory.values
-        ).items():
+        for name, drift in drifts(equations, case, trajectory.times, trajectory.values).items():
             if name in followed(setup):
                 first, *_, last = np.array_split(drift, 8)
                 wave = float(np.max(np.abs(first - np.mean(first))))
                 by_name[name] = float(np.mean(last)), wave + rounding(int(samples[-1]), 1.0)
         return by_name
 
-    return LongRun(setup, shortest_period(case), samples, drifts)
+    return LongRun(setup, shortest_period(case), samples, losses)
 
 
 def marks(span: float, step: float, count: int) -> Any:
@@ -295,11 +293,11 @@ def locked(setup: Setup) -> LongRun:
     samples = marks(periods, 1.0, 2 * WINDOW) * per_period
     floor = rounding(int(samples[-1]), 1.0) * 2 * np.pi * periods
 
-    def drifts(trajectory: Trajectory) -> Drifts:
+    def losses(trajectory: Trajectory) -> Drifts:
         whole = 2 * np.pi * turns * periods
         return {"phase": (float(trajectory.values[angle][-1]) - state[angle] - whole, floor)}
 
-    return LongRun(setup, orbit.period, samples, drifts)
+    return LongRun(setup, orbit.period, samples, losses)
 
 
 RUNS: Mapping[str, Callable[[Setup], LongRun]] = {

@@ -17,29 +17,26 @@ from ....reference.errors import EngineError
 from ....reference.scene import Array, Case
 from ....reference.solve.schemes import OF_VELOCITIES, VelocityEquations, mean_acceleration
 from ...engines.setup import Setup, power_of_two, run_many
-from ..tolerances import (
+from ..comparison import (
     CAP,
-    VIOLATION,
-    least_error,
-    richardson,
-    rounding,
-    rows,
-    sample_numbers,
-    taylor_remainder,
-)
-from ..truth import Truth, roundoff_references, simulated_horizon, truth
-from ..units import other_measure
-from ..verdict import Finding, Inconclusive
-from .trajectory import (
     REFINEMENTS,
+    Measured,
+    Part,
     Prediction,
-    Window,
+    RunComparison,
     by_extrapolation,
     by_scheme,
     conclusion,
+    ideal_rows,
+    largest_share,
+    least_error,
+    richardson,
+    sample_numbers,
+    taylor_remainder,
     unfollowed_vibrations,
-    unit_of,
 )
+from ..truth import Truth, after_starts, rounding, rows, simulated_horizon, truth
+from ..verdict import Finding, Inconclusive
 
 STATES = 8
 
@@ -119,64 +116,44 @@ def starts(setup: Setup, step: float, scheme: str | None) -> list[Case]:
     ]
 
 
-def measure(setup: Setup) -> list[Finding | Inconclusive]:
+def measure(setup: Setup) -> Measured:
     """Judge every observable after the step that errs most beside its tolerance."""
-    names = setup.bound.observables
-    equations = setup.bound.solved_equations
-    scheme = setup.scheme
     for refinement in range(REFINEMENTS):
-        step = setup.default_step / 2**refinement
-        cases = starts(setup, step, scheme)
-        right = truths(equations, cases, step, names)
-        size = truth(equations, setup.case, [one.start_time for one in cases], names).size
-        right = replace(right, size=np.maximum(size, right.size))
-        values = after(setup, cases, step, 1)
-        prediction = predict(setup, cases, step, values, right)
-        if prediction.shrinks:
+        steps = with_step(setup, setup.default_step / 2**refinement)
+        if steps.prediction.shrinks:
             break
-    errors = np.abs(values - right.values)
-    findings: list[Finding | Inconclusive] = []
-    for i, name in enumerate(names):
-        room = max(
-            rounding(1, 1.0, setup.epsilon), VIOLATION if name.endswith("_violation") else 0.0
-        )
-        granted = prediction.safety * prediction.errors[i] + right.bound[i] + room * right.scale[i]
-        worst = int(np.argmax(errors[i] / granted))
-        reason = (
+    reason, step = steps.prediction.reason, steps.step
+    cases = [one.case for one in steps.parts]
+
+    def describe(row: int, worst: int) -> str:
+        return (
             f"h = {step:.3g} s from the reference's state at t = {cases[worst].start_time:.4g} s, "
-            f"worst of {len(cases)}; {prediction.reason}"
+            f"worst of {len(cases)}; {reason}"
         )
-        if errors[i, worst] > granted[worst]:
-            measure = (
-                name,
-                unit_of(setup.case, name),
-                values[i],
-                right.values[i],
-                float(right.size[i]),
-            )
-            reason = "; ".join(filter(None, [reason, other_measure(*measure)]))
-        findings.append(
-            Finding(
-                name,
-                unit_of(setup.case, name),
-                float(values[i, worst]),
-                float(right.values[i, worst]),
-                float(errors[i, worst]),
-                float(granted[worst]),
-                reason,
-            )
-        )
-    if not scheme:
-        findings += [limit_of_steps(setup, cases, step, size), error_from_below(setup)]
-        if scheme_of_velocities(setup):
-            findings.append(residual_of_velocities(setup, cases, step, values, right.size))
-        return findings
-    states = list(range(len(setup.scene.observables)))
-    window = Window(right.size, states, len(cases))
-    away = window.largest(prediction.limit - right.values)
-    room = rounding(1, 1.0, setup.epsilon) + float(np.max((right.bound / right.size)[states]))
-    findings.append(Finding("scheme_residual", "1", away, 0.0, away, room, prediction.reason))
-    return findings
+
+    findings = steps.observables(describe, over_time=False)
+    if setup.scheme:
+        away = steps.largest(steps.prediction.limit - steps.right.values)
+        findings.append(steps.limit("scheme_residual", away, 0.0, reason))
+        return Measured(findings, steps.runs)
+    findings += [limit_of_steps(setup, cases, step, steps.right.size), error_from_below(setup)]
+    if scheme_of_velocities(setup):
+        findings.append(residual_of_velocities(setup, cases, step, steps.values, steps.right.size))
+    return Measured(findings, steps.runs)
+
+
+def with_step(setup: Setup, step: float) -> RunComparison:
+    """Take one step [s] from each start, and predict the error."""
+    cases, names = starts(setup, step, setup.scheme), setup.bound.observables
+    right = after_starts(setup.bound.solved_equations, cases, step, names)
+    begins = [one.start_time for one in cases]
+    size = truth(setup.bound.solved_equations, setup.case, begins, names).size
+    right = replace(right, size=np.maximum(size, right.size))
+    values = after(setup, cases, step, 1)
+    prediction = predict(setup, cases, step, values, right)
+    room, units, count = rounding(1, 1.0, setup.epsilon), setup.scene.units, len(cases)
+    parts = [Part(one, np.array([1])) for one in cases]
+    return RunComparison(names, units, values, right, prediction, room, count, setup, step, parts)
 
 
 def limit_of_steps(
@@ -184,21 +161,25 @@ def limit_of_steps(
 ) -> Finding | Inconclusive:
     """Judge what some steps [s] from each start extrapolate to, where they are halved twice."""
     names, whole = setup.bound.observables, SETTLED * step
-    right = truths(setup.bound.solved_equations, cases, whole, names)
+    unsharp = rounding(4 * SETTLED, 1.0)  # no less is granted
+    right = after_starts(setup.bound.solved_equations, cases, whole, names, unsharp)
     runs = [after(setup, cases, whole, parts * SETTLED) for parts in (1, 2, 4)]
     estimate = richardson(runs, setup.integrator.order)
-    states = list(range(len(setup.scene.observables)))
-    window = Window(np.maximum(size, right.size), states, len(cases))
-    away = window.largest(estimate.limit - right.values)
-    known = right.bound + rounding(4 * SETTLED, 1.0, setup.epsilon) * right.scale
-    room = float(np.max((known / window.size)[states]))
+    count, size = len(setup.scene.observables), np.maximum(size, right.size)
+
+    def largest(errors: Array) -> float:
+        return largest_share(errors[:count], size[:count])
+
+    away, known = largest(estimate.limit - right.values), right.bound
+    known = known + rounding(4 * SETTLED, 1.0, setup.epsilon) * right.scale
+    room = float(np.max((known / size)[:count]))
     reason = (
         f"value after {SETTLED} steps of {step:.3g} s, extrapolated to h -> 0; halving divides the "
         f"error by {estimate.ratio:.3g}, {2**estimate.order} expected"
     )
-    granted = room + min(window.largest(estimate.moved), CAP**2)
+    granted = room + min(largest(estimate.moved), CAP**2)
     finding = Finding("extrapolated", "1", away, 0.0, away, granted, reason)
-    change = window.largest(runs[0] - runs[1])
+    change = largest(runs[0] - runs[1])
     if not setup.bound.discrete or conclusion(finding, change, "shaken") is finding:
         return finding
     shaken = (
@@ -216,7 +197,7 @@ def error_from_below(setup: Setup) -> Finding | Inconclusive:
     ahead = step * np.arange(order + 2)
     begins = np.array([one.start_time for one in cases])
     if equations.scene.stiff:  # the whole motion takes long, at times that no one else asks for
-        right = truths(equations, cases, ahead, names)
+        right = after_starts(equations, cases, ahead, names)
         motion = right.values.reshape(len(names), len(cases), -1)
         size = np.maximum(truth(equations, setup.case, begins, names).size, right.size)
     else:
@@ -236,22 +217,6 @@ def error_from_below(setup: Setup) -> Finding | Inconclusive:
     remainder = taylor_remainder(motion, size, order)
     bound = float(np.max((right.bound + rounding(1, 1.0, setup.epsilon) * right.scale) / size))
     return least_error(order, step, float(error), bound, remainder)
-
-
-def truths(
-    equations: ModelEquations, cases: list[Case], after: Any, names: tuple[str, ...]
-) -> Truth:
-    """Return the claim's solution (k, n m) some times (m,) [s] after each start."""
-    times = np.add.outer(np.atleast_1d(after), [one.start_time for one in cases])
-    solutions = roundoff_references(equations, cases, times, names)
-    return Truth(
-        times=np.concatenate([one.times for one in solutions]),
-        values=np.hstack([one.values for one in solutions]),
-        bound=np.max([one.bound for one in solutions], axis=0),
-        size=np.max([one.size for one in solutions], axis=0),
-        scale=np.max([one.scale for one in solutions], axis=0),
-        states=np.hstack([one.states for one in solutions]),
-    )
 
 
 def driven_in_time(setup: Setup, equations: ModelEquations) -> bool:
@@ -298,16 +263,8 @@ def predict(
             places, bounds = first_order_errors(setup, cases, step, right)
             errors[places] = np.minimum(errors[places], bounds)
         return replace(prediction, errors=errors)
-    return by_scheme(setup.scheme, values, ideal(setup, cases, step, 1, names), right)
-
-
-def ideal(
-    setup: Setup, cases: list[Case], step: float, parts: int, names: tuple[str, ...]
-) -> Array:
-    """Return observables (k, n) that the setup's scheme reaches one step [s] after each start."""
-    number, length = np.array([parts]), step / parts
-    states = [setup.with_case(one).scheme_states(length, number) for one in cases]
-    return np.hstack([rows(setup.bound.solved_equations, one, names) for one in states])
+    ideal = ideal_rows(setup, [Part(one, np.array([1])) for one in cases], step, names)
+    return by_scheme(setup.scheme, values, ideal, right)
 
 
 def velocities_at(

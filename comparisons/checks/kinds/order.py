@@ -6,16 +6,18 @@ declared order, those of its own scheme on the true equations are what it has to
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ....reference.errors import EngineError
 from ....reference.scene import Array
 from ...engines.setup import Setup, shortest_period
-from ..tolerances import least_error, richardson, rows, taylor_remainder
+from .. import elements
+from ..comparison import Measured, Part, ideal_rows, least_error, richardson, taylor_remainder
 from ..truth import Truth, permitted_horizon, roundoff_reference
 from ..verdict import Finding, Inconclusive, Series
-from . import elements
 
 SLACK = 0.2
 """The finest slopes may stay this much below the declared order."""
@@ -43,82 +45,96 @@ def quantities(setup: Setup) -> tuple[str, ...]:
     return ("order", "extrapolated", *(() if setup.scheme else ("least_error",)))
 
 
-def measure(setup: Setup) -> list[Finding | Inconclusive]:
+class Halved(NamedTuple):
+    """Runs with a step that is halved again and again, until the order is decided.
+
+    Attributes
+    ----------
+    steps : list of float
+        [s]
+    floors : list of float
+        Relative errors that may be round-off.
+    runs : list of array (k, n_t)
+    errors : list of float
+        Largest relative error of each.
+    bound : float
+        What round-off and the reference may leave of the last one.
+    """
+
+    steps: list[float]
+    floors: list[float]
+    runs: list[Array]
+    errors: list[float]
+    bound: float
+
+
+def measure(setup: Setup) -> Measured:
     """Halve the step from a few steps per period until the error reaches the floor."""
     if setup.case.watch == "elements":
-        return [*elements.measure_order(setup)]
+        return Measured(elements.measure_order(setup))
     names, order = setup.scene.observables, setup.integrator.order
     longest = min(shortest_period(setup.case) / 8, setup.stable_step_bound)
     coarsest = 2.0 ** np.floor(np.log2(longest))
     horizon, growth = permitted_horizon(setup.case, coarsest, setup.epsilon)
     horizon = coarsest * min(max(4, round(horizon / coarsest)), MOST_MARKS)
     marks = np.arange(1, round(horizon / coarsest) + 1)
+    times = marks * coarsest
     right = roundoff_reference(
-        setup.bound.equations, setup.case, setup.case.start_time + marks * coarsest, names
+        setup.bound.equations, setup.case, setup.case.start_time + times, names
     )
-    trust = float(np.max(right.bound / right.size))
-    steps: list[float] = []
-    floors: list[float] = []
-    runs: list[Array] = []
-    errors: list[float] = []
-    for level in range(LEVELS):
-        step = coarsest / 2**level
-        bound = noise(len(marks) * 2**level, growth, setup.epsilon) + trust
-        try:
-            samples = marks * 2**level
-            run = setup.simulate(step, samples)
-        except EngineError as error:
-            if error.kind not in ("non_finite", "warning", "solver") or level > LEVELS // 2:
-                raise
-            continue  # too coarse for this method; finer ones follow
-        values = run.matrix(names)
-        error_now = relative_error(values, right)
-        lowest = FLOOR * bound
-        if error_now < lowest and len(errors) >= 2:
-            break
-        steps.append(step)
-        floors.append(lowest)
-        runs.append(values)
-        errors.append(error_now)
-        if enough(errors, order):
-            break
+    steps, floors, runs, errors, bound = halved(setup, right, coarsest, growth)
     below = [] if setup.scheme else [error_from_below(setup, right, coarsest, steps[0], errors[0])]
     if len(errors) < LEAST_POINTS:
         few = f"only {len(errors)} steps from {coarsest:.3g} s down leave an error above round-off"
-        return [Inconclusive("order", few), Inconclusive("extrapolated", few), *below]
+        return Measured([Inconclusive("order", few), Inconclusive("extrapolated", few), *below])
     slopes = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
-    finest = finest_slope(errors)
-    expected = float(order)
+    finest, expected = finest_slope(errors), float(order)
     if setup.scheme and finest < expected - SLACK:
-        expected = min(expected, ideal_slope(setup, steps, floors, marks * coarsest))
+        expected = min(expected, ideal_slope(setup, right, steps, floors, times))
     listed = ", ".join(f"{slope:.2f}" for slope in slopes[-4:])
     declared = errors[0] * (np.array(steps) / steps[0]) ** order
     estimate = richardson(runs[-3:], order)
     last = relative_error(estimate.limit, right)
     tolerance = float(np.max(np.max(estimate.moved, axis=1) / right.size)) + bound
-    return [
-        Finding(
-            "order",
-            "1",
-            finest,
-            expected,
-            max(0.0, expected - finest),
-            SLACK,
-            f"slopes {listed} down to h = {steps[-1]:.3g} s, error {errors[-1]:.2g}; "
-            f"declared {order}",
-            Series("step", np.array(steps), np.array(errors), declared),
-        ),
-        Finding(
-            "extrapolated",
-            "1",
-            last,
-            0.0,
-            last,
-            tolerance,
-            f"relative error of the value extrapolated to h -> 0 over {horizon:.3g} s",
-        ),
-        *below,
-    ]
+    reason = (
+        f"slopes {listed} down to h = {steps[-1]:.3g} s, error {errors[-1]:.2g}; declared {order}"
+    )
+    off = max(0.0, expected - finest)
+    drawn = Series("step", np.array(steps), np.array(errors), declared)
+    extrapolated = f"relative error of the value extrapolated to h -> 0 over {horizon:.3g} s"
+    return Measured(
+        [
+            Finding("order", "1", finest, expected, off, SLACK, reason, drawn),
+            Finding("extrapolated", "1", last, 0.0, last, tolerance, extrapolated),
+            *below,
+        ]
+    )
+
+
+def halved(setup: Setup, right: Truth, coarsest: float, growth: float) -> Halved:
+    """Run with halved steps [s], to the times of the truth, until finer ones tell no more."""
+    names, count = setup.scene.observables, right.values.shape[1]
+    trust = float(np.max(right.bound / right.size))
+    runs = Halved([], [], [], [], trust)
+    for level in range(LEVELS):
+        step, marks = coarsest / 2**level, np.arange(1, count + 1) * 2**level
+        runs = runs._replace(bound=noise(count * 2**level, growth, setup.epsilon) + trust)
+        try:
+            values = setup.simulate(step, marks).matrix(names)
+        except EngineError as error:
+            if error.kind not in ("non_finite", "warning", "solver") or level > LEVELS // 2:
+                raise
+            continue  # too coarse for this method; finer ones follow
+        error_now, lowest = relative_error(values, right), FLOOR * runs.bound
+        if error_now < lowest and len(runs.errors) >= 2:
+            break
+        runs.steps.append(step)
+        runs.floors.append(lowest)
+        runs.runs.append(values)
+        runs.errors.append(error_now)
+        if enough(runs.errors, setup.integrator.order):
+            break
+    return runs
 
 
 def error_from_below(
@@ -143,20 +159,18 @@ def relative_error(values: Array, right: Truth) -> float:
     return float(np.max(np.max(np.abs(values - right.values), axis=1) / right.size))
 
 
-def ideal_slope(setup: Setup, steps: list[float], floors: list[float], times: Array) -> float:
+def ideal_slope(
+    setup: Setup, right: Truth, steps: list[float], floors: list[float], times: Array
+) -> float:
     """Return the finest slope of the setup's scheme on its equations, with these steps [s].
 
     Only of errors above round-off (``floors``), else a wrong engine might be as flat.
     """
-    names = setup.scene.observables
-    right = roundoff_reference(
-        setup.bound.equations, setup.case, setup.case.start_time + times, names
-    )
     errors: list[float] = []
     for step, floor in zip(steps, floors, strict=True):
-        numbers = np.rint(times / step).astype(int)
-        states = setup.scheme_states(step, numbers)
-        error = relative_error(rows(setup.bound.equations, states, names), right)
+        part = Part(setup.case, np.rint(times / step).astype(int))
+        values = ideal_rows(setup, [part], step, setup.scene.observables)
+        error = relative_error(values, right)
         if error < floor:
             break
         errors += [error] if np.isfinite(error) else []

@@ -34,7 +34,8 @@ from ....reference.errors import CannotJudgeError, Unsupported
 from ....reference.scene import Array
 from ...engines.run import contained
 from ...engines.setup import Setup
-from ..diagnosis.shares import (
+from ..comparison import OPERATIONS, ROUNDING, Measured, largest_inertias, matrix_rounding
+from ..mistakes.shares import (
     DISTINCT,
     VISIBLE,
     Effect,
@@ -43,10 +44,9 @@ from ..diagnosis.shares import (
     of_share,
     part_of,
 )
-from ..diagnosis.terms import added_forces, added_inertias, joints_of
-from ..tolerances import OPERATIONS, largest_inertias, matrix_rounding
+from ..mistakes.terms import added_forces, added_inertias, joints_of
+from ..truth import random_states
 from ..verdict import Finding, Inconclusive
-from .algebra import ROUNDING, random_states
 
 STATES = 16
 
@@ -125,7 +125,7 @@ def quantities(setup: Setup) -> tuple[str, ...]:
     )
 
 
-def measure(setup: Setup) -> list[Finding | Inconclusive]:
+def measure(setup: Setup) -> Measured:
     """Judge the share of each part."""
     equations = setup.bound.equations
     times, states = random_states(equations, setup.case, setup.bound.coordinates)
@@ -149,7 +149,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         findings += of_matrix
     state = times, q, v, a
     findings += of_forces(system, counted, state, matrices, unit)
-    return findings + list(closures(whole, state, matrix_rounding(unit, ROUNDING)))
+    return Measured([*findings, *closures(whole, state, matrix_rounding(unit, ROUNDING))])
 
 
 def of_mass_matrix(

@@ -19,17 +19,18 @@ from ....reference.scene import Array, Case
 from ....reference.solve.solution import run_sizes
 from ...engines.run import VIOLATIONS
 from ...engines.setup import Setup
-from ..rules.cautions import cautions, noticing_rules
-from ..tolerances import (
+from ..comparison import (
     CAP,
     RICHARDSON_SAFETY,
     SAFETY,
     VIOLATION,
-    rounding,
-    rows,
+    Measured,
+    Part,
+    ideal_rows,
     sample_numbers,
 )
-from ..truth import VIBRATION_GROWTH, Truth, truth_to_the_end
+from ..rules.cautions import cautions, noticing_rules
+from ..truth import VIBRATION_GROWTH, Truth, rounding, truth_to_the_end
 from ..verdict import HALVING, REFERENCE, Finding
 
 QUANTITY = "motion_error"
@@ -114,7 +115,7 @@ def quantities(setup: Setup) -> tuple[str, ...]:
     return (QUANTITY,)
 
 
-def measure(setup: Setup) -> list[Finding]:
+def measure(setup: Setup) -> Measured:
     """Run a case at an extreme with the setup's step, and judge the largest error of all."""
     case, step = setup.case, setup.step_size
     run = Sampled.over(setup, case.horizon)
@@ -141,7 +142,7 @@ def measure(setup: Setup) -> list[Finding]:
     bound = float(np.max(right.bound / sizes(setup.bound.observables, right)))
     if finding.error <= finding.tolerance and not bound <= SHARPEST:
         raise CannotJudgeError(f"not judged: the reference may be off by {bound:.2g} of a size")
-    return [finding]
+    return Measured([finding])
 
 
 def builds(setup: Setup) -> bool:
@@ -174,8 +175,8 @@ def compare_run(run: Sampled, values: Array, exact: Truth, model: Truth) -> Find
     order = setup.integrator.order
     halving = failure or halving_shows(changes, order, max(FLOOR, 10 * room))
     if setup.scheme:
-        states = setup.scheme_states(setup.step_size, run.samples)
-        integration = np.abs(rows(setup.bound.equations, states, names) - model.values)
+        ideal = ideal_rows(setup, [Part(setup.case, run.samples)], setup.step_size, names)
+        integration = np.abs(ideal - model.values)
         safety = SAFETY
     else:  # what does not shrink as declared cannot be predicted
         integration, safety = 0 * values, RICHARDSON_SAFETY

@@ -21,7 +21,6 @@ from ....reference.equations import ModelEquations, scene_equations
 from ....reference.errors import CannotJudgeError, NoOrbitError
 from ....reference.orbits import (
     Orbit,
-    find_orbit,
     mean_powers,
     period_advance,
     state_scale,
@@ -31,19 +30,20 @@ from ....reference.scene import Array, Case
 from ....reference.solve.batched import solve_many
 from ....reference.solve.single import solve
 from ...engines.setup import Setup, shortest_period
-from ..orbits import orbit_step
-from ..tolerances import (
+from .. import boundary
+from ..comparison import (
     CAP,
     CLEAR,
     NEXT_ORDERS,
-    OPEN,
     ORBIT_REFINEMENTS,
+    Measured,
     Richardson,
+    converging,
     richardson,
     sample_numbers,
 )
+from ..orbits import orbit_step, true_orbit
 from ..verdict import Finding, Inconclusive
-from . import boundary
 
 SAMPLES = 64
 PERIODS = 2
@@ -117,12 +117,6 @@ def measure_orbit(case: Case, orbit: Orbit, flow: Flow) -> Mapping[str, Array]:
 
 
 @lru_cache(maxsize=16)
-def true_orbit(scene: str, parameters: Any) -> Orbit:
-    """Return the periodic orbit of the reference."""
-    return find_orbit(get_scene(scene), parameters)
-
-
-@lru_cache(maxsize=16)
 def model_orbit(
     equations: ModelEquations, scene: str, parameters: Any
 ) -> tuple[Mapping[str, Array], float]:
@@ -159,7 +153,7 @@ def model_orbit(
 
 
 @dataclass(frozen=True)
-class Measured:
+class OrbitRuns:
     """The orbit through an engine with three steps, beside what its model claims.
 
     Attributes
@@ -207,7 +201,7 @@ class Measured:
 
 def measured(
     setup: Setup, orbit: Orbit, right: Mapping[str, Array], bound: float, count: int
-) -> Measured:
+) -> OrbitRuns:
     """Follow the orbit with ``count`` steps per period, twice and four times as many."""
     runs = [through(setup, orbit, count * k) for k in (1, 2, 4)]
     growth = max(float(np.linalg.norm(orbit.monodromy, 2)), 1.0)
@@ -229,15 +223,20 @@ def measured(
     )
     shrinks = together.shrinks(max(floors[name] / sizes[name] for name in right))
     small = all(estimates[name].predicted <= CAP * sizes[name] for name in right)
-    return Measured(runs, estimates, floors, sizes, share, together.ratio, shrinks, small)
+    return OrbitRuns(runs, estimates, floors, sizes, share, together.ratio, shrinks, small)
 
 
-def measure(setup: Setup) -> list[Finding | Inconclusive]:
-    """Follow the orbit and its neighbours with three steps, and compare."""
+def measure(setup: Setup) -> Measured:
+    """Measure an orbit, a boundary of stability or where a run ends, as the case says."""
     if setup.case.boundary is not None:
-        return boundary.measure(setup)
+        return Measured(boundary.measure(setup))
     if setup.case.watch == "outcome":
-        return [outcome(setup)]
+        return Measured([outcome(setup)])
+    return Measured(of_orbit(setup))
+
+
+def of_orbit(setup: Setup) -> list[Finding | Inconclusive]:
+    """Follow the orbit and its neighbours with three steps, and compare."""
     scene = setup.scene
     try:
         orbit = true_orbit(setup.case.scene, setup.case.parameters)
@@ -266,22 +265,16 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
             findings.append(Inconclusive(name, f"rounding may leave {share:.2g} of its size"))
             continue
         value = orbits.runs[0][name]
-        error = float(np.max(np.abs(value - right[name])))
-        tolerance = estimate.predicted if orbits.shrinks else 0.0
-        if not orbits.shrinks and orbits.floors[name] < error < OPEN * estimate.change:
-            findings.append(Inconclusive(name, f"too coarse to tell: {note}"))
-            continue
-        findings.append(
-            Finding(
-                name,
-                units.get(name, "1"),
-                number_of(value, name, units),
-                number_of(right[name], name, units),
-                error,
-                tolerance + orbits.floors[name],
-                note,
-            )
+        finding = Finding(
+            name,
+            units.get(name, "1"),
+            number_of(value, name, units),
+            number_of(right[name], name, units),
+            float(np.max(np.abs(value - right[name]))),
+            0.0,
+            note,
         )
+        findings.append(converging(finding, estimate, orbits.floors[name], orbits.shrinks))
     regular = [name for name in orbits.regular if name not in orbits.drowned]
     if not regular:
         silence = "nothing converges with the declared order that could be extrapolated"

@@ -14,8 +14,8 @@ from ....reference.differences import PROBE, probed
 from ....reference.equations import scene_equations
 from ....reference.scene import Dynamics
 from ...engines.run import EPS
+from ..comparison import CAP
 from ..free_vibrations import stable_step, start_and_rests
-from ..tolerances import CAP
 from ..truth import MOST_AMPLIFICATION
 from . import conditions
 from .conditions import Statement

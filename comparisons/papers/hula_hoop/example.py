@@ -11,7 +11,7 @@ from ....reference.hula_hoop.equations import PLATE, HulaHoop
 from ....reference.hula_hoop.floquet import floquet_multipliers
 from ....reference.hula_hoop.theory import corrected_solution, paper_solution
 from ....reference.scene import Array, Case
-from ...checks.kinds.boundary import engine_point
+from ...checks.boundary import engine_point
 from ...engines.registry import REFERENCE
 from ...engines.setup import Setup
 from ...queries.query import choose_engine, choose_method

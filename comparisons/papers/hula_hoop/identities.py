@@ -17,7 +17,7 @@ from ....reference.hula_hoop.equations import SEMICIRCLE, HulaHoop, coefficients
 from ....reference.hula_hoop.floquet import floquet_multipliers
 from ....reference.hula_hoop.theory import nondimensional, paper_solution, printed_residuals
 from ....reference.scene import Array
-from ...checks.kinds.algebra import random_states
+from ...checks.truth import random_states
 from ...engines.registry import REFERENCE
 from ...engines.run import contained
 from ...queries.query import choose_engine

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from ...checks.table import KINDS
 from ...checks.verdict import Result
 from ..words import number, plural
-from .located import LEVELS
 from .results import FAILURES, digits_to_differ, grouped, measured, ratio
 
 HEADS = ("quantity", "unit", "engine", "reference", "error", "tolerance", "times")
@@ -97,6 +97,6 @@ def blocks(results: Sequence[Result]) -> list[Block]:
 
 def severity(block: Block) -> tuple[int, bool, float, str]:
     """Return the place of a block in the order of `blocks`."""
-    worst, levels = block.worst, [*LEVELS]
+    worst, levels = block.worst, [*KINDS]
     level = levels.index(worst.kind) if worst.kind in levels else len(levels)
     return level, worst.verdict != "error", -ratio(worst), worst.check_id

@@ -4,24 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from ...checks.diagnosis.steps import ANOTHER_MODEL
+from ...checks.diagnosis.runs import ANOTHER_MODEL
 from ...checks.kinds.parts import WHOLE
+from ...checks.table import KINDS
 from ...checks.verdict import Result
 from ...engines.protocol import NO_ACCELERATIONS
 from ..words import with_unit
 from .results import error_size, grouped
-
-LEVELS = {
-    "parts": "what it made of the model",
-    "algebra": "its accelerations or its mass matrix",
-    "frequency": "its linearised equations of motion",
-    "step": "a single step from a right state",
-    "trajectory": "a free run",
-    "order": "how its errors shrink",
-    "energy": "what it conserves",
-    "stability": "its periodic or long motion",
-}
-"""From the model to its motion: what is wrong on one level is mostly wrong on those below."""
 
 FAILED = {
     "clock": "its clock does not show the times that were asked for",
@@ -47,13 +36,13 @@ def located(results: Sequence[Result]) -> list[str]:
     lines = []
     for engine in dict.fromkeys(item.engine for item in wrong):
         mine = [item for item in wrong if item.engine == engine]
-        level = next((name for name in LEVELS if any(r.kind == name for r in mine)), None)
+        level = next((name for name in KINDS if any(r.kind == name for r in mine)), None)
         own = [item for item in results if item.engine == engine]
         ran = {item.kind for item in own if item.verdict == "pass"}
         if level is None:
             continue
         here = [item for item in mine if item.kind == level]
-        before = [name for name in list(LEVELS)[: list(LEVELS).index(level)] if name in ran]
+        before = [name for name in list(KINDS)[: list(KINDS).index(level)] if name in ran]
         right = f", {' and '.join(before)} right" if before else ""
         lines.append(f"{engine}: {head(level, here)}{right}")
         wrong_things = list(faults(here, mine))
@@ -72,8 +61,8 @@ def head(level: str, here: Sequence[Result]) -> str:
     """Return the heading of a level, by the results that fail there."""
     if any(item.verdict == "deviation" for item in here):
         same = all(item.cause == ANOTHER_MODEL for item in here)
-        return ANOTHER_MODEL if same else f"{LEVELS[level]} is wrong"
-    other = {True: "it raised an exception", False: f"{LEVELS[level]} could not be judged"}
+        return ANOTHER_MODEL if same else f"{KINDS[level].level} is wrong"
+    other = {True: "it raised an exception", False: f"{KINDS[level].level} could not be judged"}
     kinds = ((item.reason.partition(":")[0], item.traceback) for item in here)
     return " and ".join(
         dict.fromkeys(FAILED.get(one) or other[bool(raised)] for one, raised in kinds)

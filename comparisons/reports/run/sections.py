@@ -10,6 +10,7 @@ from dataclasses import replace
 from rich.console import Console
 
 from ...checks.known import Use
+from ...checks.table import KINDS
 from ...checks.verdict import Result, Verdict
 from ..item import Outcome, ReportItem
 from ..junit import junit
@@ -18,7 +19,7 @@ from ..sections import Section, markdown_sections, print_sections
 from ..text import STYLES, Cell, matrix_by_kind, print_line, print_wrapped
 from ..words import number, plural, with_unit
 from .blocks import HEADS, blocks
-from .located import LEVELS, located
+from .located import located
 from .outcome import Report
 from .results import (
     FAILURES,
@@ -49,8 +50,8 @@ RESULT_HEADS = ("verdict", "case", "method", "quantity", "error", "tolerance", "
 STALE_RULE = "stale_known"
 
 RULES = {
-    **{kind: (f"{kind}: {words}", f"{words} is wrong; see docs/checks.md")
-       for kind, words in LEVELS.items()},
+    **{name: (f"{name}: {kind.level}", f"{kind.level} is wrong; see docs/checks.md")
+       for name, kind in KINDS.items()},
     STALE_RULE: ("stale known deviation", "an entry of --known that nothing needs: docs/ci.md"),
 }  # fmt: skip
 """What items of a run point at: kinds of checks, from the model to its motion."""

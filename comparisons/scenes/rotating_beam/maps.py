@@ -19,7 +19,7 @@ from ....reference.rotating_beam.frequencies.numbers import numbers, time_unit
 from ....reference.rotating_beam.frequencies.stretching import frequencies
 from ....reference.rotating_beam.parameters import FIRST, RotatingBeam, period, rotation
 from ....reference.scene import Array, Case, EquationsOfMotion
-from ...checks.kinds import elements
+from ...checks import elements
 from ...engines.registry import REFERENCE
 from ...engines.run import call_engine
 from ...engines.setup import Setup

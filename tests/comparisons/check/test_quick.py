@@ -10,7 +10,8 @@ import pytest
 from mbcheck.comparisons.check.request import plan_checks, select
 from mbcheck.comparisons.checks.execution import run_checks
 from mbcheck.comparisons.checks.request import CheckRequest
-from mbcheck.comparisons.checks.suite import QUICK, plan, quick
+from mbcheck.comparisons.checks.suite import plan, quick
+from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.terminal import program
 from mbcheck.comparisons.terminal.program import PAUSE, progress_lines, time_left
 from mbcheck.reference import SCENES, get_scene
@@ -26,7 +27,8 @@ def test_each_level_is_checked_once_in_each_scene() -> None:
         mine = [check for check in chosen if check.subject.scene == scene]
         kinds = [check.subject.kind for check in mine]
         assert kinds.count("trajectory") == 1
-        assert set(kinds) == set(QUICK) - ({"parts"} if scene == "speed_regulator" else set())
+        wanted = {name for name, kind in KINDS.items() if kind.quick}
+        assert set(kinds) == wanted - ({"parts"} if scene == "speed_regulator" else set())
     # a loop has several models, each of which has its own steps
     loops = [name for name in SCENES if get_scene(name).assembled]
     models = {

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from mbcheck.comparisons.check.custom import custom_case
+from mbcheck.comparisons.checks.comparison import conclusion
 from mbcheck.comparisons.checks.free_vibrations import excitation
-from mbcheck.comparisons.checks.kinds.trajectory import conclusion
 from mbcheck.comparisons.checks.suite import checks_of, run_check
 from mbcheck.comparisons.checks.verdict import Finding, Inconclusive, Result
 from mbcheck.comparisons.engines.adapter import Adapter

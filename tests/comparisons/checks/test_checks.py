@@ -13,10 +13,12 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.checks import execution, suite
+from mbcheck.comparisons.checks.comparison import Measured
 from mbcheck.comparisons.checks.execution import run_checks
 from mbcheck.comparisons.checks.request import Execution
-from mbcheck.comparisons.checks.suite import KINDS, Check, plan, run_check
-from mbcheck.comparisons.checks.verdict import Finding, Result, judge
+from mbcheck.comparisons.checks.suite import Check, plan, run_check
+from mbcheck.comparisons.checks.table import KINDS
+from mbcheck.comparisons.checks.verdict import Finding, judge
 from mbcheck.comparisons.engines import registry as engines
 from mbcheck.comparisons.engines.adapter import Adapter, BoundModel
 from mbcheck.comparisons.engines.protocol import Method
@@ -29,6 +31,7 @@ from mbcheck.reference.hula_hoop.equations import HulaHoop
 from mbcheck.reference.scene import Array, Case
 from mbcheck.tests.support.command import process
 from mbcheck.tests.support.draws import some_are_slow
+from mbcheck.tests.support.example import bad
 
 ACCURATE = {"mujoco": "RK4", "exudyn": "RK67"}
 CASES = {
@@ -56,11 +59,6 @@ def one_check(engine: str, kind: str, method: str | None = None) -> Check:
     return found[0]
 
 
-def bad(results: list[Result]) -> list[Result]:
-    """Return what is neither passed nor skipped."""
-    return [item for item in results if item.verdict in ("deviation", "error")]
-
-
 def random_cases(count: int, seed: int) -> list[Case]:
     """Return cases with every parameter between half and twice its default."""
     random = np.random.default_rng(seed)
@@ -76,18 +74,14 @@ def random_cases(count: int, seed: int) -> list[Case]:
     return cases
 
 
-@pytest.mark.parametrize("case", random_cases(1, 11), ids=lambda case: case.name)
+@pytest.mark.parametrize(
+    "case", [*random_cases(1, 11), *some_are_slow(random_cases(20, 12))], ids=lambda case: case.name
+)
 @pytest.mark.parametrize("engine", ACCURATE)
 def test_right_engines_pass_with_other_parameters(engine: str, case: Case) -> None:
     for kind in case.kinds:
         for check in suite.checks_of(kind, case, engine):
             assert not bad(run_check(check)), check.prefix
-
-
-@pytest.mark.parametrize("case", some_are_slow(random_cases(20, 12)), ids=lambda case: case.name)
-@pytest.mark.parametrize("engine", ACCURATE)
-def test_right_engines_pass_with_many_other_parameters(engine: str, case: Case) -> None:
-    test_right_engines_pass_with_other_parameters(engine, case)
 
 
 @pytest.mark.parametrize("order_claimed", [3, 6])
@@ -183,10 +177,8 @@ def test_whatever_an_engine_raises_is_an_error_for_each_of_its_quantities() -> N
 
 
 def test_a_quantity_that_was_not_measured_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    def forgetful(*_: object) -> list[Finding]:
-        return []
-
-    monkeypatch.setitem(KINDS, "algebra", replace(KINDS["algebra"], measure=forgetful))
+    forgetful = replace(KINDS["algebra"], measure=lambda setup: Measured([]))
+    monkeypatch.setitem(KINDS, "algebra", forgetful)
     results = run_check(one_check("mujoco", "algebra"))
     assert {item.verdict for item in results} == {"error"}
     assert len(results) == 3
@@ -263,10 +255,8 @@ def test_half_a_run_is_not_green(tmp_path: Path) -> None:
 
 
 def test_fail_fast_stops_at_the_first_deviation(monkeypatch: pytest.MonkeyPatch) -> None:
-    def failing(*_: object) -> list[Finding]:
-        return [Finding("energy_drift", "1", 1.0, 0.0, 1.0, 0.5)]
-
-    monkeypatch.setitem(KINDS, "energy", replace(KINDS["energy"], measure=failing))
+    failing = Measured([Finding("energy_drift", "1", 1.0, 0.0, 1.0, 0.5)])
+    monkeypatch.setitem(KINDS, "energy", replace(KINDS["energy"], measure=lambda setup: failing))
     checks = plan(scenes=["hula_hoop"], kinds=["energy"], engines=["mujoco"])
     able = [check for check in checks if not check.why_not]
     assert len(run_checks(able, execution=Execution(fail_fast=True))) == 1

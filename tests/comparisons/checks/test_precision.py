@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import mbcheck
-from mbcheck.comparisons.checks.suite import KINDS
+from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.models.kinematics import movers, place

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import mbcheck
-from mbcheck.comparisons.checks.kinds.elements import measure_frequencies, measure_order
+from mbcheck.comparisons.checks.elements import measure_frequencies, measure_order
 from mbcheck.comparisons.checks.suite import checks_of, run_check
 from mbcheck.comparisons.checks.truth import RATIO, truth
 from mbcheck.comparisons.checks.verdict import PROFILES, Finding, judge

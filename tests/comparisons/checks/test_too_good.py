@@ -9,7 +9,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import mbcheck
-from mbcheck.comparisons.checks.kinds import elements, one_step, order
+from mbcheck.comparisons.checks import elements
+from mbcheck.comparisons.checks.kinds import one_step, order
 from mbcheck.comparisons.checks.verdict import Finding, judge
 from mbcheck.comparisons.engines.adapter import BoundModel, adapt
 from mbcheck.comparisons.engines.setup import Setup
@@ -106,7 +107,7 @@ class Continuum(Wrapped):
 def test_the_continuum_does_not_pass_for_elements() -> None:
     case = get_scene("rotating_beam").case("steady_at_rest")
     for engine, verdict in ((ExudynAdapter(), "pass"), (Continuum(ExudynAdapter()), "deviation")):
-        findings = order.measure(Setup(engine, case, "elements"))
+        findings = order.measure(Setup(engine, case, "elements")).findings
         (least,) = (item for item in findings if item.quantity == "least_error")
         assert isinstance(least, Finding)
         assert judge(least, 1.0)[0] == verdict

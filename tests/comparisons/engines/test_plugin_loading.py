@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 import mbcheck
-from mbcheck.comparisons.checks.suite import KINDS, kinds_of
+from mbcheck.comparisons.checks.suite import kinds_of
+from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.engines import registry as engines
 from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.comparisons.engines.setup import Setup

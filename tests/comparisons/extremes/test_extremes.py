@@ -12,7 +12,8 @@ import pytest
 
 from mbcheck.comparisons.check.request import select
 from mbcheck.comparisons.checks.request import CheckRequest
-from mbcheck.comparisons.checks.suite import EXTREMES, Check
+from mbcheck.comparisons.checks.suite import Check
+from mbcheck.comparisons.checks.table import EXTREMES
 from mbcheck.comparisons.checks.verdict import REFERENCE, Result
 from mbcheck.comparisons.cli.group import program
 from mbcheck.comparisons.extremes import page

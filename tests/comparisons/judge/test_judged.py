@@ -133,6 +133,7 @@ SLIPS: list[tuple[Change, str]] = [
     (lambda c: c.update(y=-c["y"]), "y fits with the opposite sign"),
     (lambda c: c.update(theta=np.remainder(c["theta"], 2 * np.pi)), "up to whole turns"),
     (lambda c: c.update(theta=c["theta"] + 0.1), "starts with theta = 0.4, the case with 0.3"),
+    (lambda c: c.update(y=c["theta"], theta=c["y"]), "exchanged: y is theta, theta is y"),
 ]
 
 
@@ -217,7 +218,7 @@ def test_many_steps_are_scaled_by_the_order(simulated: Simulation) -> None:
     scene = get_scene("hula_hoop")
     case = replace(scene.case("spinning_3hz_60n"), state=START)
     problem = recording(columns(simulated)), case, scene.state_names, METHOD
-    direct, scaled = (compare(*problem, *steps).predicted for steps in ((), (200,)))
+    direct, scaled = (compare(*problem, *steps).prediction.errors for steps in ((), (200,)))
     assert direct is not None
     assert scaled == pytest.approx(direct, rel=0.35)
     with pytest.raises(UsageError, match="cannot be scaled"):

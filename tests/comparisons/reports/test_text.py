@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from rich.console import Console
 
 from mbcheck import models
-from mbcheck.comparisons.checks.suite import KINDS
+from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.cli import catalogue
 from mbcheck.comparisons.reports.text import markdown_table, print_table
 from mbcheck.comparisons.reports.words import assignments, exact, number, plain, with_unit

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from mbcheck.comparisons.checks.kinds import boundary
+from mbcheck.comparisons.checks import boundary
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.reports.text import markdown_table
 from mbcheck.comparisons.scenes.left_out import Pair

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicHermiteSpline
 
-from mbcheck.comparisons.checks.kinds import elements
+from mbcheck.comparisons.checks import elements
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup, run
 from mbcheck.reference.rotating_beam import SCENE

@@ -17,12 +17,13 @@ import numpy as np
 
 import mbcheck
 from mbcheck.comparisons.checks.suite import Check, checks_of, kinds_of, run_check
+from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines import registry
 from mbcheck.comparisons.engines.adapter import Adapter, adapt
 from mbcheck.comparisons.faults.catalogue import ENGINES
 from mbcheck.comparisons.faults.variants import Misread
-from mbcheck.comparisons.reports.run.located import LEVELS, located
+from mbcheck.comparisons.reports.run.located import located
 from mbcheck.examples.mujoco_engine import MujocoPlugin
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import MbcheckError
@@ -221,7 +222,7 @@ def checks(kind: str, fault: Seeded) -> list[Check]:
 def level_of(results: list[Result]) -> str:
     """Return the first level that is wrong, empty if none is."""
     wrong = {item.kind for item in results if item.verdict in ("deviation", "error")}
-    return next((name for name in LEVELS if name in wrong), "")
+    return next((name for name in KINDS if name in wrong), "")
 
 
 if __name__ == "__main__":

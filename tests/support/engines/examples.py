@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from mbcheck.comparisons.checks.suite import KINDS, Check, kinds_of, run_check
+from mbcheck.comparisons.checks.suite import Check, kinds_of, run_check
+from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.setup import Setup

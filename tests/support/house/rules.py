@@ -151,6 +151,16 @@ def is_above(module: Module, path: list[str]) -> bool:
     return there <= here
 
 
+def sibling_kinds(house: Sequence[Module]) -> Iterator[str]:
+    """Yield kinds of check, and mistakes, that import another kind or what lies above kinds."""
+    folder = "mbcheck.comparisons.checks"
+    above = tuple(f"{folder}.{name}" for name in ("kinds", "diagnosis", "table", "suite"))
+    for module in house:
+        if module.name.startswith((f"{folder}.kinds.", f"{folder}.mistakes.")):
+            wrong = (name for name in module.imports if name.startswith(above))
+            yield from (f"{module.path}: {name}" for name in wrong)
+
+
 def loose_modules(house: Sequence[Module]) -> Iterator[str]:
     """Yield modules that lie loose in `comparisons`."""
     for module in house:
@@ -287,6 +297,7 @@ RULES: Mapping[str, Callable[[Sequence[Module]], Iterator[str]]] = {
         engines_by_name,
         asked_engines,
         upward_imports,
+        sibling_kinds,
         broad_excepts,
         module_caches,
         patched_constants,

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from mbcheck.comparisons.checks.diagnosis.steps import ANOTHER_MODEL
+from mbcheck.comparisons.checks.diagnosis.runs import ANOTHER_MODEL
 from mbcheck.comparisons.checks.suite import run_check
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.faults.catalogue import ENGINES, FAULTS
@@ -168,6 +168,28 @@ def test_what_is_no_such_mistake_is_never_named_as_one(subject: Subject, name: s
     for kind in ("step", "trajectory"):
         found = told_of(subject, kind, wrong, case[subject.scene])
         assert causes(found) <= {"", ANOTHER_MODEL}
+
+
+class Counted(Exchanged):
+    """Observables exchanged in runs that are counted."""
+
+    count = 0
+
+    def simulate(self, *arguments: Any) -> Any:
+        """Count, and exchange."""
+        self.count += 1
+        return super().simulate(*arguments)
+
+
+def test_a_cause_is_sought_in_the_run_that_was_measured() -> None:
+    """Two short ones more tell whether the engine repeats itself."""
+    engine = Counted(ENGINES["mujoco"](), "y", "theta")
+    check = check_of(HOOP[0], "trajectory", CASES["hula_hoop"])
+    for explain, count in ((False, 1), (True, 3)):
+        engine.count = 0
+        found = run_check(check, "loose", engine, explain)
+        assert "deviation" in {item.verdict for item in found}
+        assert engine.count == count
 
 
 def test_what_passes_has_no_cause() -> None:

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 import mbcheck
-from mbcheck.comparisons.checks.kinds.boundary import true_boundary
-from mbcheck.comparisons.checks.suite import KINDS, Check, plan, run_check
+from mbcheck.comparisons.checks.boundary import true_boundary
+from mbcheck.comparisons.checks.suite import Check, plan, run_check
+from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.registry import get_engine

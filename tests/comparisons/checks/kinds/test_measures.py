@@ -10,17 +10,17 @@ import numpy as np
 import pytest
 from scipy.linalg import null_space
 
-from mbcheck.comparisons.checks.diagnosis.shares import Effect, explain
+from mbcheck.comparisons.checks import elements
+from mbcheck.comparisons.checks.comparison import NEXT_ORDERS, ROUNDING, Richardson
 from mbcheck.comparisons.checks.kinds import (
-    algebra,
-    elements,
     energy,
     frequency,
     one_step,
     order,
     stability,
 )
-from mbcheck.comparisons.checks.tolerances import NEXT_ORDERS, Richardson
+from mbcheck.comparisons.checks.mistakes.shares import Effect, explain
+from mbcheck.comparisons.checks.verdict import Finding
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.scenes.rotor_pendulum.phase import leading_modulus
@@ -74,7 +74,8 @@ def test_a_drift_is_predicted_and_no_more_is_granted(engine: str, model: str, me
     setup = check_of(subject, "energy", "free_undamped").setup()
     blind = replace(setup)
     blind.__dict__["scheme"] = None  # as if it were no published scheme
-    (drift,) = energy.measure(blind)
+    (drift,) = energy.measure(blind).findings
+    assert isinstance(drift, Finding)
     assert drift.error > 1e-9
     assert 1.2 < drift.tolerance / drift.error < 1.8
 
@@ -142,11 +143,11 @@ def test_several_parts_that_are_off_have_their_own_shares() -> None:
     """Whatever the size of their forces; no part alone explains the rows."""
     columns = np.random.default_rng(4).normal(size=(20, 4)) * [1e-3, 1.0, 0.1, 1.0]
     extra, names = np.array([0.5, -1.0, 0.0, 2.0]), ("mass.a", "spring.b", "damper.c", "spring.d")
-    found = explain(candidates(columns, *names), (), columns @ extra, algebra.ROUNDING)
+    found = explain(candidates(columns, *names), (), columns @ extra, ROUNDING)
     assert found.left < found.granted
     values = np.concatenate([found.values[name] for name in names])
     np.testing.assert_allclose(values, extra, atol=1e-12)
-    moved = algebra.ROUNDING * np.sum(np.abs(np.linalg.pinv(columns)), axis=1)
+    moved = ROUNDING * np.sum(np.abs(np.linalg.pinv(columns)), axis=1)
     np.testing.assert_allclose(np.concatenate([found.tolerances[n] for n in names]), moved)
 
 
@@ -206,7 +207,7 @@ def test_what_converges_as_declared_can_be_extrapolated(
     change: float, ratio: float, regular: bool
 ) -> None:
     one = Richardson(0.0, np.zeros(1), np.full(1, 0.1 * change), change, ratio, 4)
-    orbits = stability.Measured([], {"q": one}, {"q": 1.0}, {"q": 1e9}, 0.1, ratio, True, True)
+    orbits = stability.OrbitRuns([], {"q": one}, {"q": 1.0}, {"q": 1e9}, 0.1, ratio, True, True)
     assert orbits.regular == ["q"] * regular
     assert orbits.room("q") == pytest.approx(NEXT_ORDERS * 0.1 * change + 1)
 

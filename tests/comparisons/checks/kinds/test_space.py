@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from mbcheck.comparisons.checks.diagnosis.motions import Part, explanation, looked_at
+from mbcheck.comparisons.checks.comparison import Part
 from mbcheck.comparisons.checks.kinds.energy import sensor_gaps
+from mbcheck.comparisons.checks.mistakes.motions import explanation, seen_in, with_expected
 from mbcheck.comparisons.checks.suite import plan_cases, run_check
 from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.comparisons.engines.setup import Setup
@@ -309,8 +310,8 @@ def test_rates_that_are_told_outside_explain_a_run() -> None:
     tumbling = get_scene("rigid_body").case("heavy_tumbling")
     setup = Setup(engine, tumbling, "ball", engine.methods[0])
     values = setup.simulate(setup.default_step, numbers).matrix(setup.scene.observables)
-    seen = looked_at(setup, [Part(tumbling, numbers)], values)
-    assert explanation(seen) == TOLD_OUTSIDE
+    runs = with_expected(setup, setup.default_step, [Part(tumbling, numbers)], values)
+    assert explanation(seen_in(runs)) == TOLD_OUTSIDE
 
 
 @pytest.mark.slow

@@ -11,7 +11,8 @@ import pytest
 import mbcheck
 from mbcheck.comparisons.checks.free_vibrations import stable_step
 from mbcheck.comparisons.checks.refusals import refuse_unstable
-from mbcheck.comparisons.checks.suite import KINDS, plan
+from mbcheck.comparisons.checks.suite import plan
+from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.checks.truth import truth
 from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.comparisons.engines.setup import Setup, power_of_two, run
@@ -48,7 +49,7 @@ class Explicit(Plugged):
         return mbcheck.Motion(positions, velocities, steps=steps)
 
 
-@pytest.mark.parametrize("kind", [name for name, kind in KINDS.items() if kind.runs_free])
+@pytest.mark.parametrize("kind", [name for name, kind in KINDS.items() if kind.refuse])
 def test_such_runs_are_skipped_with_the_step_that_would_do(kind: str) -> None:
     names = {"energy": "pulse_quick", "stability": "above_critical"}
     found = results(Explicit(EULER), "rotating_beam", (kind,), names.get(kind, CASE.name))

@@ -14,18 +14,19 @@ from typing import Any
 
 import numpy as np
 
-from ....reference import get_scene
-from ....reference.continuation.along import BoundaryAlong, ConnectionAlong
-from ....reference.continuation.bifurcations import HOMOCLINIC
-from ....reference.continuation.curve import correct
-from ....reference.errors import CannotJudgeError, EngineError, NoOrbitError
-from ....reference.parameters import BoundarySearch
-from ....reference.scene import Array
-from ...engines.run import EPS
-from ...engines.setup import Setup
-from ..orbits import engine_paths, engine_tracer, orbit_step
-from ..tolerances import CAP, NEXT_ORDERS, OPEN, ORBIT_REFINEMENTS, richardson, rounding
-from ..verdict import Finding, Inconclusive
+from ...reference import get_scene
+from ...reference.continuation.along import BoundaryAlong, ConnectionAlong
+from ...reference.continuation.bifurcations import HOMOCLINIC
+from ...reference.continuation.curve import correct
+from ...reference.errors import CannotJudgeError, EngineError, NoOrbitError
+from ...reference.parameters import BoundarySearch
+from ...reference.scene import Array
+from ..engines.run import EPS
+from ..engines.setup import Setup
+from .comparison import CAP, NEXT_ORDERS, ORBIT_REFINEMENTS, converging, richardson
+from .orbits import engine_paths, engine_tracer, orbit_step
+from .truth import rounding
+from .verdict import Finding, Inconclusive
 
 SETTLED = 0.25
 """Change of the order seen from one halving to the next below which it is another than declared."""
@@ -179,18 +180,14 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         if estimate.predicted <= CAP * abs(truth):
             why = "Newton's method does not come to an end: runs scatter, or steps are too coarse"
         raise CannotJudgeError(f"{why}: {note}")
-    findings: list[Finding | Inconclusive] = []
     moving = len(ratios) > 1 and abs(np.log2(ratios[-1] / ratios[-2])) > SETTLED
-    if not shrinks and moving and floor < error < OPEN * estimate.change:
-        findings.append(Inconclusive("boundary", f"too coarse to tell: {note}"))
-    else:
-        granted = (estimate.predicted if shrinks else 0.0) + floor
-        findings.append(Finding("boundary", unit, here, truth, error, granted, note))
+    finding = Finding("boundary", unit, here, truth, error, 0.0, note)
+    shifted = converging(finding, estimate, floor, shrinks, moving)
     if not estimate.is_regular(floor):
         silence = "shifts do not shrink with the declared order, so that nothing is extrapolated"
-        return [*findings, Inconclusive("extrapolated", silence)]
+        return [shifted, Inconclusive("extrapolated", silence)]
     reason = f"{what}, extrapolated to h -> 0: shifted by {shift(limit - truth, unit)}"
-    return [*findings, Finding("extrapolated", unit, limit, truth, off, room, reason)]
+    return [shifted, Finding("extrapolated", unit, limit, truth, off, room, reason)]
 
 
 def shift(size: float, unit: str) -> str:

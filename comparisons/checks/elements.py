@@ -18,13 +18,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ....reference import get_scene
-from ....reference.linear import Mode, linearise_at, modes
-from ....reference.scene import Array, Case
-from ...engines.run import contained
-from ...engines.setup import Setup
-from ..tolerances import RICHARDSON_SAFETY
-from ..verdict import Finding
+from ...reference import get_scene
+from ...reference.linear import Mode, linearise_at, modes
+from ...reference.scene import Array, Case
+from ..engines.run import contained
+from ..engines.setup import Setup
+from .comparison import RICHARDSON_SAFETY
+from .verdict import Finding
 
 COUNT = 2
 """Modes looked at."""

@@ -5,27 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
-from scipy.spatial.transform import Rotation
 
-from ....reference.body.rotation import ROTATION
 from ....reference.equations import ModelEquations
-from ....reference.quaternions import matrix
 from ....reference.scene import Array, Case
 from ....reference.solve import schemes
 from ...engines.setup import Setup
-from ..tolerances import rows
-from ..truth import truth
-from ..units import EXPLAINED, other_measure
+from ..comparison import EngineRuns, Part
+from ..truth import rows, truth
+from .observables import EXPLAINED, SEEN, Observed, limited, otherwise_observed
 
 LONG = 32
 """Steps of a continuum that take long to predict."""
-
-SEEN = 1e-9
-"""Relative error below which nothing is asked of a motion."""
 
 PARTS = 8
 """Steps of RK44 in one of a method that is no published scheme."""
@@ -79,44 +72,14 @@ STARTS: dict[str, Callable[[str], bool]] = {
 }
 """Which values of a start are kept; all of them first, by no mistake."""
 
-Steps = Any
-"""Numbers of steps, int array (n,)."""
-
-
-class Part(NamedTuple):
-    """A run, or part of it: the case that it starts from, and the numbers of its steps (n,)."""
-
-    case: Case
-    numbers: Steps
-
 
 @dataclass(frozen=True)
-class Seen:
-    """What an engine computed in some parts, and what it should have.
-
-    Attributes
-    ----------
-    setup : Setup
-    parts : list of Part
-    values, right : array (k, n)
-        All parts side by side.
-    size : array (k, 1)
-    """
+class Seen(Observed):
+    """What an engine computed in some parts with a step [s], and what it should have."""
 
     setup: Setup
-    parts: list[Part]
-    values: Array
-    right: Array
-    size: Array
-
-    @property
-    def error(self) -> float:
-        """The largest error, relative to the size of each row."""
-        return self.away(self.values, self.right)
-
-    def away(self, values: Array, other: Array) -> float:
-        """Return the largest difference, relative to the size of each row."""
-        return float(np.max(np.abs(values - other) / self.size))
+    step: float
+    parts: Sequence[Part]
 
     def left(self, change: Callable[[Part], Hypothesis], most: float) -> float:
         """Return the largest difference from what an engine with a mistake would have computed.
@@ -137,7 +100,7 @@ class Seen:
 
     def rows_of(self, motion: Hypothesis) -> Array:
         """Return observables (k, n) of a motion."""
-        return motion.rows(self.setup, self.setup.default_step, self.setup.scene.observables)
+        return motion.rows(self.setup, self.step, self.names)
 
 
 class ChangedDrive(schemes.ScalarEquations):
@@ -181,7 +144,7 @@ class Hypothesis:
     """
 
     case: Case
-    numbers: Steps
+    numbers: Any
     scheme: str | None = None
     scene: Any = None
     late: float = 0.0
@@ -193,9 +156,8 @@ class Hypothesis:
 
     def rows(self, setup: Setup, step: float, names: tuple[str, ...]) -> Array:
         """Return observables (k, n) after these numbers of steps [s]."""
-        equations = setup.with_case(self.case).bound.equations
-        scene = self.scene or equations.scene
-        own = ModelEquations(scene, equations.parameters)
+        scene = self.scene or setup.bound.equations.scene
+        own = ModelEquations(scene, setup.bound.equations.parameters)
         scheme, parts = self.scheme or setup.scheme, 1
         step = step * (1 + self.stretch)
         if scheme is None:
@@ -249,7 +211,7 @@ def mistakes(seen: Seen) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
                 yield words, partial(changed, **how)
         yield (
             "the time of the start is ignored: the force begins as at t = 0",
-            lambda part: changed(part, late=part.case.start_time / seen.setup.default_step),
+            lambda part: changed(part, late=part.case.start_time / seen.step),
         )
     for scheme in schemes.SCHEMES:
         if setup.scheme not in (None, scheme):
@@ -273,9 +235,17 @@ def changed(
     return Hypothesis(replace(part.case, state=state), part.numbers + ahead, **how)
 
 
-def looked_at(setup: Setup, parts: list[Part], values: Array) -> Seen:
-    """Return what an engine computed beside what it should have."""
-    step, names = setup.default_step, setup.scene.observables
+def seen_in(runs: EngineRuns) -> Seen:
+    """Return runs as what an engine computed, beside what it should have."""
+    size = np.max(np.abs(runs.expected), axis=1, keepdims=True)
+    size, scene = np.where(size > 0, size, 1.0), runs.setup.scene
+    observed = scene.observables, runs.values, runs.expected, size
+    return Seen(scene, *observed, runs.setup, runs.step, runs.parts)
+
+
+def with_expected(setup: Setup, step: float, parts: Sequence[Part], values: Array) -> EngineRuns:
+    """Return what an engine computed with a step [s] (k, n), beside what it should have."""
+    names = setup.scene.observables
     if takes_long(setup, parts):  # as the check itself has solved it
         ((case, numbers),) = parts
         right = truth(
@@ -283,11 +253,10 @@ def looked_at(setup: Setup, parts: list[Part], values: Array) -> Seen:
         ).values
     else:
         right = np.hstack([Hypothesis(*part).rows(setup, step, names) for part in parts])
-    size = np.max(np.abs(right), axis=1, keepdims=True)
-    return Seen(setup, parts, values, right, np.where(size > 0, size, 1.0))
+    return EngineRuns(setup, step, parts, values, right)
 
 
-def takes_long(setup: Setup, parts: list[Part]) -> bool:
+def takes_long(setup: Setup, parts: Sequence[Part]) -> bool:
     """Return whether it takes long to predict parts of a run: many steps of a continuum."""
     longest = max(np.max(part.numbers) for part in parts)
     return bool(setup.scene.discretisation_coordinates) and longest > LONG
@@ -298,7 +267,7 @@ def explanation(seen: Seen) -> str:
     error = seen.error
     if not SEEN < error < np.inf:
         return ""
-    words = [*conventions(seen, error)] or [*exchanged(seen, error), *measured(seen)]
+    words = [*otherwise_observed(seen)]
     if not takes_long(seen.setup, seen.parts):
         left: dict[str, float] = {}
         for said, change in mistakes(seen):
@@ -311,77 +280,15 @@ def explanation(seen: Seen) -> str:
     return words[0] if len(words) == 1 else ""
 
 
-def limited(seen: Seen) -> Iterator[str]:
-    """Yield the rates that stop at a round number, of two digits, which right ones exceed."""
-    for name, one, right in zip(
-        seen.setup.scene.observables, np.abs(seen.values), np.abs(seen.right), strict=True
-    ):
-        most = float(np.max(one))
-        limit = one > most * (1 - SEEN)
-        whole = abs(most - float(f"{most:.2g}")) <= SEEN * most < SEEN * np.max(right)
-        if name.endswith("_dot") and whole and np.ptp(right[limit]) > SEEN * most > 0:
-            yield (
-                f"{name} never exceeds {most:.3g} {seen.setup.scene.units[name]}: "
-                "it is clamped there"
-            )
-
-
 def after_drive(seen: Seen) -> Iterator[str]:
     """Yield that only what follows the end of the drive is wrong."""
     case = seen.setup.case
     end = float(seen.setup.scene.drive_end_time(case.parameters))
-    times = [part.case.start_time + part.numbers * seen.setup.default_step for part in seen.parts]
+    times = [part.case.start_time + part.numbers * seen.step for part in seen.parts]
     early = np.concatenate(times) <= end * (1 + SEEN)
     off = np.max(np.abs(seen.values - seen.right) / seen.size, axis=0)
     if np.any(early) and not np.all(early) and np.max(off[early]) < EXPLAINED * np.max(off):
         yield f"it is right until the drive ends at t = {end:.4g} s, and wrong after that"
-
-
-def conventions(seen: Seen, error: float) -> Iterator[str]:
-    """Yield by which other convention a quaternion is told."""
-    if not seen.setup.scene.quaternions:
-        return
-    places = [seen.setup.scene.observables.index(name) for name in ROTATION]
-    x, y, z, w = Rotation.from_matrix(seen.right[places].T.reshape(-1, 3, 3)).as_quat().T
-    name = seen.setup.scene.quaternions[0].name
-    for words, other in (
-        ("has its scalar part last: it is (w, x, y, z) here", (x, y, z, w)),
-        ("is that of the opposite rotation", (w, -x, -y, -z)),
-        ("is that of the opposite rotation, its scalar part last", (-x, -y, -z, w)),
-    ):
-        motion = seen.right.copy()
-        motion[places] = np.reshape(matrix(other), (9, -1))
-        if seen.away(seen.values, motion) < EXPLAINED * error:
-            yield f"the quaternion {name} {words}"
-
-
-def exchanged(seen: Seen, error: float) -> Iterator[str]:
-    """Yield which observables stand in each other's place."""
-    scale = np.max(np.abs(seen.right)) or 1.0
-    distances = np.max(np.abs(seen.values[:, None] - seen.right[None]), axis=2) / scale
-    _, order = linear_sum_assignment(np.log(distances + SEEN))
-    moved = [i for i, j in enumerate(order) if i != j]
-    values = np.empty_like(seen.values)
-    values[order] = seen.values
-    if moved and seen.away(values, seen.right) < EXPLAINED * error:
-        pairs = [
-            f"{seen.setup.scene.observables[i]} is {seen.setup.scene.observables[order[i]]}"
-            for i in moved
-        ]
-        yield f"observables are exchanged: {', '.join(pairs)}"
-
-
-def measured(seen: Seen) -> Iterator[str]:
-    """Yield in what other unit, or with which sign, all that deviates is given."""
-    said = []
-    for name, one, right, size in zip(
-        seen.setup.scene.observables, seen.values, seen.right, seen.size, strict=True
-    ):
-        if np.max(np.abs(one - right)) > EXPLAINED * size[0]:
-            unit = seen.setup.scene.units[name]
-            said.append(other_measure(name, unit, one, right, float(size[0])))
-    if said and all(said):
-        yield "; ".join(said)
 
 
 def reset(seen: Seen) -> str:
@@ -394,9 +301,7 @@ def reset(seen: Seen) -> str:
     if first < 2 or np.max(off[:first]) > EXPLAINED * np.min(off[first:]):
         return ""
     least, words = EXPLAINED * float(np.max(off)), []
-    before, after = (
-        case.start_time + int(numbers[i]) * seen.setup.default_step for i in (first - 1, first)
-    )
+    before, after = (case.start_time + int(numbers[i]) * seen.step for i in (first - 1, first))
     values, later = seen.values[:, first:], numbers[first:]
     states = {"its start": dict(case.state)} | ({"the origin": {}} if case.state else {})
     for where, state in states.items():
@@ -404,7 +309,7 @@ def reset(seen: Seen) -> str:
 
         def left(number: int, count: int | None, begin: Case = begin) -> float:
             """Return the samples after a restart, or all."""
-            there = replace(begin, start_time=case.start_time + number * seen.setup.default_step)
+            there = replace(begin, start_time=case.start_time + number * seen.step)
             return seen.away(
                 values[:, :count], seen.rows_of(Hypothesis(there, later[:count] - number))
             )
@@ -416,6 +321,6 @@ def reset(seen: Seen) -> str:
         earliest = max(int(numbers[first - 1]), int(later[0]) - FOLLOWED)
         best = min(range(earliest, int(later[0]) + 1), key=lambda number: left(number, 1))
         if left(best, None) < least:
-            at = case.start_time + best * seen.setup.default_step
+            at = case.start_time + best * seen.step
             words.append(f"it is put back to {where} at t = {at:.4g} s")
     return words[0] if len(words) == 1 else ""

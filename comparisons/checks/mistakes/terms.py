@@ -1,4 +1,4 @@
-"""What readers of files add to a model or lose of it, by what it does to matrices or forces."""
+"""What readers of files add to a model, lose of it, or take for another frame: by its effects."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....models.kinematics import inertias, mass_matrix, movers
+from ....models.kinematics import Placed, inertias, mass_matrix, movers, place
 from ....models.mechanism import Body, Mechanism
 from ....models.system import System, term_force
 from ....reference.scene import Array
@@ -185,3 +185,32 @@ def added_forces(
             word = "rest length" if rested and name == "constant" else NUMBERS[name]
             force = partial(term_force, replace(one, **none), system)
             yield f"{name}.{one.kind}.{one.name}", force, partial(of_share, f"{word} of {of}")
+
+
+# Frames
+
+
+def as_placed(whole: Mechanism) -> Placed:
+    """Return a mechanism as its file places it."""
+    upright = {"ball": [1.0, 0.0, 0.0, 0.0], "free": [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]}
+    return place(whole, np.concatenate([upright.get(one.kind, [one.ref]) for one in whole.joints]))
+
+
+def with_axes_of_world(whole: Mechanism) -> Mechanism:
+    """Return a mechanism whose joints have axes that were read as those in the world."""
+    rotations, joints = as_placed(whole).rotations, list(whole.joints)
+    for body, rotation in zip(whole.bodies, rotations, strict=True):
+        for i in body.joints:
+            joints[i] = replace(joints[i], axis=rotation.T @ joints[i].axis)
+    return replace(whole, joints=tuple(joints))
+
+
+def with_tensors_behind(whole: Mechanism, q: Array) -> Array:
+    """Return a mass matrix (n, n) with inertia tensors along the world's axes as placed."""
+    matrices, moved, start = inertias(whole, q), place(whole, q), as_placed(whole).rotations
+    for i, body in enumerate(whole.bodies):
+        name = f"inertia.{body.name}"
+        if name in matrices and any(movers(whole)[i]):
+            rates = start[i] @ moved.rotations[i].T @ moved.turning(i)
+            matrices[name] = rates.T @ body.inertia @ rates
+    return np.asarray(np.sum(list(matrices.values()), axis=0))

@@ -1,0 +1,571 @@
+"""Runs beside the truth: the error that is predicted, what of a run is compared, the findings.
+
+A method whose scheme is published must make exactly the error of that scheme; of another one the
+error is predicted from three steps (Richardson), and what they extrapolate to must be the truth.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...reference.equations import ModelEquations, invariants_of
+from ...reference.errors import UsageError
+from ...reference.scene import Array, Case
+from ...reference.solve import schemes
+from ..engines.setup import Setup
+from .free_vibrations import excitation
+from .truth import Truth, rows
+from .verdict import PROFILES, Finding, Inconclusive, Series
+
+SAFETY = 1.2
+"""On an error predicted with the engine's own scheme: rounding, and the profile `strict`."""
+
+RICHARDSON_SAFETY = 1.5
+"""On an error predicted from two steps: what the next order adds to it."""
+
+CAP = 0.05
+"""No predicted error above this share of a quantity's range is granted as tolerance."""
+
+ROUNDING = 1e-10
+"""Relative error granted to closed-form algebra; a thousand times what either engine needs."""
+
+UNITS = 256
+"""Units of rounding that closed-form algebra of some joints may lose."""
+
+OPERATIONS = 8
+"""Times that each term of a force or an inertia is rounded on its way into a sum."""
+
+LEAST = 1e-6
+"""No method of order p errs in a step by less than this share of what Taylor's polynomial of degree
+p leaves: DOPRI5, the sharpest of all that were tried, errs by 3e-4 of it and more."""
+
+NEXT_ORDERS = 3.0
+"""On the error of an extrapolated value: the terms of the next two orders may nearly cancel
+in the one halving that it is estimated from."""
+
+CLEAR = 100.0
+"""Floors by which a change with the step is told from rounding."""
+
+OPEN = 8.0
+"""Where errors do not shrink as declared yet, one of up to so many times what halving the step
+changes may still vanish with it: it is called neither right nor wrong."""
+
+ORBIT_REFINEMENTS = 3
+"""Times that the steps of orbits are halved until errors shrink with them as the order says."""
+
+ORBIT_STEPS = {1: 512, 2: 64, 3: 64, 4: 48, 5: 40, 6: 32}
+"""Steps in the shortest period of an orbit, by order of the method, to begin with."""
+
+VIOLATION = 1e-9
+"""Residual of a closed loop that is no drift, in the size of its lengths: what an iteration
+that stops at 1e-11 of its increments leaves, with a margin."""
+
+REFINEMENTS = 4
+"""Times that a step is halved until errors shrink with it as the order says."""
+
+CANCELLED = 1e-3
+"""Share of its terms below which an invariant is a sum that cancels."""
+
+
+class Part(NamedTuple):
+    """A run, or part of it: the case that it starts from, and the numbers of its steps (n,)."""
+
+    case: Case
+    numbers: Any
+
+
+class EngineRuns(NamedTuple):
+    """What an engine computed in some parts with a step [s], and what it should have.
+
+    Values and expected ones are arrays (k, n) of the scene's observables, all parts side by side.
+    """
+
+    setup: Setup
+    step: float
+    parts: Sequence[Part]
+    values: Array
+    expected: Array
+
+
+class Measured(NamedTuple):
+    """The findings of a check, and the runs from which they were made, if a cause shows in them."""
+
+    findings: Sequence[Finding | Inconclusive]
+    runs: EngineRuns | None = None
+
+
+# Rounding and extrapolation -------------------------------------------------------------------
+
+
+def matrix_rounding(epsilon: float, granted: float) -> float:
+    """Relative error granted to an engine's matrices and forces: `granted`, or what rounding may.
+
+    A sum of as many terms as a joint or a body has, each rounded, is off by few units.
+    """
+    return max(granted, UNITS * epsilon)
+
+
+def largest_inertias(matrices: Array, alike: NDArray[np.bool_]) -> Array:
+    """Return the largest inertia (n,) that enters the sums of each row of mass matrices (k, n, n).
+
+    It is that of the bodies beyond a joint i about the farthest joint j of the same unit (`alike`,
+    (n, n)), at least M_ij^2 / M_ii: at the end of a chain a sum is small beside its terms.
+    """
+    inertia = np.abs(np.diagonal(matrices, axis1=1, axis2=2))[:, :, None]
+    about = np.where(alike, matrices**2 / np.where(inertia > 0, inertia, np.inf), 0.0)
+    return np.asarray(np.max(about, axis=(0, 2)))
+
+
+def taylor_remainder(motion: Array, size: Array, order: int) -> float:
+    """Return what Taylor's polynomial of this degree leaves of a motion in a step.
+
+    Parameters
+    ----------
+    motion : array (k, ..., n_t)
+        Observables after equal steps, over ``order + 1`` of them or more.
+    size : array (k,)
+        To which it is related.
+    order : int
+        Degree p; the remainder is the difference of order p + 1 over (p + 1)!, its median over
+        the places where the motion was looked at, since a drive that ends makes one of them large.
+    """
+    differences = np.abs(np.diff(motion, n=order + 1, axis=-1)) / math.factorial(order + 1)
+    shares = (differences.reshape(len(size), -1) / size[:, None]).max(axis=0)
+    return float(np.median(shares))
+
+
+def least_error(
+    order: int, step: float, error: float, bound: float, remainder: float
+) -> Finding | Inconclusive:
+    """Judge whether a step is too good for its order: then it is not the step that was asked for.
+
+    Parameters
+    ----------
+    order : int
+    step : float
+        Step [s].
+    error, bound : float
+        Relative error of the engine, and what its reference leaves open.
+    remainder : float
+        `taylor_remainder` of the true motion with this step.
+    """
+    least = LEAST * remainder
+    if 0 < least < bound:
+        reason = f"a step of {step:.3g} s leaves {least:.2g}, less than the reference knows"
+        return Inconclusive("least_error", reason)
+    return Finding(
+        "least_error",
+        "1",
+        error,
+        least,
+        least / (error + bound) if least else 0.0,
+        1.0,
+        f"a method of order {order} leaves {least:.2g} or more with h = {step:.3g} s; one that "
+        "leaves less is too good for its order: it takes other steps, or has another order",
+    )
+
+
+def last_trusted_sample(predicted: Array) -> int:
+    """Return up to which sample the predicted relative errors (..., n_t) stay below `CAP`.
+
+    A coarse method is judged as far as its own error leaves something to be seen.
+    """
+    worst = np.maximum.accumulate(np.max(np.atleast_2d(predicted), axis=0))
+    return int(np.searchsorted(worst, CAP / RICHARDSON_SAFETY, side="right"))
+
+
+def sample_numbers(horizon: float, step: float, count: int = 32) -> NDArray[np.int_]:
+    """Return about ``count`` step numbers spread evenly over a horizon.
+
+    With a step that is a power of two, their times are those that references are kept at.
+    """
+    every = max(1, int(2.0 ** np.round(np.log2(max(1.0, horizon / step / count)))))
+    return every * np.arange(1, max(1, int(horizon / step / every * (1 + 1e-12))) + 1)
+
+
+@dataclass(frozen=True)
+class Richardson:
+    """What three runs at h, h/2, h/4 say of a quantity.
+
+    Attributes
+    ----------
+    predicted : float
+        Error at h, with `RICHARDSON_SAFETY`.
+    limit : array
+        Value extrapolated to h -> 0 from the finer two.
+    moved : array
+        By how much that moved when the step was halved.
+    change, ratio : float
+        Largest change by halving, mostly that from h to h/2, and how many times larger this one is
+        than that from h/2 to h/4.
+    order : int
+    """
+
+    predicted: float
+    limit: Array
+    moved: Array
+    change: float
+    ratio: float
+    order: int
+
+    def is_regular(self, floor: float) -> bool:
+        """Return whether it converges with its order, and so can be extrapolated."""
+        inside = 2 ** (self.order - 0.5) < self.ratio < 2 ** (self.order + 1)
+        return self.change < CLEAR * floor or inside
+
+    def shrinks(self, floor: float) -> bool:
+        """Return whether the error shrinks as declared, or is down at the floor."""
+        return self.ratio > 2 ** (self.order - 0.5) or self.change < 10 * floor
+
+
+def richardson(values: list[Array], order: int) -> Richardson:
+    """Extrapolate a quantity measured at h, h/2 and h/4."""
+    coarse, half, quarter = values
+    gain = 2**order - 1
+    limit, before = quarter + (quarter - half) / gain, half + (half - coarse) / gain
+    change = float(np.max(np.abs(coarse - half)))
+    finer = float(np.max(np.abs(half - quarter)))
+    return Richardson(
+        predicted=RICHARDSON_SAFETY
+        * max(change * (gain + 1) / gain, float(np.max(np.abs(coarse - limit)))),
+        limit=limit,
+        moved=np.abs(limit - before),
+        change=max(change, finer),
+        ratio=change / finer if finer > 0 else np.inf,
+        order=order,
+    )
+
+
+def converging(
+    finding: Finding, estimate: Richardson, floor: float, shrinks: bool, moving: bool = True
+) -> Finding | Inconclusive:
+    """Grant what three steps predict of a finding's error, where it shrinks as declared.
+
+    Where it does not, and its order is ``moving`` from one halving to the next, an error that
+    halving may still take away tells neither right nor wrong.
+    """
+    if not shrinks and moving and floor < finding.error < OPEN * estimate.change:
+        return Inconclusive(finding.quantity, f"too coarse to tell: {finding.reason}")
+    return replace(finding, tolerance=(estimate.predicted if shrinks else 0.0) + floor)
+
+
+# What a right engine would do ----------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """What a correct engine would do.
+
+    Attributes
+    ----------
+    errors : array (k, n_t)
+        Predicted error of each state at each sample.
+    safety : float
+        Factor on them.
+    limit : array (k, n_t)
+        The engine's values without the error of its step: the truth if the engine is right.
+    spread : array (k, n_t)
+        By how much it may still differ from 0, rounding apart.
+    shrinks : bool
+        Whether the error shrinks with the step as declared; no error is granted if not.
+    reason : str
+    change : array (k, n_t)
+        By how much each state moves when the step is halved.
+    unfollowed : str
+        Why no right engine's error shrinks as declared; "" if one's does.
+    """
+
+    errors: Array
+    safety: float
+    limit: Array
+    spread: Array
+    shrinks: bool
+    reason: str
+    change: Array
+    unfollowed: str = ""
+
+    def with_elements(self, change: Array, order: int) -> Prediction:
+        """Return it with the error in space that halving the elements showed (k, n_t)."""
+        share = np.maximum.accumulate(np.abs(change), axis=1) / (2**order - 1)
+        return replace(
+            self,
+            errors=self.errors + share,
+            spread=self.spread + self.safety * share,
+            reason=f"{self.reason}; elements are off by up to {float(np.max(share)):.2g}",
+        )
+
+    def concludes(self, finding: Finding, change: float) -> Finding | Inconclusive:
+        """Return a finding, unless it may come from vibrations that steps do not resolve."""
+        return conclusion(finding, change, self.unfollowed)
+
+
+def exact_prediction(errors: Array, values: Array) -> Prediction:
+    """Return that of errors (k,) which are granted as they are, of values (k, n) at any step."""
+    none = np.zeros_like(values)
+    errors = np.broadcast_to(errors[:, None], values.shape)
+    return Prediction(errors, 1.0, values, none, shrinks=True, reason="", change=none)
+
+
+def by_scheme(scheme: str, values: Array, ideal: Array, right: Truth) -> Prediction:
+    """Predict errors by the method's own scheme on the claimed equations of motion."""
+    error = ideal - right.values
+    return Prediction(
+        errors=np.abs(error),
+        safety=SAFETY,
+        limit=values - error,
+        spread=np.zeros_like(values),
+        shrinks=True,
+        reason=f"distance from {scheme} on the equations of motion",
+        change=np.zeros_like(values),
+    )
+
+
+def by_extrapolation(
+    order: int, runs: list[Array], right: Truth, names: tuple[str, ...]
+) -> Prediction:
+    """Predict errors from h, h/2, h/4 (Richardson), if they shrink as declared."""
+    change, size = np.abs(runs[0] - runs[1]), right.size[:, None]
+    predicted = change * 2**order / (2**order - 1)
+    seen = max(1, last_trusted_sample(np.maximum.accumulate(predicted / size, axis=1)))
+    states = [i for i, name in enumerate(names) if not name.endswith("_violation")]
+    whole = richardson(runs, order)
+    estimate = richardson([(run / size)[states, :seen] for run in runs], order)
+    shrinks = estimate.shrinks(float(np.max(right.bound / right.size)))
+    return Prediction(
+        errors=np.maximum.accumulate(predicted, axis=1) if shrinks else 0 * predicted,
+        safety=RICHARDSON_SAFETY,
+        limit=whole.limit,
+        spread=whole.moved if shrinks else 0 * predicted,
+        shrinks=shrinks,
+        reason=f"value extrapolated to h -> 0; halving divides the error by "
+        f"{estimate.ratio:.3g}, {2**order} expected",
+        change=change,
+    )
+
+
+def scheme_rows(
+    equations: ModelEquations,
+    scheme: str | None,
+    parts: Sequence[Part],
+    step: float,
+    names: tuple[str, ...],
+    integrates_drive: bool = False,
+) -> Array:
+    """Return observables (k, n) that a scheme reaches in parts of runs with a step [s].
+
+    Raises
+    ------
+    UsageError
+        If it is none that is published.
+    """
+    if scheme is None:
+        raise UsageError("the method is no published scheme: no error can be computed from it")
+    of = schemes.ScalarEquations(equations.scene, equations.parameters, integrates_drive)
+    states = [
+        schemes.integrate(of, scheme, equations.start(case), step, numbers, case.start_time)
+        for case, numbers in parts
+    ]
+    return rows(equations, np.hstack(states), names)
+
+
+def ideal_rows(setup: Setup, parts: Sequence[Part], step: float, names: tuple[str, ...]) -> Array:
+    """Return observables (k, n) that a right engine reaches by the scheme of a setup."""
+    return scheme_rows(
+        setup.bound.equations, setup.scheme, parts, step, names, setup.bound.integrates_drive
+    )
+
+
+# What of a run is compared -------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Values beside true ones, with the error that is granted of each.
+
+    Attributes
+    ----------
+    names : tuple of str, k of them
+    units : mapping of str to str
+        Of states and outputs; violations of a closed loop have none.
+    values : array (k, n)
+    right : Truth
+        With values (k, n).
+    prediction : Prediction
+    room : float
+        What rounding may leave, relative.
+    seen : int
+        Number of the first samples that are compared.
+    """
+
+    names: tuple[str, ...]
+    units: Mapping[str, str]
+    values: Array
+    right: Truth
+    prediction: Prediction
+    room: float
+    seen: int
+
+    @property
+    def states(self) -> list[int]:
+        """Rows that are no violations."""
+        return [i for i, name in enumerate(self.names) if name in self.units]
+
+    def largest(self, errors: Array) -> float:
+        """Return the largest of errors (k, n) of states, relative to their sizes."""
+        return largest_share(errors[self.states, : self.seen], self.right.size[self.states])
+
+    def observables(
+        self, describe: Callable[[int, int], str], over_time: bool
+    ) -> list[Finding | Inconclusive]:
+        """Return the finding on each row, where it errs most beside what is granted.
+
+        Parameters
+        ----------
+        describe : callable ``(row, sample) -> str``
+            Where that is, in words.
+        over_time : bool
+            Whether the samples are those of one run, which can be drawn.
+        """
+        seen, findings = slice(self.seen), list[Finding | Inconclusive]()
+        for i, name in enumerate(self.names):
+            floor = max(self.room, VIOLATION) if name.endswith("_violation") else self.room
+            value, right = self.values[i, seen], self.right.values[i, seen]
+            errors, granted = np.abs(value - right), self.prediction.errors[i, seen]
+            granted = (
+                self.prediction.safety * granted + self.right.bound[i] + floor * self.right.scale[i]
+            )
+            worst = int(np.argmax(errors / granted))
+            finding = Finding(
+                name,
+                self.unit(name),
+                float(value[worst]),
+                float(right[worst]),
+                float(errors[worst]),
+                float(granted[worst]),
+                describe(i, worst),
+                Series("time", self.right.times[seen], value, right) if over_time else None,
+            )
+            change = float(np.max(self.prediction.change[i, seen]))
+            findings.append(self.prediction.concludes(finding, change))
+        return findings
+
+    def unit(self, name: str) -> str:
+        """Return the unit of an observable or of a violation."""
+        return self.units.get(name, "m" if name.startswith("position") else "m/s")
+
+    def limit(
+        self, name: str, value: float, reference: float, reason: str
+    ) -> Finding | Inconclusive:
+        """Judge a number of all states without the error of the step, relative to their sizes.
+
+        What halving leaves open beyond all that is ever granted can tell neither right nor wrong.
+        """
+        known = float(np.max((self.right.bound / self.right.size)[self.states]))
+        spread, error = self.largest(self.prediction.spread), abs(value - reference)
+        granted = min(spread, CAP**2) + self.room
+        granted += known
+        open_to = granted + max(0.0, spread - CAP**2)
+        if granted < error <= open_to:
+            return Inconclusive(
+                name,
+                f"halving steps and elements leaves {open_to:.2g} open, and no more than "
+                f"{CAP**2:.2g} is granted: choose more of them",
+            )
+        finding = Finding(name, "1", value, reference, error, granted, reason)
+        return self.prediction.concludes(finding, self.largest(self.prediction.change))
+
+
+@dataclass(frozen=True)
+class RunComparison(Comparison):
+    """An engine's runs with a step [s] beside the truth, all parts of them side by side."""
+
+    setup: Setup
+    step: float
+    parts: Sequence[Part]
+
+    @property
+    def runs(self) -> EngineRuns:
+        """The runs beside those of a right engine: of a scheme with its error, else the truth."""
+        count, expected = len(self.setup.scene.observables), self.right.values
+        if self.setup.scheme:
+            expected = expected + self.values - self.prediction.limit
+        return EngineRuns(self.setup, self.step, self.parts, self.values[:count], expected[:count])
+
+
+def largest_share(errors: Array, size: Array) -> float:
+    """Return the largest of errors (k, n), relative to their sizes (k,)."""
+    return float(np.max(np.abs(errors) / size[:, None]))
+
+
+def conclusion(finding: Finding, change: float, unfollowed: str) -> Finding | Inconclusive:
+    """Return a finding, or nothing where it may come from vibrations that steps do not resolve.
+
+    ``change`` is by how much the quantity moves when the step is halved.
+    """
+    least = PROFILES["strict"] * finding.tolerance
+    if unfollowed and least < finding.error < OPEN * change:
+        return Inconclusive(finding.quantity, f"too coarse to tell: {unfollowed}")
+    return finding
+
+
+def unfollowed_vibrations(
+    setup: Setup, step: float, horizon: float, right: Truth, room: float
+) -> str:
+    """Return which vibrations a start excites that steps [s] do not follow, "" if none is seen."""
+    lost, count = excitation(setup, step, horizon), len(setup.scene.observables)
+    seen = lost.amplitudes / right.size[:count] > room + (right.bound / right.size)[:count]
+    return (
+        f"the start shakes vibrations above {lost.omega:.3g} rad/s, which steps of {step:.3g} s do "
+        f"not follow over {horizon:.3g} s"
+        if np.any(seen)
+        else ""
+    )
+
+
+# What a motion conserves ---------------------------------------------------------------------
+
+
+def drifts(
+    equations: ModelEquations, case: Case, times: Any, values: Mapping[str, Array]
+) -> dict[str, Array]:
+    """Return (I(t) - I) / I (n_t,) of a run, by the reference's formula or as the engine tells.
+
+    What it tells counts where its states do not give it. I is that at the start. Where the scene
+    was driven, I(t) is counted from the end of the drive on, relative to the largest value before:
+    a pulse may leave none of its momentum.
+    """
+    scene, c = equations.scene, equations.scene.coefficients(equations.parameters)
+    end = scene.drive_end_time(equations.parameters)
+    has_states, drift = set(scene.state_names) <= set(values), {}
+    for name, invariant in invariants_of(equations).items():
+        if name in values and not has_states:
+            series = values[name]
+        else:
+            states = np.array([values[state] for state in scene.state_names])
+            series = np.asarray(invariant(*np.split(states, 2), c))
+        if end:
+            quiet = series[times >= end]
+            drift[name] = (quiet - quiet[0]) / np.max(np.abs(series))
+        else:
+            q, v = np.split(equations.start(case), 2)
+            first = invariant(q, v, c)
+            drift[name] = (series - first) / invariant_size(invariant, first, q, v, c)
+    return drift
+
+
+def invariant_size(invariant: Any, first: Any, q: Array, v: Array, c: Any) -> Any:
+    """Return to what a drift is related: the value at the start, or terms that cancel in it.
+
+    The terms are what each rate (n,) alone makes of it: a momentum may be the small difference of
+    large ones, or 0.
+    """
+    terms = sum(
+        abs(invariant(q, rate * unit, c)) for rate, unit in zip(v, np.eye(len(v)), strict=True)
+    )
+    return first if abs(first) > CANCELLED * terms else terms

@@ -1,0 +1,294 @@
+"""A check that deviates, and mistakes in runs: another clock, start, force, method or order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+
+from ....reference.errors import CannotJudgeError, EngineError
+from ....reference.scene import Array
+from ....reference.solve.schemes import TABLEAUS
+from ...engines.run import EPS, call_engine
+from ...engines.setup import Setup, power_of_two
+from ..comparison import (
+    ROUNDING,
+    EngineRuns,
+    Measured,
+    Part,
+    ideal_rows,
+    matrix_rounding,
+    sample_numbers,
+)
+from ..kinds import algebra, one_step
+from ..mistakes.motions import LONG, explanation, reset, seen_in, with_expected
+from ..mistakes.observables import EXPLAINED, SEEN
+from ..orbits import true_orbit
+from ..truth import after_starts, simulated_horizon
+from ..verdict import Finding, judge
+
+DISTINCT = 8
+"""Numbers that are not taken for numbers of 32 bits by chance."""
+
+SHORT = 512
+"""Steps of a run whose first part is looked at before the whole; a continuum's take long."""
+
+FEW = 3
+"""Steps after which a force that is held shows whether it is late as well: in the first of a run
+there is none before."""
+
+PARTS = (2, 4, 8, 16)
+"""Into how many steps the longest is divided, to see by what order its error shrinks."""
+
+SETTLED_PARTS = tuple(one_step.SETTLED * parts for parts in (1, 2, 4))
+"""The same of a method that is no published scheme."""
+
+CLEAR = 0.2
+"""An order is told where what is measured is as near as that to a whole number."""
+
+LEAST = 1e-11
+"""Relative error that is no rounding of so few steps."""
+
+ANOTHER_MODEL = (
+    "it converges with its order, but to another motion: the model differs, not the method"
+)
+"""Of steps whose changes shrink as declared where they are halved, and whose limit is off."""
+
+UNMOVED = 1e-3
+"""Share of an error of rates by which they would move positions in some steps, were they used."""
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """A check that deviates.
+
+    Attributes
+    ----------
+    setup : Setup
+    measure : callable ``(setup) -> Measured``
+        The measurement of its kind.
+    verdicts : mapping of str to str
+        On each quantity that was measured.
+    runs : EngineRuns or None
+        What was measured.
+    asks_forces : bool
+        Whether its kind asks for accelerations.
+    """
+
+    setup: Setup
+    measure: Callable[[Setup], Measured]
+    verdicts: Mapping[str, str]
+    runs: EngineRuns | None
+    asks_forces: bool
+
+    def repeated(self) -> Array:
+        """Return accelerations at random states, or observables of a short run, row by row."""
+        setup = self.setup
+        if self.asks_forces:
+            _, times, states = algebra.measured_states(setup)
+            ask = setup.bound.accelerations
+            return np.asarray(call_engine(lambda: ask(times, states, setup.method))).T
+        run = setup.simulate(setup.default_step, np.arange(1, DISTINCT + 1))
+        return run.matrix(setup.scene.public_states)
+
+    @cached_property
+    def numbers(self) -> Array:
+        """What `repeated` returned first."""
+        return self.repeated()
+
+
+Search = Callable[[Deviation], str]
+"""The mistake that explains a deviation, in words, empty if none of those that it tries does."""
+
+
+def cause(deviation: Deviation, searches: Sequence[Search]) -> str:
+    """Return where a check's deviations come from, by the first search that finds it."""
+    for search in searches:
+        try:
+            said = search(deviation)
+        except (Exception, SystemExit):  # the engine runs again, which may do anything
+            said = ""
+        if said:
+            return said
+    return ""
+
+
+# One free run, and few steps
+
+
+def of_run(deviation: Deviation) -> str:
+    """Return the mistake in a free run: in its first part, if that is wrong, or in the whole."""
+    return mistake_in_run(deviation.setup, deviation.runs)
+
+
+def of_orbit(deviation: Deviation) -> str:
+    """Return the mistake in a run that starts on the periodic orbit of the reference."""
+    setup, case = deviation.setup, deviation.setup.case
+    if case.watch != "outcome":
+        orbit = true_orbit(case.scene, case.parameters)
+        state = dict(zip(setup.scene.state_names, map(float, orbit.state), strict=True))
+        setup = setup.with_case(replace(case, state=state))
+    return mistake_in_run(setup)
+
+
+def mistake_in_run(setup: Setup, runs: EngineRuns | None = None) -> str:
+    """Return the mistake in a free run, of which these runs, if any, are the whole."""
+    if setup.method is None or setup.case.watch == "elements":
+        return ""
+    step = setup.default_step if runs is None else runs.step
+    beam = bool(setup.scene.discretisation_coordinates)
+    horizon, short = simulated_horizon(setup.case, step, setup.scheme), SHORT * step
+    if beam:
+        short = LONG * step
+    for length in (min(horizon, short), horizon):
+        whole = runs if length == horizon else None
+        seen = seen_in(whole or free_run(setup, step, length))
+        if seen.error > SEEN:
+            said = explanation(seen) or reset(seen)
+            if said or not beam:
+                return said
+    return ""
+
+
+def free_run(setup: Setup, step: float, length: float) -> EngineRuns:
+    """Return what an engine computes in a free run with a step over a length [s]."""
+    numbers = sample_numbers(length, step)
+    answer = setup.simulate(step, numbers).matrix(setup.scene.observables)
+    return with_expected(setup, step, [Part(setup.case, numbers)], answer)
+
+
+def of_steps(deviation: Deviation) -> str:
+    """Return the mistake in few steps or one; those of elements of others take long to predict."""
+    setup, one = deviation.setup, deviation.runs
+    if setup.bound.discrete or one is None:
+        return ""
+    in_time = one_step.driven_in_time(setup, setup.bound.equations)
+    few = explanation(seen_in(after_steps(setup, FEW))) if in_time else ""
+    return few or explanation(seen_in(one))
+
+
+def after_steps(setup: Setup, count: int) -> EngineRuns:
+    """Return what an engine computes in so many steps from each start."""
+    step = setup.default_step
+    cases = one_step.starts(setup, step, setup.scheme)
+    answer = one_step.after(setup, cases, count * step, count)[: len(setup.scene.observables)]
+    return with_expected(setup, step, [Part(one, np.array([count])) for one in cases], answer)
+
+
+# Schemes and orders
+
+
+def of_order(deviation: Deviation) -> str:
+    """Return that steps are not those of the declared scheme, or not of the declared order.
+
+    Only where halved steps lead to what is right: then the equations of motion are.
+    """
+    setup = deviation.setup
+    if setup.bound.discrete or not one_step.quantities(setup):
+        return ""
+    order, scheme = setup.integrator.order, setup.scheme
+    counts = PARTS if scheme else SETTLED_PARTS
+    length = (one_step.LONGER if scheme else one_step.SETTLED) * setup.default_step
+    if scheme:
+        length = min(length, power_of_two(setup.stable_step_bound))
+    equations, names = setup.bound.solved_equations, setup.scene.observables
+    cases = one_step.starts(setup, length, scheme)
+    right = after_starts(equations, cases, length, names)
+
+    def relative(change: Array) -> float:
+        """Return the largest change, relative to the size of each observable."""
+        return float(np.max(np.abs(change) / right.size[:, None]))
+
+    away, answers = [], []
+    for parts in counts:
+        answers.append(one_step.after(setup, cases, length, parts)[: len(names)])
+        should = right.values
+        if scheme:
+            steps = [Part(one, np.array([parts])) for one in cases]
+            should = ideal_rows(setup, steps, length / parts, names)
+        errors = np.max(np.abs(answers[-1] - should), axis=1) / right.size
+        away.append(float(np.max(errors)))
+    turning = {rate for one in setup.scene.quaternions for rate in one.rates}
+    rates = np.array([name.endswith("_dot") or name in turning for name in names])
+    half = after_starts(equations, cases, length * (1 - 0.5 / counts[-1]), names)
+    behind = np.max((np.abs(answers[-1] - half.values) / right.size[:, None])[rates], initial=0.0)
+    if behind < EXPLAINED * np.max(errors[rates], initial=0.0):
+        return "rates are half a step behind positions, as those of a leapfrog are"
+    if np.max(errors) > LEAST and np.all(errors[~rates] < UNMOVED * np.max(errors)):
+        return "positions are right, and the rates that are told with them are not"
+    off = relative(answers[-1] - right.values)
+    *_, before, last = (relative(coarse - fine) for coarse, fine in pairwise(answers))
+    shrinks = last < LEAST or before > 2 ** (order - CLEAR) * last
+    wrong = wrong_forces(setup)
+    if shrinks and last < EXPLAINED * off and off > LEAST:
+        return "" if wrong is False else ANOTHER_MODEL
+    measured = order_of(away)
+    if not measured or (not scheme and measured >= order) or wrong:
+        return ""
+    if not scheme:
+        return f"{setup.integrator.name} is of order {measured}, where {order} is declared"
+    said = f"its steps are not those of {scheme}"
+    if scheme in TABLEAUS:
+        in_time = one_step.driven_in_time(setup, equations)
+        said += ": its coefficients differ" + (", or the times of its force" if in_time else "")
+    if measured >= order:
+        return f"{said}, though it is of order {order}"
+    return f"{said}, and it is of order {measured}, where {order} is declared"
+
+
+def order_of(errors: list[float]) -> int:
+    """Return by what order errors shrink as steps are halved, 0 where that is not clear."""
+    slopes = [float(np.log2(coarse / fine)) for coarse, fine in pairwise(errors) if fine > LEAST]
+    whole = round(slopes[-1]) if slopes else 0
+    clear = len(slopes) > 1 and all(abs(slope - whole) < CLEAR for slope in slopes[-2:])
+    return whole if clear and whole > 0 else 0
+
+
+def wrong_forces(setup: Setup) -> bool | None:
+    """Return whether accelerations at random states are wrong, None if an engine tells none."""
+    try:
+        findings = algebra.measure(setup).findings
+    except (CannotJudgeError, EngineError):
+        return None
+    return any(isinstance(one, Finding) and judge(one, 1.0)[0] == "deviation" for one in findings)
+
+
+# Any numbers
+
+
+def of_limit(deviation: Deviation) -> str:
+    """Return what halved steps lead to, of kinds that halve them."""
+    verdicts = deviation.verdicts
+    if verdicts.get("extrapolated") == "pass":
+        return "extrapolated to h -> 0 it is right"
+    right = verdicts.get("order") == "pass" and "extrapolated" in verdicts
+    return ANOTHER_MODEL if right else ""
+
+
+def of_repetition(deviation: Deviation) -> str:
+    """Return that an engine does not repeat itself."""
+    first, second = deviation.numbers, deviation.repeated()
+    size = np.max(np.abs(first), axis=1, keepdims=True)
+    apart = float(np.max(np.abs(second - first) / np.where(size > 0, size, 1.0)))
+    if apart > matrix_rounding(deviation.setup.epsilon, ROUNDING):
+        return f"it does not repeat itself: two identical calls differ by {apart:.2g} of their size"
+    return ""
+
+
+def of_numbers(deviation: Deviation) -> str:
+    """Return that an engine's numbers have 32 bits, of one that does not declare it."""
+    if deviation.setup.epsilon > EPS:
+        return ""
+    with np.errstate(over="ignore"):  # what no 32 bits hold
+        rows = deviation.numbers
+        single = rows.astype(np.float32).astype(float)
+    fit = (
+        np.array_equal(row, rounded)
+        for row, rounded in zip(rows, single, strict=True)
+        if len(np.unique(row)) >= DISTINCT / 2
+    )
+    said = 'its numbers have 32 bits: an engine that means to declares precision = "float32"'
+    return said if any(fit) else ""

@@ -1,0 +1,166 @@
+"""The table of kinds of check: a kind is one row of `KINDS`, or of `EXTREMES`."""
+
+from __future__ import annotations
+
+from collections import ChainMap
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from ..engines.setup import Setup
+from .comparison import Measured
+from .diagnosis import models, runs
+from .diagnosis.runs import Search
+from .kinds import (
+    algebra,
+    energy,
+    frequency,
+    limits,
+    long_runs,
+    one_step,
+    order,
+    parts,
+    pushed,
+    stability,
+    trajectory,
+)
+from .refusals import refuse_unstable
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of check.
+
+    Attributes
+    ----------
+    level : str
+        What is wrong where it fails, in words; empty of an extreme.
+    quantities : callable ``(setup) -> tuple of str``
+        Names of what it measures, none where it does not apply to a model.
+    measure : callable ``(setup) -> Measured``
+    searches : sequence of callable ``(deviation) -> str``
+        The mistakes that may explain a deviation, in this order.
+    integrates : bool
+        Whether it needs a method.
+    follows : str or None
+        Cases of this kind have it too.
+    needs : tuple of str
+        What a user's own case must have for it: ``motion``, a state of ``rest``, a periodic
+        ``orbit``, or something ``conserved``.
+    refuse : callable ``(setup) -> None``, optional
+        Refuses a setup that it cannot judge, before anything runs.
+    asks_forces : bool
+        Whether it asks for accelerations.
+    quick : bool
+        Whether it belongs to a quick answer.
+    """
+
+    level: str
+    quantities: Callable[[Setup], tuple[str, ...]]
+    measure: Callable[[Setup], Measured]
+    searches: Sequence[Search] = ()
+    integrates: bool = True
+    follows: str | None = None
+    needs: tuple[str, ...] = ()
+    refuse: Callable[[Setup], None] | None = None
+    asks_forces: bool = False
+    quick: bool = False
+
+
+IN_STEPS = (runs.of_numbers, models.of_joints, runs.of_order)
+"""Mistakes that show in steps, once no single motion explains them."""
+
+KINDS = {
+    "parts": Kind(
+        "what it made of the model",
+        parts.quantities,
+        parts.measure,
+        (
+            runs.of_repetition,
+            models.of_placement,
+            models.of_parts,
+            runs.of_numbers,
+            models.of_joints,
+        ),
+        integrates=False,
+        follows="algebra",
+        asks_forces=True,
+        quick=True,
+    ),
+    "algebra": Kind(
+        "its accelerations or its mass matrix",
+        algebra.quantities,
+        algebra.measure,
+        (
+            runs.of_repetition,
+            models.of_placement,
+            models.of_accelerations,
+            runs.of_numbers,
+            models.of_joints,
+        ),
+        integrates=False,
+        asks_forces=True,
+        quick=True,
+    ),
+    "frequency": Kind(
+        "its linearised equations of motion",
+        frequency.quantities,
+        frequency.measure,
+        (models.of_matrices, runs.of_numbers),
+        integrates=False,
+        needs=("rest",),
+    ),
+    "step": Kind(
+        "a single step from a right state",
+        one_step.quantities,
+        one_step.measure,
+        (runs.of_repetition, models.of_placement, runs.of_steps, *IN_STEPS),
+        follows="trajectory",
+        needs=("motion",),
+        quick=True,
+    ),
+    "trajectory": Kind(
+        "a free run",
+        trajectory.quantities,
+        trajectory.measure,
+        (runs.of_repetition, models.of_placement, runs.of_run, *IN_STEPS),
+        needs=("motion",),
+        refuse=refuse_unstable,
+        quick=True,
+    ),
+    "order": Kind(
+        "how its errors shrink",
+        order.quantities,
+        order.measure,
+        (runs.of_repetition, runs.of_run, *IN_STEPS, runs.of_limit),
+        needs=("motion",),
+    ),
+    "energy": Kind(
+        "what it conserves",
+        energy.quantities,
+        energy.measure,
+        (runs.of_repetition, runs.of_run, runs.of_numbers),
+        needs=("motion", "conserved"),
+        refuse=refuse_unstable,
+    ),
+    "stability": Kind(
+        "its periodic or long motion",
+        stability.quantities,
+        stability.measure,
+        (runs.of_repetition, runs.of_orbit, runs.of_numbers, runs.of_limit),
+        needs=("orbit",),
+        refuse=refuse_unstable,
+    ),
+}
+"""From the model to its motion: what is wrong on one level is mostly wrong on those below."""
+
+EXTREMES = {
+    "limits": Kind("", limits.quantities, limits.measure),
+    "parameters": Kind("", pushed.quantities, pushed.measure),
+    "starts": Kind("", pushed.quantities, pushed.measure),
+    "long": Kind("", long_runs.quantities, long_runs.measure),
+    "failures": Kind("", pushed.quantities, pushed.measure),
+}
+"""Kinds of checks at extremes; see `scenes.extremes`."""
+
+
+EVERY_KIND: Mapping[str, Kind] = ChainMap(KINDS, EXTREMES)
