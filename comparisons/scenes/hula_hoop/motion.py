@@ -24,9 +24,10 @@ from ....reference.hula_hoop.equations import HulaHoop, coefficients
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ..bounds import SAFETY, difference, last_harmonics, with_bounds
+from ..orbit_map import Ints
 from ..quantity import NO_VALUE, Flow, Points, QuantityValues, Variable, engine_setup
 from .floquet import EXACT, STABILITY, approximate_floquet, least
-from .steps import FEW, MORE, Places, step_counts
+from .steps import step_counts
 
 MOTIONS = ("blue_o", "blue_plus", "cyan_o", "cyan_plus", "red_x")
 LABELS = (
@@ -152,19 +153,20 @@ def runs_from_rest(
     begin[1] = np.repeat([theta for theta, _ in starts], len(points))
     spacing = period / per_force
 
-    def steps(spans: Array, allowed: Places) -> Places:
+    def steps(spans: Array) -> Ints:
         """Return how many steps each start takes in spans (k,)."""
-        each = [step_counts(points, spans, per_period, coarser, allowed) for _, coarser in starts]
-        return np.concatenate(each)
+        return np.concatenate(
+            [step_counts(points, spans, per_period, coarser) for _, coarser in starts]
+        )
 
-    settled = flow(every, begin, 0.0, np.tile(settling, number), 1, steps(settling, MORE))
+    settled = flow(every, begin, 0.0, np.tile(settling, number), 1, steps(settling))
     watched = flow(
         every,
         settled[..., 0],
         np.tile(settling, number),
         np.tile(spacing, number),
         window * per_force,
-        steps(spacing, FEW),
+        steps(spacing),
     )
     samples = np.concatenate([settled, watched], axis=2)
     parts = np.split(samples, number, axis=1)

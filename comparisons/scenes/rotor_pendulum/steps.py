@@ -6,14 +6,12 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....reference.rotor_pendulum.equations import RotorPendulum, coefficients
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
+from ..orbit_map import Ints
 from ..quantity import Points
-
-Ints = NDArray[np.int_]
 
 NUDGE = 1e-3
 """Relative perturbation, of frequency ratios or of a start [rad, or size of the state], that
@@ -46,12 +44,8 @@ def fastest_rate(p: RotorPendulum) -> Any:
     return np.maximum(np.maximum(vibration, motor), trace(c.damping, c.rod_damping))
 
 
-DOUBLINGS = 12
-"""Most of the least number of steps."""
-
-
 def step_counts(points: Points, spans: Array, least: Mapping[bool, int], shortest: int) -> Ints:
-    """Return the numbers of equal steps over spans (k,) [s]: a power of two times the least.
+    """Return the numbers of equal steps over spans (k,) [s].
 
     Parameters
     ----------
@@ -64,9 +58,5 @@ def step_counts(points: Points, spans: Array, least: Mapping[bool, int], shortes
     """
     reference = points.engine == REFERENCE
     (fastest,) = columns(points, fastest_rate(points.parameters))
-    longest, fewest = RESOLVED[reference] / np.maximum(fastest, 1e-300), least[reference]
-    if points.step is not None:
-        longest, fewest = np.full(len(points), points.step), shortest
-    points.refuse_step(spans / (fewest << DOUBLINGS))
-    doublings = np.ceil(np.log2(np.maximum(spans / longest / fewest, 1.0)) - 1e-9)
-    return fewest * 2 ** np.minimum(doublings, DOUBLINGS).astype(int)
+    fewest = least[reference] if points.step is None else shortest
+    return points.step_counts(spans, RESOLVED[reference] / np.maximum(fastest, 1e-300), fewest)
