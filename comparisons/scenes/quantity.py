@@ -28,6 +28,9 @@ NO_VALUE = -1
 STEP_COUNTS = np.array(sorted({m << j for j in range(20) for m in (1, 3)}))
 """Numbers of steps that are taken between two samples."""
 
+LONG_STEP_COUNTS = np.array(sorted({m << j for j in range(20) for m in (4, 5, 6, 7)}))
+"""The same over long spans."""
+
 
 @dataclass(frozen=True)
 class Variable:
@@ -88,7 +91,9 @@ class Points:
         """Return the parameters of one point, all of them numbers or words."""
         return self.parameters.at(i)
 
-    def step_counts(self, spans: Array, longest: Any, fewest: int = 1) -> NDArray[np.int_]:
+    def step_counts(
+        self, spans: Array, longest: Any, fewest: int = 1, counts: NDArray[np.int_] = STEP_COUNTS
+    ) -> NDArray[np.int_]:
         """Return into how many equal steps spans (k,) [s] are divided.
 
         Parameters
@@ -97,19 +102,21 @@ class Points:
         longest : float or array (k,)
             Longest step [s], where ``step`` is not given.
         fewest : int
+        counts : int array
+            Numbers to choose from.
 
         Raises
         ------
         UsageError
             If ``step`` is too short for them.
         """
-        shortest = spans / STEP_COUNTS[-1]
+        shortest = spans / counts[-1]
         if self.step is not None and self.step < np.max(shortest):
             raise UsageError(
                 f"steps of {self.step:g} s are more than this map takes from sample to sample; "
                 f"{np.max(shortest):.3g} s is the shortest that all of its points can have"
             )
-        return enough_steps(np.maximum(spans / (self.step or longest), fewest))
+        return enough_steps(np.maximum(spans / (self.step or longest), fewest), counts)
 
 
 @dataclass(frozen=True)
@@ -318,10 +325,10 @@ class Flow:
         return QuantityValues.of(values, self.problems)
 
 
-def enough_steps(wanted: Array) -> NDArray[np.int_]:
+def enough_steps(wanted: Array, counts: NDArray[np.int_] = STEP_COUNTS) -> NDArray[np.int_]:
     """Return numbers of steps (k,) no smaller than those wanted: few, so that points share them."""
-    places = np.searchsorted(STEP_COUNTS, wanted * (1 - 1e-9))
-    return STEP_COUNTS[np.minimum(places, len(STEP_COUNTS) - 1)]
+    places = np.searchsorted(counts, wanted * (1 - 1e-9))
+    return counts[np.minimum(places, len(counts) - 1)]
 
 
 def engine_setup(points: Points, case: Case | None = None) -> Setup:

@@ -25,7 +25,16 @@ from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ..bounds import SAFETY, difference, last_harmonics, with_bounds
 from ..orbit_map import Ints
-from ..quantity import NO_VALUE, Flow, Points, QuantityValues, Variable, engine_setup
+from ..quantity import (
+    LONG_STEP_COUNTS,
+    NO_VALUE,
+    STEP_COUNTS,
+    Flow,
+    Points,
+    QuantityValues,
+    Variable,
+    engine_setup,
+)
 from .floquet import EXACT, STABILITY, approximate_floquet, least
 from .steps import step_counts
 
@@ -153,20 +162,22 @@ def runs_from_rest(
     begin[1] = np.repeat([theta for theta, _ in starts], len(points))
     spacing = period / per_force
 
-    def steps(spans: Array) -> Ints:
+    def steps(spans: Array, counts: Ints) -> Ints:
         """Return how many steps each start takes in spans (k,)."""
         return np.concatenate(
-            [step_counts(points, spans, per_period, coarser) for _, coarser in starts]
+            [step_counts(points, spans, per_period, coarser, counts) for _, coarser in starts]
         )
 
-    settled = flow(every, begin, 0.0, np.tile(settling, number), 1, steps(settling))
+    settled = flow(
+        every, begin, 0.0, np.tile(settling, number), 1, steps(settling, LONG_STEP_COUNTS)
+    )
     watched = flow(
         every,
         settled[..., 0],
         np.tile(settling, number),
         np.tile(spacing, number),
         window * per_force,
-        steps(spacing),
+        steps(spacing, STEP_COUNTS),
     )
     samples = np.concatenate([settled, watched], axis=2)
     parts = np.split(samples, number, axis=1)

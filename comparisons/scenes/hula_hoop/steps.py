@@ -9,7 +9,7 @@ import numpy as np
 from ....reference.hula_hoop.equations import HulaHoop, coefficients
 from ....reference.scene import Array
 from ..orbit_map import Ints
-from ..quantity import Points
+from ..quantity import STEP_COUNTS, Points
 
 MOST_STEPS_PER_FORCE = 8.0
 """No period counts as shorter than that of force or spring divided by this."""
@@ -29,7 +29,9 @@ def fastest_rate(p: HulaHoop) -> Any:
     return np.clip(libration, slow, MOST_STEPS_PER_FORCE * slow)
 
 
-def step_counts(points: Points, spans: Array, per_period: float, coarser: int = 1) -> Ints:
+def step_counts(
+    points: Points, spans: Array, per_period: float, coarser: int = 1, counts: Ints = STEP_COUNTS
+) -> Ints:
     """Return how many equal steps each point's span [s] is gone through in.
 
     Parameters
@@ -40,6 +42,10 @@ def step_counts(points: Points, spans: Array, per_period: float, coarser: int = 
         Steps in the shortest period, unless ``points.step`` tells the longest step.
     coarser : int
         By how much longer the steps may be.
+    counts : int array
+        Numbers to choose from.
     """
     longest = 2 * np.pi / (fastest_rate(points.parameters) * per_period)
-    return points.step_counts(np.broadcast_to(spans / coarser, (len(points),)), longest)
+    return points.step_counts(
+        np.broadcast_to(spans / coarser, (len(points),)), longest, counts=counts
+    )

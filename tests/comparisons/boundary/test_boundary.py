@@ -96,8 +96,8 @@ def test_an_island_is_found_from_a_place_in_it() -> None:
     succeeds(f"{ISLAND} -o island.json --near {near[1]}")
     after = validated("boundary", json.loads(Path("island.json").read_text()))
     ends = {curve["kind"]: {curve["begins"], curve["ends"]} for curve in after["curves"]}
-    assert ends["fold"] == {"window", "with_fold"}
-    assert ends["neimark_sacker"] == {"window", "resonance_1_1"}
+    assert ends["fold"] == {"window", "with_neimark_sacker"}
+    assert ends["neimark_sacker"] == {"window", "with_fold"}
     assert "but for 0 of" in succeeds(line)
     whole = Path("island.json").read_bytes()
     succeeds(f"{ISLAND} -o island.json --near {near[1]}")
