@@ -275,7 +275,7 @@ class CurveSearch:
         return away
 
 
-Task = Callable[[CurveSearch], None]
+Task = partial[None]
 """A part of the work on a network: a method of `CurveSearch` with its argument."""
 
 

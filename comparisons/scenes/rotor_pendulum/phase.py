@@ -118,8 +118,8 @@ def _theoretical_phase(
     )
 
 
-STEPS_PER_TURN = {True: 32, False: 64}
-"""Steps in a turn, by whether the reference takes them (8th order) or an engine."""
+STEPS_PER_TURN = (64, 32)
+"""Steps in a turn, of an engine and of the reference (8th order)."""
 
 
 SAMPLES = 32

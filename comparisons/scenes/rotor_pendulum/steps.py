@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -23,9 +22,9 @@ def columns(points: Points, *values: Any) -> list[Array]:
     return [np.array(np.broadcast_to(value, len(points)), dtype=float) for value in values]
 
 
-RESOLVED = {True: 4.0, False: 1.0}
-"""Longest step times the `fastest_rate`, that of a motion which no rotor drives. The 8th-order
-method damps it then, and is unstable from 5 on."""
+RESOLVED = (1.0, 4.0)
+"""Longest step times the `fastest_rate`, that of a motion which no rotor drives, of an engine and
+of the reference. The 8th-order method damps it then, and is unstable from 5 on."""
 
 
 def fastest_rate(p: RotorPendulum) -> Any:
@@ -44,15 +43,15 @@ def fastest_rate(p: RotorPendulum) -> Any:
     return np.maximum(np.maximum(vibration, motor), trace(c.damping, c.rod_damping))
 
 
-def step_counts(points: Points, spans: Array, least: Mapping[bool, int], shortest: int) -> Ints:
+def step_counts(points: Points, spans: Array, least: tuple[int, int], shortest: int) -> Ints:
     """Return the numbers of equal steps over spans (k,) [s].
 
     Parameters
     ----------
     points : Points
     spans : array (k,)
-    least : mapping of bool to int
-        By whether the reference takes them or an engine.
+    least : (int, int)
+        Of an engine and of the reference.
     shortest : int
         The least where ``points.step`` tells the longest step.
     """
