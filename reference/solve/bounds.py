@@ -251,10 +251,10 @@ class Sensitivities(NamedTuple):
     inputs : array (2 n, m + 2 n + 1 + l, k)
         The same of the accelerations, and by the relative change of each state, of the time, and
         of each of the l `Dynamics.inexact_numbers`.
-    patterns : array (2 n, `OPTIONS.patterns`, k)
-        By the rounding of a continuum's matrices, all of it, drawn so many times and divided by
+    patterns : array (2 n, p, k)
+        By the rounding of a continuum's matrices, all of it, drawn p times and divided by
         the root of their number, anew in each state. Of other mechanisms there are none.
-    tables : array (2 n, `OPTIONS.patterns` or l, k)
+    tables : array (2 n, p or l, k)
         By rounding that is the same in all states: of these matrices, or of these numbers.
     """
 
@@ -384,7 +384,7 @@ def inexact_matrices(
 
     Returns
     -------
-    patterns, tables : array (2 n, `OPTIONS.patterns`, k)
+    patterns, tables : array (2 n, p, k)
         See `Sensitivities`; of either sign, drawn for each entry.
     """
     n, elastic = len(states) // 2, bool(dynamics.discretisation_coordinates)

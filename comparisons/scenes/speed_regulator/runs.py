@@ -23,7 +23,8 @@ from ....reference.speed_regulator.motions import mean_speed, static_torque
 from ...engines.registry import REFERENCE
 from ..orbit_map import Ints, Measured, OrbitMap
 from ..quantity import NO_VALUE, Flow, Points, QuantityValues, engine_setup, enough_steps
-from .limit_cycles import REGIMES, SHIFT, TURN, Flags, regimes_of, rotations, speed_values
+from . import limit_cycles
+from .limit_cycles import REGIMES, TURN, Flags, regimes_of, rotations, speed_values
 
 
 class RunOptions(NamedTuple):
@@ -138,7 +139,7 @@ def simulated_regime(points: Points) -> QuantityValues:
     which, again = np.flatnonzero(orbits.closed), np.zeros(len(points), dtype=bool)
     again[which] = maps.again(which, orbits.at(which)).closed
     regimes = []
-    for turns, run in ((orbits.closed, (1, 0.0)), (again, (2, SHIFT))):
+    for turns, run in ((orbits.closed, (1, 0.0)), (again, (2, limit_cycles.OPTIONS.shift))):
         rests, slow = can_rest(maps.flow, *run)
         regimes.append(np.where(slow, REGIMES.index("undecided"), regimes_of(rests, turns)))
     regimes[0][list(maps.flow.problems)] = NO_VALUE
