@@ -161,18 +161,19 @@ class OrbitMap:
 
     def search(self, starts: Starts) -> Orbits:
         """Return the most stable orbit that is found of each point."""
-        n, count = self.scale.shape
-        extra = section_row(self.flow.scene) is not None
+        (n, count), section = self.scale.shape, section_row(self.flow.scene)
+        columns = np.arange(n)
+        if section is not None:
+            columns[section] = n
         known = Orbits(
             states=np.full((n, count), np.nan),
             periods=np.array(self.periods),
             closed=np.zeros(count, dtype=bool),
             correction=np.full(count, np.inf),
-            slopes=np.zeros((count, n, n + extra)),
+            slopes=np.zeros((count, n, n + (section is not None))),
             scale=self.scale.copy(),
-            columns=np.arange(n),
+            columns=columns,
         )
-        known.columns[[section_row(self.flow.scene)] if extra else []] = n
         for which, states in chain(starts(self, known), twins(self, known)):
             self.improve(known, which, states, self.periods[which])
         tried = np.full(count, -1)
@@ -183,7 +184,7 @@ class OrbitMap:
                 return known
             tried[which] = source[which]
             near = known.at(source[which])
-            periods = near.periods if extra else self.periods[which]
+            periods = self.periods[which] if section is None else near.periods
             self.improve(known, which, near.states, periods, from_neighbours=True)
 
     def improve(
@@ -292,7 +293,7 @@ def twins(maps: OrbitMap, known: Orbits) -> Iterator[tuple[Ints, Array]]:
         values, vectors = np.linalg.eig(known.monodromy[which])
         each, first = np.arange(len(which)), np.argmin(np.abs(values - moduli[which, None]), axis=1)
         value, away = values[each, first], vectors[each, :, first].real
-        parting = np.abs(value.imag) < 1e-12
+        parting = (np.abs(value.imag) < 1e-12) & (value.real > 0)
         which, away, value = which[parting], away[parting].T, value[parting].real
         if which.size:
             length = distance * np.sqrt(np.minimum(value - 1, 1)) / np.max(np.abs(away), axis=0)

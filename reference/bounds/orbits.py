@@ -53,7 +53,7 @@ class OrbitBoundOptions(NamedTuple):
         Parts of a period, from the ends of which rounding is followed to its end.
     curved : float
         Relative change of the period map's Jacobian within the orbit's error that makes it unknown.
-    count : int
+    samples : int
         Samples of a period.
     """
 
@@ -62,7 +62,7 @@ class OrbitBoundOptions(NamedTuple):
     step_rounding: float = 1.5 * EPS
     parts: int = 16
     curved: float = 0.25
-    count: int = 256
+    samples: int = 256
 
 
 OPTIONS = OrbitBoundOptions()
@@ -151,10 +151,10 @@ class Closing:
         x, periods = parts[0][:, 0], parts[1][0] * np.ones(count)
         derivative, times = (
             self.scene.derivative(at.coefficients),
-            np.arange(1, OPTIONS.count) / OPTIONS.count,
+            np.arange(1, OPTIONS.samples) / OPTIONS.samples,
         )
         rest = rk8_samples(
-            derivative, x, 0.0, np.outer(times, periods), -(-self.steps // OPTIONS.count)
+            derivative, x, 0.0, np.outer(times, periods), -(-self.steps // OPTIONS.samples)
         )
         return np.concatenate([x[..., None], rest], axis=-1).swapaxes(0, 1)
 
@@ -377,7 +377,7 @@ class SampleBounds:
         bounds += self.near.together(
             np.array([changes(measure(x, one) if weight else base) for weight, x, one in sources])
         )
-        phase = 2 * np.pi * np.arange(OPTIONS.count) / OPTIONS.count
+        phase = 2 * np.pi * np.arange(OPTIONS.samples) / OPTIONS.samples
         for i, size in enumerate(self.integration):
             step = max(size, OPTIONS.displacement * float(np.max(np.abs(self.samples[0, i]))))
             for pattern in (1.0, np.cos(phase), np.sin(phase)):

@@ -303,10 +303,10 @@ class RestTracer(Tracer):
 
         One axis of the window is the parameter that the scene solves for.
         """
-        limit = self.scene.orbit.limit
-        if limit is None or limit[0] not in self.window.names:
+        limit, names = self.scene.orbit.limit, self.window.names
+        if limit is None or limit[0] not in names:
             return None
-        axis = self.window.names.index(limit[0])
+        axis = names.index(limit[0])
         shares = np.linspace(0, 1, OPTIONS.least_points)
         found = [self.least_at(axis, share) for share in shares]
         inside = [i for i, one in enumerate(found) if one and is_inside(one[0][-2:])]
@@ -347,6 +347,7 @@ class RestTracer(Tracer):
         """
         keep_budget(1.0)
         place = np.full(2, share)
+        assert self.scene.orbit.limit is not None
         at = self.scene.orbit.limit[1](numbers(self.parameters(place[:, None])))
         if at.saddle is None:
             return None

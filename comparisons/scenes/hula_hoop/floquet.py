@@ -101,7 +101,7 @@ def rotation_values(maps: OrbitMap, orbits: Orbits) -> QuantityValues:
         lambda numbers: stability_class(numbers["multiplier"], True),
         STABILITY.index("no_rotation"),
     )
-    stability = values.pop("class")
+    stability: Ints = values.pop("class").astype(int)
     classes = {"stability": stability, "zone": zone(stability, values["u_1"])}
     return maps.flow.values(classes | values)
 

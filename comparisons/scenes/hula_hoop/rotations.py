@@ -8,12 +8,12 @@ over half a period, the second over all of it, at a tenth of the cost of the per
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ....reference.hula_hoop.balance import Balance, Nodes
-from ....reference.hula_hoop.equations import Coefficients, HulaHoop, coefficients
+from ....reference.hula_hoop.equations import Coefficients, coefficients
 from ....reference.orbits import Orbits
 from ....reference.scene import Array
 from ..orbit_map import Ints, OrbitMap
@@ -31,10 +31,6 @@ class StartOptions(NamedTuple):
         Which guess, by what angle [rad] its rod is turned on, and by what complex amplitude [rad]
         it swings: at twice the frequency of the force, and at that itself. The second of the former
         finds rotations whose theta' swings by more than its mean.
-    levels : int
-        Of the force, from a weak one up to a point's own, along which a rotation is followed.
-    weakest : float
-        The weakest, at least, by the force that the mean torque balance asks for.
     """
 
     half_nodes: Nodes = Nodes(16, half=True)
@@ -45,8 +41,6 @@ class StartOptions(NamedTuple):
         (0, np.pi / 4, 1.6j),
         (0, 0.0, 0.5j),
     )
-    levels: int = 12
-    weakest: float = 1.5
 
 
 OPTIONS = StartOptions()
@@ -69,8 +63,6 @@ def balanced_rotations(maps: OrbitMap, known: Orbits) -> Iterator[tuple[Ints, Ar
             order = 2 if nodes.half else 1
             swing = np.imag(amplitude * np.exp(1j * order * nodes.phases))
             yield balanced(c, nodes, which, guesses[guess][1, which, None] + angle + swing)
-        if nodes.half:
-            yield from_weak_force(points, c, np.flatnonzero(~known.closed))
 
 
 def balanced(c: Coefficients, nodes: Nodes, which: Ints, phi: Array) -> tuple[Ints, Array]:
@@ -91,28 +83,3 @@ def coefficients_of(points: Points) -> Coefficients:
     points.parameters.refuse_gravity("maps of hula_hoop's rotations")
     values = coefficients(points.parameters)
     return Coefficients(*(np.array(np.broadcast_to(x, len(points)), float) for x in values))
-
-
-def weakest_force(p: HulaHoop) -> Any:
-    """Return the force amplitude [N] below which the mean torques have no balance."""
-    c = coefficients(p)
-    impedance = c.stiffness - c.mass * c.omega**2 + 1j * c.damping * c.omega
-    friction = 2 * c.hinge_damping / (c.coupling * c.omega)
-    own = c.coupling * c.omega**2 * np.imag(1 / impedance)
-    return np.abs(friction - own) * np.abs(impedance)
-
-
-def from_weak_force(points: Points, c: Coefficients, which: Ints) -> tuple[Ints, Array]:
-    """Return some points, and states to which the rotation of a weak force leads, by secants."""
-    p, nodes = points.parameters, OPTIONS.half_nodes
-    own = np.broadcast_to(p.force_amplitude, len(points))
-    weak = np.maximum(OPTIONS.weakest * weakest_force(p), own / OPTIONS.levels)
-    which = which[weak[which] < own[which]]
-    guess = points.scene.orbit.guesses(p.replace(force_amplitude=weak))[0][1]
-    before = phi = np.repeat(np.broadcast_to(guess, len(points))[which, None], nodes.count, axis=1)
-    for level, force in enumerate(np.linspace(weak, own, OPTIONS.levels)[:-1]):
-        reached, solved = Balance(c._replace(force=force), nodes).solve(
-            which, phi if level < 2 else 2 * phi - before
-        )
-        which, before, phi = which[solved], phi[solved], reached[solved]
-    return balanced(c, nodes, which, 2 * phi - before)

@@ -14,8 +14,9 @@ from ....reference.rotor_pendulum.phase import mean_phase, phase_rate, wrapped
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ..bounds import difference, with_bounds
+from ..orbit_map import Ints
 from ..quantity import Flow, Points, QuantityValues, Variable
-from .steps import NUDGE, Ints, columns, step_counts
+from .steps import NUDGE, columns, step_counts
 
 OUTCOMES = ("synchronised", "not synchronised", "undecided")
 

@@ -41,7 +41,7 @@ def hoops(count: int, spread: float, damping: float) -> Points:
     ("count", "spread", "damping", "window"),
     [
         pytest.param(10, 0.05, 4.0, 60, marks=pytest.mark.slow),
-        pytest.param(80, 0.15, 1.0, motion.WINDOW, marks=pytest.mark.campaign),
+        pytest.param(80, 0.15, 1.0, motion.OPTIONS.window, marks=pytest.mark.campaign),
     ],
 )
 def test_hoops_come_to_what_is_said(count: int, spread: float, damping: float, window: int) -> None:

@@ -20,7 +20,7 @@ from mbcheck.comparisons.scenes.speed_regulator.limit_cycles import (
     theory_regimes,
 )
 from mbcheck.comparisons.scenes.speed_regulator.maps import QUANTITIES
-from mbcheck.comparisons.scenes.speed_regulator.runs import simulated_speed
+from mbcheck.comparisons.scenes.speed_regulator.runs import passings, settled, simulated_speed
 from mbcheck.reference import get_scene
 from mbcheck.reference.bounds.orbits import orbit_bounds
 from mbcheck.reference.errors import NoOrbitError, ParameterError
@@ -237,3 +237,30 @@ def test_a_failed_engine_has_no_value() -> None:
         assert np.all(first == NO_VALUE) if name == "regime" else np.all(np.isnan(first))
         assert set(found.problems) == {0, 1}
         assert "softens the closure" in found.problems[0]
+
+
+def test_passings_are_interpolated_to_many_digits() -> None:
+    spacing = 0.05
+    times = spacing * np.arange(200)
+    phi, rate = 2 * times + 0.3 * np.sin(times), 2 + 0.3 * np.cos(times)
+    seen, speeds = passings(phi, rate, spacing, 2)
+    for mark, (time, speed) in enumerate(zip(seen, speeds, strict=True)):
+        assert 2 * time + 0.3 * math.sin(time) == pytest.approx(2 * np.pi * mark, abs=1e-10)
+        assert speed == pytest.approx(2 + 0.3 * math.cos(time), abs=1e-8)
+    rate[70:] = -1.0  # it turned back on its second turn
+    seen, speeds = passings(phi, rate, spacing, 2)
+    assert np.isfinite(seen).tolist() == [True, True, False]
+    rate[:] = np.nan
+    assert np.isnan(passings(phi, rate, spacing, 2)[0][1:]).all()
+
+
+def test_settled_tells_what_is_still_to_come() -> None:
+    turns = np.arange(6)
+    periods = {
+        "done": 1 + 0 * turns,
+        "nearly": 1 + 0.01 * 0.5**turns,
+        "far": 1 + 0.3 * 0.95**turns,
+        "running away": 1 + 0.2 * turns,
+    }
+    times = np.array([np.concatenate([[0], np.cumsum(item)]) for item in periods.values()])
+    assert settled(times).tolist() == [True, True, False, False]
