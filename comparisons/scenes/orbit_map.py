@@ -293,7 +293,7 @@ def twins(maps: OrbitMap, known: Orbits) -> Iterator[tuple[Ints, Array]]:
         values, vectors = np.linalg.eig(known.monodromy[which])
         each, first = np.arange(len(which)), np.argmin(np.abs(values - moduli[which, None]), axis=1)
         value, away = values[each, first], vectors[each, :, first].real
-        parting = (np.abs(value.imag) < 1e-12) & (value.real > 0)
+        parting = (np.abs(value.imag) < 1e-12) & (value.real > 1)
         which, away, value = which[parting], away[parting].T, value[parting].real
         if which.size:
             length = distance * np.sqrt(np.minimum(value - 1, 1)) / np.max(np.abs(away), axis=0)

@@ -68,18 +68,15 @@ def test_a_file_does_not_depend_on_the_number_of_processes(
     assert (folder / "two.json").read_bytes() == (folder / "small.json").read_bytes()
 
 
-def asked_for(task: Any) -> Any:
-    return task()
-
-
 def test_processes_do_first_what_is_asked_for_first() -> None:
     """Also what was begun ahead; a failure is raised where it is asked for."""
-    numbers: list[Any] = [partial(operator.index, one) for one in (0, 1, "none", 2)]
-    perform: Any = asked_for
-    execute: Any = executor(perform, 2)
+    index: Any = operator.index
+    numbers = [partial(index, one) for one in (0, 1, "none", 2)]
+    call: Any = operator.call
+    execute: Any = executor(call, 2)
     assert [execute(numbers[place:]) for place in (0, 1, 3)] == [0, 1, 2]
     with pytest.raises(EngineError, match="integer"):
-        execute([partial(operator.index, "none")])
+        execute([partial(index, "none")])
 
 
 ISLAND = "boundary hula_hoop --x force_frequency=6:7.75 --y force_amplitude=10:120 --lines 2"
