@@ -160,7 +160,7 @@ class OrbitMap:
     # The search -------------------------------------------------------------------------------
 
     def search(self, starts: Starts) -> Orbits:
-        """Return the most stable orbit that is found of each point."""
+        """Return the most stable orbit that is found for each point."""
         (n, count), section = self.scale.shape, section_row(self.flow.scene)
         columns = np.arange(n)
         if section is not None:
@@ -203,14 +203,14 @@ class OrbitMap:
         which, states, periods = which[usable], states[:, usable], periods[usable]
         if not which.size:
             return
-        found = self.about(which, states, periods).close(OPTIONS.search)
+        reached = self.about(which, states, periods).close(OPTIONS.search)
         with np.errstate(all="ignore"):
-            near = np.abs(np.log2(found.periods / periods)) < np.log2(OPTIONS.max_period_ratio)
-            found = replace(found, closed=found.closed & near)
-            better = found.leading < known.at(which).leading
+            near = np.abs(np.log2(reached.periods / periods)) < np.log2(OPTIONS.max_period_ratio)
+            reached = replace(reached, closed=reached.closed & near)
+            better = reached.leading < known.at(which).leading
             if from_neighbours:
-                better = found.closed & ((found.leading < 1) | ~known.closed[which])
-        known.put(which[better], found.at(better))
+                better = reached.closed & ((reached.leading < 1) | ~known.closed[which])
+        known.put(which[better], reached.at(better))
 
     def again(self, which: Ints, orbits: Orbits) -> Orbits:
         """Return the orbits that others go over into with half the step."""

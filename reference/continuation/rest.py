@@ -298,25 +298,26 @@ class RestTracer(Tracer):
 
     # Where rotations end ----------------------------------------------------------------------
 
-    def least_curve(self) -> BifurcationCurve | None:
+    def least_curve(self, count: int = OPTIONS.least_points) -> BifurcationCurve | None:
         """Return the curve on which rotations end on a saddle, None where there is none.
 
-        One axis of the window is the parameter that the scene solves for.
+        One axis of the window is the parameter that the scene solves for, at so many places of the
+        other.
         """
         limit, names = self.scene.orbit.limit, self.window.names
         if limit is None or limit[0] not in names:
             return None
         axis = names.index(limit[0])
-        shares = np.linspace(0, 1, OPTIONS.least_points)
-        found = [self.least_at(axis, share) for share in shares]
-        inside = [i for i, one in enumerate(found) if one and is_inside(one[0][-2:])]
+        shares = np.linspace(0, 1, count)
+        limits = [self.least_at(axis, share) for share in shares]
+        inside = [i for i, one in enumerate(limits) if one and is_inside(one[0][-2:])]
         if len(inside) < 2:
             return None
-        known, ends = [found[i] for i in inside], []
+        known, ends = [limits[i] for i in inside], []
         for i, beyond in ((inside[0], inside[0] - 1), (inside[-1], inside[-1] + 1)):
-            vanishes = 0 <= beyond < len(found) and found[beyond] is None
+            vanishes = 0 <= beyond < len(limits) and limits[beyond] is None
             ends.append(f"with_{FOLD}" if vanishes else "window")
-            if 0 <= beyond < len(found) and not vanishes:
+            if 0 <= beyond < len(limits) and not vanishes:
                 edge = self.least_on_edge(axis, shares[i], shares[beyond])
                 known = [edge, *known] if beyond < i else [*known, edge]
         ways = np.gradient(np.array([z for z, _ in known]), axis=0)

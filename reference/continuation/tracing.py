@@ -290,7 +290,7 @@ class Tracer:
             return "neutral"
         return "unstable" if here.unstable else ""
 
-    def least_curve(self) -> BifurcationCurve | None:
+    def least_curve(self, count: int = 0) -> BifurcationCurve | None:
         """Return the curve on which orbits end without a bifurcation, None where there is none."""
         return None
 

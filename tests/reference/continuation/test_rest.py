@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from mbcheck.reference import get_scene
-from mbcheck.reference.continuation import rest
 from mbcheck.reference.continuation.bifurcations import (
     BRANCH_POINT,
     FOLD,
@@ -157,12 +156,11 @@ def test_the_cranks_rest_ends_where_the_spring_gives_way() -> None:
             assert max(bounds) < 1e-10
 
 
-def test_the_rotation_ends_at_homoclinic_orbits(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_rotation_ends_at_homoclinic_orbits() -> None:
     """The curve begins where the least torque comes into the window."""
-    monkeypatch.setattr(rest, "OPTIONS", rest.OPTIONS._replace(least_points=3))
     scene = get_scene("speed_regulator")
     window = ParameterWindow(("damping", "torque"), np.array([2.0, 0.06]), np.array([4.0, 0.13]))
-    curve = RestTracer(scene, window.parameters(scene.parameters()), window=window).least_curve()
+    curve = RestTracer(scene, window.parameters(scene.parameters()), window=window).least_curve(3)
     assert curve is not None
     assert curve.ends == ("window", "window")
     places = np.array([window.low + (window.high - window.low) * p.place for p in curve.points])
