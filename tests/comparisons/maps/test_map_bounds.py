@@ -182,6 +182,9 @@ BY_HAND = ("phase", 0.05), ("mean_speed", 0.05)
 MEDIAN = 150.0
 """Largest median of bound over error: of mean speeds, whose only error is rounding."""
 
+ROUNDED = 1e-8
+"""Median bound of multipliers that are exact to rounding: theirs is a norm's, and 1e4 times that."""
+
 
 @EXTENDED
 @pytest.mark.parametrize(
@@ -210,7 +213,7 @@ def test_drawn_points_keep_their_bounds(route: str, count: int, spread: float) -
         )
         assert len(pairs) > 0.9 * len(rows)
         assert shares.max() <= 1
-        assert count < 60 or median < MEDIAN
+        assert count < 60 or median < MEDIAN or np.median(pairs[:, 1]) < ROUNDED
 
 
 @pytest.mark.parametrize("steps", [16, 24, 48])
