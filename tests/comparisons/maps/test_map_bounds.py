@@ -183,7 +183,7 @@ MEDIAN = 150.0
 """Largest median of bound over error: of mean speeds, whose only error is rounding."""
 
 ROUNDED = 1e-8
-"""Median bound of multipliers that are exact to rounding: theirs is a norm's, and 1e4 times that."""
+"""Median bound of multipliers that are exact to rounding: a norm's, 1e4 times their error."""
 
 
 @EXTENDED
