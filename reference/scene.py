@@ -25,13 +25,14 @@ Array = NDArray[np.float64]
 
 
 class Paper(NamedTuple):
-    """Bibliographic data of a scene's source."""
+    """Bibliographic data of a scene's source; ``url`` where it has no DOI."""
 
     authors: str
     title: str
     journal: str
     year: int
     doi: str
+    url: str = ""
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,6 @@ from .ledger import (
     NOT_REPRODUCED,
     OPEN,
     PRINTED,
-    ROUNDS,
     Condition,
     LedgerRow,
     Numbers,
@@ -85,7 +84,7 @@ class Assessment:
     values : mapping of str to float
         of a printed number: ours in its unit, by `reference` and by engine
     numbers : mapping of str to mapping of str to float or list
-        the numbers in `reference` and `engines`, by who has them and by name
+        the numbers in `reason`, `reference` and `engines`, by who has them and by name
     """
 
     verdict: str
@@ -131,7 +130,7 @@ def fill(template: str, numbers: Numbers) -> str:
 
 
 def assess(row: LedgerRow, session: Session) -> Assessment:
-    """Return what becomes of a row, its verdict the expected one if it computes nothing.
+    """Return what becomes of a row, its verdict the expected one if it has no conditions.
 
     Raises
     ------
@@ -146,20 +145,20 @@ def assess(row: LedgerRow, session: Session) -> Assessment:
 def assessed(row: LedgerRow, numbers: Numbers, engines: Mapping[str, Numbers | str]) -> Assessment:
     """Return what the numbers of the reference and the engines make of a row."""
     return Assessment(
-        verdict_of(row, numbers, engines),
+        verdict_of(row, numbers, engines) if row.judgement else row.verdict,
         reason_of(row, numbers),
         fill(row.reference, numbers).strip(),
         {
             name: own if isinstance(own, str) else fill(row.engines or row.reference, own).strip()
             for name, own in engines.items()
         },
-        (),
+        tuple((way, fill(result, numbers)) for way, result in row.candidates.items()),
         tuple(thresholds(row, numbers)),
         values_of(row, numbers, engines),
         {
             who: values
             for who, template, own in (
-                (REFERENCE, row.reference, numbers),
+                (REFERENCE, row.reason + row.reference, numbers),
                 *((name, row.engines or row.reference, own) for name, own in engines.items()),
             )
             if not isinstance(own, str) and (values := numbers_in(template, own))
@@ -212,7 +211,9 @@ def measure(row: LedgerRow, session: Session) -> tuple[Numbers, Mapping[str, Num
     An engine that fails or cannot tell has words in place of numbers.
     """
     unit = {"unit": row.printed.partition(" ")[2]}
-    numbers = unit | dict(row.numbers(session) if row.numbers else {})
+    numbers: dict[str, Any] = dict(unit)
+    for call in (row.equations, row.numbers):
+        numbers |= call(session) if call is not None else {}
     engines: dict[str, Numbers | str] = {}
     if row.each is not None:
         numbers |= named(row.each(session, REFERENCE))
@@ -270,7 +271,7 @@ def reason_of(row: LedgerRow, numbers: Numbers) -> str:
     """Return why a row has its verdict; of a printed number how far ours is off."""
     reason = fill(row.reason, numbers)
     conditions = sum(row.judgement.values(), ())
-    if not any(item.limit == PRINTED and item.name == ROUNDS.name for item in conditions):
+    if not any(item.limit == PRINTED and item.name == "value" for item in conditions):
         return reason
     printed = row.printed.split()[0]
     off = f"off by {abs(numbers['value'] - float(printed)):.2g}"

@@ -20,12 +20,10 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from textwrap import dedent
 from typing import Any, NamedTuple
 
 import numpy as np
-
-from .ledger import Numbers, whole_lines
-from .session import Session
 
 DIGITS = 30
 POINTS = 4
@@ -42,6 +40,16 @@ class Equation(NamedTuple):
     derived: Any
     corrected: Any
     printed: Any
+
+
+def join_lines(*texts: str) -> str:
+    """Return texts one below the other, each without its indentation."""
+    return "\n".join(dedent(text).strip() for text in texts)
+
+
+def whole_lines(text: str) -> list[str]:
+    """Return the lines of a text, those that are indented further joined to the one before."""
+    return re.sub(r"\n+", "\n", re.sub(r"\n +", " ", dedent(text).strip())).splitlines()
 
 
 def sides(text: str) -> list[tuple[str, str]]:
@@ -71,7 +79,7 @@ class Identities:
     values: Values = field(default_factory=dict)
     scene: Callable[[Values], Values] | None = None
 
-    def __call__(self, session: Session | None = None) -> Numbers:
+    def __call__(self, session: object = None) -> dict[str, Any]:
         """Return the errors under their names, the largest of all, and that as printed."""
         points = self.points(self.values)
         errors: dict[str, float] = {}

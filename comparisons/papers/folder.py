@@ -5,19 +5,22 @@ from __future__ import annotations
 import json
 import logging
 import shutil
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import fields, replace
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+import msgspec
+
 from ...reference import SCENES
 from ...reference.errors import UsageError
 from ..reports.drawing import save_and_close
 from ..reports.files import write_whole
-from .assess import Assessment, RowThreshold, assess, attempt
+from .assess import Assessment, assess, attempt
+from .claims import PaperData, read_paper
 from .ledger import ERROR, LedgerRow, PaperFigure
-from .outcomes import CauseEntry, FigureEntry, Findings, Made, RowEntry, causes
+from .outcomes import CauseEntry, FigureEntry, Findings, Made, RowEntry
 from .session import Session
 
 FINDINGS, FIGURES = "findings.json", "figures"
@@ -30,7 +33,8 @@ DOTS_PER_INCH = 229
 
 LOG = logging.getLogger(__name__)
 
-Paper = tuple[tuple[PaperFigure, ...], tuple[LedgerRow, ...]]
+Papers = Mapping[str, PaperData]
+"""Papers, or what is selected of them, by scene."""
 
 
 class Folder:
@@ -40,28 +44,27 @@ class Folder:
     ----------
     file, figures, work : Path
         What is found, pictures, and maps.
-    tables : callable ``(scene) -> Paper``
-        Figures and rows of a scene's paper.
     runs : list of Made
         How things were made; the first is how this run makes what it adds.
     drawn, assessed : dict by (scene, number) and by (scene, row's name)
     """
 
-    def __init__(self, out: Path, tables: Callable[[str], Paper], made: Made) -> None:
+    def __init__(self, out: Path, made: Made) -> None:
         self.file, self.figures, self.work = out / FINDINGS, out / FIGURES, out / WORK
-        self.tables, self.runs = tables, [made]
+        self.runs = [made]
         self.drawn: dict[tuple[str, int], FigureEntry] = {}
         self.assessed: dict[tuple[str, str], RowEntry] = {}
         try:
             for path in (self.figures, self.work):
                 path.mkdir(parents=True, exist_ok=True)
             self._refresh_work()
-            text = self.file.read_text("utf-8", "replace") if self.file.exists() else "{}"
+            text = self.file.read_bytes() if self.file.exists() else b""
         except OSError as error:
             raise UsageError(f"--out: cannot write {str(out)!r}: {error.strerror}") from None
         try:
-            self._take(json.loads(text))
-        except (ValueError, LookupError, TypeError, RecursionError):
+            if text:
+                self._take(msgspec.json.decode(text, type=Findings))
+        except (msgspec.MsgspecError, LookupError, ValueError, RecursionError):
             LOG.warning("Warning: %s is damaged, or another document: replaced", self.file)
 
     def _refresh_work(self) -> None:
@@ -72,24 +75,22 @@ class Folder:
             self.work.mkdir()
             stamp.write_text(now, "utf-8")
 
-    def _take(self, document: Mapping[str, Any]) -> None:
+    def _take(self, found: Findings) -> None:
         """Take what a document has of the figures and rows that the papers have now."""
-        made = [Made(one["versions"], one["full"]) for one in document.get("runs", ())]
-        self.runs += [one for one in made if one not in self.runs]
-        for item in (*document.get("figures", ()), *document.get("rows", ())):
-            scene = item["scene"]
-            figures, rows = self.tables(scene) if scene in SCENES else ((), ())
-            how = {"run": self.runs.index(made[item["run"]]), "seconds": item["seconds"]}
-            for figure in figures:
-                if figure.number == item.get("number"):
-                    self._add_figure(scene, figure, item["error"], **how)
-            for row in rows:
-                if row.name == item.get("name"):
-                    parts = {one.name: item[one.name] for one in fields(Assessment)}
-                    parts["candidates"] = tuple(map(tuple, parts["candidates"]))
-                    parts["thresholds"] = tuple(RowThreshold(**one) for one in parts["thresholds"])
+        self.runs += [one for one in found.runs if one not in self.runs]
+        for item in found.entries:
+            paper = read_paper(item.scene) if item.scene in SCENES else PaperData()
+            how = {"run": self.runs.index(found.runs[item.run]), "seconds": item.seconds}
+            if isinstance(item, FigureEntry):
+                for figure in paper.figures:
+                    if figure.number == item.number:
+                        self._add_figure(item.scene, figure, item.error, **how)
+                continue
+            for row in paper.rows:
+                if row.name == item.name:
+                    parts = {one.name: getattr(item, one.name) for one in fields(Assessment)}
                     whole = assess(row, Session()) if row.is_text else Assessment(**parts)
-                    self.assessed[scene, row.name] = RowEntry.of(scene, row, whole, **how)
+                    self.assessed[item.scene, row.name] = RowEntry.of(item.scene, row, whole, **how)
 
     def _add_figure(self, scene: str, figure: PaperFigure, error: str | None, **how: Any) -> None:
         self.drawn[scene, figure.number] = FigureEntry(
@@ -108,14 +109,22 @@ class Folder:
     def contents(self) -> Findings:
         """Return all that is there, in the order of the papers."""
         there = {scene for scene, _ in (*self.drawn, *self.assessed)}
-        return self.selection({scene: self.tables(scene) for scene in SCENES if scene in there})
+        return self.selection({scene: read_paper(scene) for scene in SCENES if scene in there})
 
-    def selection(self, papers: Mapping[str, Paper]) -> Findings:
+    def selection(self, papers: Papers) -> Findings:
         """Return what there is of figures and rows."""
-        places = [(scene, one.number) for scene, (own, _) in papers.items() for one in own]
-        names = [(scene, one.name) for scene, (_, own) in papers.items() for one in own]
-        figures = [self.drawn[key] for key in places if key in self.drawn]
-        rows = [self.assessed[key] for key in names if key in self.assessed]
+        figures = [
+            self.drawn[scene, one.number]
+            for scene, paper in papers.items()
+            for one in paper.figures
+            if (scene, one.number) in self.drawn
+        ]
+        rows = [
+            self.assessed[scene, one.name]
+            for scene, paper in papers.items()
+            for one in paper.rows
+            if (scene, one.name) in self.assessed
+        ]
         used = list(dict.fromkeys([item.run for item in figures] + [item.run for item in rows]))
         made = self.runs[0]
         return Findings(
@@ -126,7 +135,7 @@ class Folder:
             tuple(
                 CauseEntry(**vars(cause), scene=scene)
                 for scene in papers
-                for cause in causes(scene)
+                for cause in read_paper(scene).causes
             ),
             tuple(self.runs[i] for i in used),
         )
@@ -139,7 +148,7 @@ class Folder:
 
     def has(self, entry: FigureEntry | RowEntry | None) -> bool:
         """Return whether something is finished that would be made in the same way again."""
-        return bool(entry and not entry.failed and entry.run == 0)
+        return bool(entry and not entry.failed and self.runs[entry.run].way == self.runs[0].way)
 
     def draw(self, scene: str, session: Session, figure: PaperFigure, resume: bool) -> None:
         """Draw a figure, unless an interrupted run has."""

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import operator
-import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from decimal import Decimal
-from functools import partial
-from textwrap import dedent
-from typing import TYPE_CHECKING, Any
+from typing import Any, Literal
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from .session import Session
+from .equations import Identities
+from .session import Session
 
 REPRODUCED = "reproduced"
 UNCONVERGED = "reproduced, unconverged"
@@ -27,11 +24,6 @@ OPEN = "open"
 NOT_TESTABLE = "not testable"
 ERROR = "error"
 """Of a row that could not be judged: a fault of ours or of an engine, not of the paper."""
-PROOF = "tests/comparisons/papers/test_equations.py::test_printed_form_of_a_misprint_does_not_hold"
-"""The test of a misprint in an equation."""
-ITS_RUN = "tests/comparisons/papers/test_published.py::test_quick_row_is_what_a_run_gives"
-"""The test of a misprint whose row computes what shows it."""
-
 READ = ""
 """Of a reading, which is judged by nobody and not counted."""
 
@@ -118,7 +110,7 @@ class Condition:
 
     name: str
     relation: str
-    limit: float | str
+    limit: float | str | bool
     everyone: bool = False
     ours: bool = False
 
@@ -155,49 +147,12 @@ Judgement = Mapping[str, tuple[Condition, ...]]
 `NOT_REPRODUCED` if there is none."""
 
 
-def holds(*conditions: Condition) -> Judgement:
-    """Return that a row is reproduced if these conditions hold."""
-    return {REPRODUCED: conditions}
-
-
-def corrected(*conditions: Condition) -> Judgement:
-    """Return that a row is reproduced by a corrected equation if these conditions hold."""
-    return {CORRECTED: conditions}
-
-
-def depends(*conditions: Condition) -> Judgement:
-    """Return that a row depends on what is not printed if these conditions hold."""
-    return {DEPENDS: conditions}
-
-
-def unconverged(*conditions: Condition) -> Judgement:
-    """Return that a row is reproduced by the paper's truncation if these conditions hold."""
-    return {UNCONVERGED: conditions}
-
-
-def below(name: str, limit: float, everyone: bool = False, ours: bool = False) -> Condition:
-    """Return the condition that a number is less than a limit."""
-    return Condition(name, "<", limit, everyone, ours)
-
-
-def above(name: str, limit: float, everyone: bool = False, ours: bool = False) -> Condition:
-    """Return the condition that a number is greater than a limit."""
-    return Condition(name, ">", limit, everyone, ours)
-
-
-def equal(name: str, limit: float | str, everyone: bool = False) -> Condition:
-    """Return the condition that a number or a word is a given one."""
-    return Condition(name, "==", limit, everyone)
-
-
 @dataclass(frozen=True)
 class Erratum:
     """A misprint, as its authors would want it told; where and what it is, the row says.
 
     Attributes
     ----------
-    test : str
-        the test that proves it
     corrected : str
         the formula as it should be
     why : str
@@ -206,13 +161,18 @@ class Erratum:
         what it does to the paper's results
     copy : str
         why our copy of the text may be at fault, if it may
+    equations : tuple of str
+        what is to be changed: equations, a table, a place in the text
+    kind : str
+        a fault of `print`, of `reasoning`, or of `wording` or a symbol
     """
 
-    test: str
     corrected: str = ""
     why: str = ""
-    effect: str = ""
+    effect: str = "none"
     copy: str = ""
+    equations: tuple[str, ...] = ()
+    kind: Literal["print", "reasoning", "wording"] = "print"
 
 
 @dataclass(frozen=True)
@@ -257,9 +217,8 @@ class Printed:
 class LedgerRow:
     """One printed number, qualitative claim, misprint, or open reading.
 
-    A row that has neither ``numbers`` nor ``each`` is text: it computes nothing, and its verdict is
-    the expected one. Templates (``reason``, ``reference``, ``engines`` and the ``candidates``) are
-    filled in with the measured numbers by `assess.fill`.
+    Without conditions its verdict is the expected one. Templates (``reason``, ``reference``,
+    ``engines`` and the ``candidates``) are filled in with the measured numbers by `assess.fill`.
 
     Attributes
     ----------
@@ -269,7 +228,7 @@ class LedgerRow:
         Unique in its scene: ``case_1_speed``.
     section : str
         Where it stands: ``5.2, case 1``, ``equation (21)``, ``figure 3``.
-    summary : str
+    claim : str
         What the paper says, in our own words.
     verdict : str
         The one that is expected, of `VERDICTS`; `READ` of a reading.
@@ -291,12 +250,14 @@ class LedgerRow:
         Of a misprint.
     slow : bool
         Takes more than two seconds.
+    equations : Identities, optional
+        Equations as printed, corrected and derived; their errors are among the row's numbers.
     """
 
-    kind: str
+    kind: Literal["number", "claim", "misprint", "reading"]
     name: str
     section: str
-    summary: str
+    claim: str
     verdict: str
     reason: str = ""
     numbers: Callable[[Session], Numbers] | None = None
@@ -308,11 +269,7 @@ class LedgerRow:
     candidates: Mapping[str, str] = field(default_factory=dict)
     erratum: Erratum | None = None
     slow: bool = False
-
-    @property
-    def test(self) -> str:
-        """Return the test that proves a misprint."""
-        return self.erratum.test if self.erratum else ""
+    equations: Identities | None = None
 
     @property
     def quantity(self) -> Printed | None:
@@ -326,43 +283,4 @@ class LedgerRow:
     @property
     def is_text(self) -> bool:
         """Return whether nothing is computed."""
-        return self.numbers is None and self.each is None
-
-
-ROUNDS = Condition("value", "rounds to", PRINTED)
-"""The number called ``value`` rounds to the printed one."""
-
-statement = partial(LedgerRow, "claim")
-number = partial(LedgerRow, "number", judgement=holds(ROUNDS), reference="{value:.5g} {unit}")
-
-
-def misprint(
-    *head: Any,
-    test: str = PROOF,
-    corrected: str,
-    why: str,
-    effect: str,
-    copy: str = "",
-    **more: Any,
-) -> LedgerRow:
-    """Return the row of a misprint; ``head`` and ``more`` are of `LedgerRow`."""
-    erratum = Erratum(test, corrected, why, effect, copy)
-    return replace(LedgerRow("misprint", *head, **more), erratum=erratum)
-
-
-def whole_lines(text: str) -> list[str]:
-    """Return the lines of a text, those that are indented further joined to the one before."""
-    return re.sub(r"\n+", "\n", re.sub(r"\n +", " ", dedent(text).strip())).splitlines()
-
-
-def reading(
-    name: str, section: str, summary: str, reason: str, candidates: str, **more: Any
-) -> LedgerRow:
-    """Return the row of what the text leaves open.
-
-    Each way of reading it is a line of ``candidates``, and after a bar what it gives; lines that
-    are indented further go on.
-    """
-    pairs = (line.partition(" | ") for line in whole_lines(candidates))
-    gives = {way: result for way, _, result in pairs}
-    return LedgerRow("reading", name, section, summary, READ, reason, candidates=gives, **more)
+        return self.numbers is None and self.each is None and self.equations is None

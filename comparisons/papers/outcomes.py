@@ -5,49 +5,13 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any
 
-from ...models.tables import table_of
 from ...reference import SCENES
-from ...reference.errors import UnknownNameError
 from ..documents import document
 from .assess import Assessment
-from .ledger import ERROR, Cause, Erratum, LedgerRow, PaperFigure, Printed
-
-T = TypeVar("T")
-
-
-def tables(scene: str) -> tuple[tuple[PaperFigure, ...], tuple[LedgerRow, ...]]:
-    """Return the figures and rows of a scene's paper; a scene may have none.
-
-    Raises
-    ------
-    UnknownNameError
-        If there is no such scene.
-    """
-    if scene not in SCENES:
-        raise UnknownNameError("scene", scene, SCENES)
-    return of_paper(scene, "FIGURES", ()), of_paper(scene, "ROWS", ())
-
-
-def scenes_with_ledger() -> tuple[str, ...]:
-    """Return the scenes of papers that are reproduced; others are textbook mechanics."""
-    return tuple(scene for scene in SCENES if any(tables(scene)))
-
-
-def of_paper(scene: str, table: str, empty: T) -> T:
-    """Return a table of a scene's paper; a scene may have no paper."""
-    return table_of(f"{__package__}.{scene}.rows", table, empty)
-
-
-def causes(scene: str) -> tuple[Cause, ...]:
-    """Return what rows of a scene's paper have in common; a scene may have no paper."""
-    return of_paper(scene, "CAUSES", ())
-
-
-def conclusions(scene: str) -> str:
-    """Return the section of a paper's conclusions."""
-    return of_paper(scene, "CLOSING_SECTION", "")
+from .claims import read_paper
+from .ledger import ERROR, Cause, Erratum, LedgerRow, Printed
 
 
 @dataclass(frozen=True)
@@ -58,10 +22,21 @@ class Made:
     ----------
     full : bool
         whether `--full` was given
+    date : str
+        the day, as 2026-11-27; empty if unknown
+    commit : str
+        of the clone that mbcheck ran from; empty if it is installed otherwise
     """
 
     versions: Mapping[str, str]
     full: bool = False
+    date: str = ""
+    commit: str = ""
+
+    @property
+    def way(self) -> tuple[Mapping[str, str], bool]:
+        """Return what must be the same for an interrupted run to go on."""
+        return self.versions, self.full
 
 
 @dataclass(frozen=True)
@@ -115,8 +90,6 @@ class RowEntry(Assessment):
         what it says, in our words
     printed : str
         printed value; empty for a claim in words
-    test : str
-        of a misprint: the test that shows it
     cause : str
         name of the cause that it shares with others, or empty
     erratum : Erratum or None
@@ -135,7 +108,6 @@ class RowEntry(Assessment):
     section: str
     claim: str
     printed: str
-    test: str
     cause: str
     erratum: Erratum | None
     quantity: Printed | None
@@ -150,20 +122,13 @@ class RowEntry(Assessment):
     @classmethod
     def of(cls, scene: str, row: LedgerRow, assessment: Assessment, **how: Any) -> RowEntry:
         """Return the entry of a row, with how it was made."""
-        return cls(
-            scene=scene,
-            name=row.name,
-            kind=row.kind,
-            section=row.section,
-            claim=row.summary,
-            printed=row.printed,
-            test=row.test,
-            cause=next((cause.name for cause in causes(scene) if row.name in cause.rows), ""),
-            erratum=row.erratum,
-            quantity=row.quantity,
-            **vars(assessment),
-            **how,
-        )
+        shared = (cause.name for cause in read_paper(scene).causes if row.name in cause.rows)
+        own = {name: getattr(row, name) for name in OF_ROW}
+        return cls(scene=scene, cause=next(shared, ""), **own, **vars(assessment), **how)
+
+
+OF_ROW = ("name", "kind", "section", "claim", "printed", "erratum", "quantity")
+"""What an entry has of its row."""
 
 
 @dataclass(frozen=True)

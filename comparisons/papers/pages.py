@@ -1,6 +1,7 @@
 """The pages that ``mbcheck reproduce`` writes: Markdown, and the same as HTML.
 
-The template ``paper.md`` orders the chapters; their sentences and tables are made here.
+The template ``paper.md`` orders the chapters of a paper; its tables are made here. What is said of
+a paper in words is written by hand, in its ``claims.toml``.
 """
 
 from __future__ import annotations
@@ -9,37 +10,30 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import fields
+from html import unescape
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 
 from markupsafe import Markup
 
 from ...reference import get_scene
+from ...reference.scene import Paper
 from ..engines.registry import REFERENCE
 from ..reports.files import write_or_collect
 from ..reports.html import render, render_markdown
 from ..reports.text import markdown_table
-from ..reports.words import Markdown, code, number, plain, plural, with_unit
-from .assess import RowThreshold
-from .ledger import (
-    CORRECTED,
-    DEPENDS,
-    ERROR,
-    NOT_REPRODUCED,
-    NOT_TESTABLE,
-    OPEN,
-    REPRODUCED,
-    UNCONVERGED,
-    VERDICTS,
-)
-from .outcomes import Findings, RowEntry, causes, conclusions, tables
+from ..reports.words import Markdown, code, number, plain, with_unit
+from .assess import RowThreshold, fill
+from .claims import read_paper
+from .formulas import Formula, typeset
+from .ledger import ERROR, VERDICTS
+from .outcomes import Findings, Made, RowEntry
 
 STATEMENTS = ("number", "claim")
 """Kinds of rows that the verdict on a paper counts; misprints and readings have chapters."""
 
-HOLDS = (REPRODUCED, CORRECTED)
-
-ROUGHLY = "come out only with as few assumed modes as are not converged"
+FAULTS = {"print": "of print", "reasoning": "of reasoning", "wording": "of wording or a symbol"}
 
 PROVENANCE = ("chosen", "calibrated", "derived")
 """Of a parameter: the word before the colon of its source; without one it is printed."""
@@ -60,25 +54,44 @@ NOTE = (
     "have no verdict, and are not counted."
 )
 
-LEGEND = (
-    "Each row is something that the paper prints or claims, in our words. A printed number "
-    "is *reproduced* if ours rounds to it. Values are computed, none is tuned to agree where "
-    "the row does not say so; what cannot be tested is text."
-)
-"""How to read the ledger."""
+FORMULA = re.compile(r"`= (.+?)`"), re.compile(r"<code>= (.+?)</code>")
+"""A formula on a page before it is typeset: in Markdown, and as HTML has it."""
+
+LINK = re.compile(r"\[\[(\w+)\]\]")
+"""A link to a row, in a verdict."""
+
+SOURCE = "mbcheck developers, *mbcheck: a validation suite for multibody engines*"
+"""What a page is cited as part of."""
 
 
 def write_pages(result: Findings, out: Path) -> None:
     """Write a page for each paper and one that leads to them, as Markdown and as HTML."""
     pages = {scene: scene_page(result, scene) for scene in result.scenes}
     for name, text in (pages | {"index": index_page(result)}).items():
-        write_or_collect(out / f"{name}.md", text.encode())
+        write_or_collect(out / f"{name}.md", markdown(text).encode())
         write_or_collect(out / f"{name}.html", html(text).encode())
     write_or_collect(out / "summary.md", summary(result).encode())
 
 
+def formula(text: str) -> Markdown:
+    """Return a formula that is yet to be typeset, or the words that stand in its place."""
+    return code(f"= {text}") if typeset(text) else plain(text)
+
+
+def markdown(text: str) -> str:
+    """Return a page with its formulas as LaTeX."""
+    return FORMULA[0].sub(lambda match: f"$`{typed(match[1]).latex}`$", text)
+
+
+def typed(text: str) -> Formula:
+    """Return a formula, typeset, that `formula` has let through."""
+    found = typeset(text)
+    assert found is not None, text
+    return found
+
+
 def html(text: str) -> str:
-    """Return a page of Markdown as HTML; links lead to pages of the same kind."""
+    """Return a page as HTML: links lead to pages of the same kind, formulas are MathML."""
     from markdown_it import MarkdownIt
 
     reader = MarkdownIt("commonmark", {"html": False}).enable("table")
@@ -87,16 +100,18 @@ def html(text: str) -> str:
         if token.type == "heading_open":
             token.attrSet("id", anchor(inside.content))
     body = str(reader.renderer.render(tokens, reader.options, {}))
-    for markdown, page in (
+    body = FORMULA[1].sub(lambda match: typed(unescape(match[1])).mathml, body)
+    for part, page in (
         (r'\.md"', '.html"'),
         (r"<table>", '<div class="wide"><table>'),
         (r"</table>", "</table></div>"),
+        (r'<p><a href="([^"]*\.png)">', r'<p class="wide"><a href="\1">'),
         *(
             (f"<strong>{name}</strong>", f'<strong class="verdict v{i}">{name}</strong>')
             for i, name in enumerate((*VERDICTS, ERROR))
         ),
     ):
-        body = re.sub(markdown, page, body)
+        body = re.sub(part, page, body)
     title = text.partition("\n")[0].lstrip("# ")
     return render("paper.html", title=title, body=Markup(body))
 
@@ -165,15 +180,36 @@ def how_made(result: Findings, scene: str = "") -> Iterator[str]:
         versions = ", ".join(f"{name} {version}" for name, version in made.versions.items())
         yield (
             f"{len(mine)} figures and rows by "
-            f"`mbcheck reproduce{name}{' --full' if made.full else ''}` in {duration}, "
+            f"`mbcheck reproduce{name}{' --full' if made.full else ''}`{when(made)} in {duration}, "
             f"maps that were there already not counted, with {versions}."
         )
 
 
+def when(made: Made) -> str:
+    """Return date and commit of a run, as far as they are known."""
+    parts = [("on", made.date), ("at commit", code(made.commit) if made.commit else "")]
+    return "".join(f" {word} {text}" for word, text in parts if text)
+
+
+def link(paper: Paper) -> str:
+    """Return where a paper is found."""
+    doi = paper.doi and f"[doi:{paper.doi}](https://doi.org/{paper.doi})"
+    return doi or (paper.url and f"[{paper.url}](https://{paper.url})")
+
+
+def citation(result: Findings, scene: str) -> str:
+    """Return how a page is cited: by version, date and commit of its latest run."""
+    runs = [result.runs[item.run] for item in result.entries if item.scene == scene]
+    made = max(runs, key=lambda run: run.date)
+    version = made.versions.get("mbcheck", "unknown")
+    made_when = when(made) and f", made{when(made)}"
+    return f"Cite as: {SOURCE}, version {version}, page {code(scene)}{made_when}."
+
+
 def scene_page(result: Findings, scene: str) -> str:
-    """Return the page of one paper."""
+    """Return the page of one paper, its formulas not typeset yet."""
     paper = get_scene(scene).paper
-    items, whole = result.rows_of(scene), len(tables(scene)[1])
+    items, whole = result.rows_of(scene), len(read_paper(scene).rows)
     numbers = [item.number for item in result.figures_of(scene) if not item.failed]
     short = f"*{len(items)} of {whole} rows are judged here; `mbcheck reproduce {scene}`.*"
     ledger = [item for item in items if item.kind in STATEMENTS]
@@ -192,149 +228,78 @@ def scene_page(result: Findings, scene: str) -> str:
         scene=scene,
         paper=paper,
         where=", ".join(filter(None, [paper.journal, str(paper.year)])),
-        link=f", [doi:{paper.doi}](https://doi.org/{paper.doi})" if paper.doi else "",
+        link=link(paper),
+        citation=citation(result, scene),
         items=items,
         missing=short if len(items) < whole else "",
-        verdict=list(verdict(scene, items)) if items else [],
+        verdict=verdict(scene, items),
+        judged=judged(ledger),
         parameters=parameters(scene),
         figures=result.figures_of(scene),
         numbers=numbers,
         ledger=ledger,
-        legend=LEGEND,
         cause_table=cause_table(scene, ledger),
         overview=overview(ledger),
-        errata=[item for item in items if item.kind == "misprint"],
-        errata_table=errata(items),
+        errata=[item for item in items if item.erratum],
+        places=places(items),
+        certain=errata(items, in_copy=False),
+        copied=errata(items, in_copy=True),
         readings=[item for item in items if item.kind == "reading"],
         made="\n\n".join(how_made(result, scene)),
     )
 
 
-# The verdict in five sentences --------------------------------------------------------------
+# The verdict --------------------------------------------------------------------------------
 
 
-def verdict(scene: str, items: Sequence[RowEntry]) -> Iterator[str]:
-    """Yield what holds of a paper, what does not, and why: five sentences made of its rows."""
-    rows = [item for item in items if item.kind in STATEMENTS]
-    count = Counter(item.verdict for item in rows)
-    numbers = [item for item in rows if item.kind == "number"]
-    right = sum(item.verdict in HOLDS for item in numbers)
-    rough = sum(item.verdict == UNCONVERGED for item in numbers)
-    each = "; ".join(f"{count[name]} {name}" for name in VERDICTS if count[name])
-    yield (
-        f"Misprints (see 4) apart, {len(rows)} numbers and claims were judged: {each}; of the "
-        f"{plural(len(numbers), 'printed number')} {right} come out"
-        f"{f', and {rough} {ROUGHLY}' * bool(rough)}."
-    )
-    yield of_conclusions(scene, rows)
-    yield of_causes(scene, rows)
-    yield of_errata(items)
-    yield of_gaps(rows, items)
+def verdict(scene: str, items: Sequence[RowEntry]) -> str:
+    """Return the verdict that was written by hand, with the numbers of its rows and links to them.
 
-
-def of_conclusions(scene: str, rows: Sequence[RowEntry]) -> str:
-    """Return what holds of the paper's abstract and conclusions."""
-    own = [item for item in rows if is_conclusion(scene, item.section)]
-    groups = {
-        "there hold": [item for item in own if item.verdict in HOLDS],
-        ROUGHLY: [item for item in own if item.verdict == UNCONVERGED],
-        "do not hold": [item for item in own if item.verdict == NOT_REPRODUCED],
-        "cannot be told": [item for item in own if item.verdict in (OPEN, DEPENDS, NOT_TESTABLE)],
+    Empty where one of these rows was not judged.
+    """
+    text = read_paper(scene).verdict
+    known = {
+        item.name: SimpleNamespace(
+            **({"printed": item.printed} | dict(item.numbers.get(REFERENCE, {})))
+        )
+        for item in items
+        if not item.failed
     }
-    parts = [
-        f"**{word}** ({len(group)}): {', '.join(summary_link(item) for item in group)}"
-        for word, group in groups.items()
-        if group
+    if not set(LINK.findall(text)) <= known.keys():
+        return ""
+    try:
+        parts = LINK.split(fill(text, known))
+    except (AttributeError, LookupError):
+        return ""
+    return "".join(row_links([part]) if i % 2 else plain(part) for i, part in enumerate(parts))
+
+
+def judged(rows: Sequence[RowEntry]) -> str:
+    """Return the table of how many printed numbers and claims have which verdict."""
+    count = Counter((row.verdict, row.kind) for row in rows)
+    lines = [
+        [Markdown(f"**{name}**"), *(count[name, kind] for kind in STATEMENTS)]
+        for name in (*VERDICTS, ERROR)
+        if any(count[name, kind] for kind in STATEMENTS)
     ]
-    return f"Of its abstract and conclusions {'; '.join(parts) or 'nothing was judged'}."
+    return markdown_table(["Verdict", "Printed numbers", "Claims"], lines) if lines else ""
 
 
-def is_conclusion(scene: str, section: str) -> bool:
-    """Return True if a claim is in the abstract or the conclusions."""
-    words = re.sub(r"(figure|equation|table)s? .*", "", section).split(", ")
-    return bool({"abstract", conclusions(scene)} & set(words) or "conclusion" in section)
-
-
-def summary_link(item: RowEntry) -> str:
-    """Return the claim of a row, as a link to it."""
-    text = item.claim.rstrip(".")
-    lower = text[:1].lower() + text[1:] if text[1:2].islower() else text
-    return f"[{plain(lower)}](#{item.name})"
+def places(items: Sequence[RowEntry]) -> str:
+    """Return the table of how many places are to be put right, and may be so in our copy alone."""
+    errata = [item.erratum for item in items if item.erratum]
+    lines = []
+    for kind, words in FAULTS.items():
+        mine = [one for one in errata if one.kind == kind]
+        sizes = [sum(len(one.equations) for one in mine if one.copy or not copy) for copy in (0, 1)]
+        lines += [[words, *sizes]] if mine else []
+    heads = ["Places to put right", "All", "Of these perhaps faults of our copy"]
+    return markdown_table(heads, lines) if lines else ""
 
 
 def row_links(names: Iterable[str]) -> str:
     """Return links to rows."""
     return ", ".join(f"[{code(name)}](#{name})" for name in names)
-
-
-def of_causes(scene: str, rows: Sequence[RowEntry]) -> str:
-    """Return the causes of rows that are not reproduced: shared ones, and the others."""
-    failed = [item.name for item in rows if item.verdict == NOT_REPRODUCED]
-    shared = [
-        (cause, own)
-        for cause in causes(scene)
-        if (own := [name for name in failed if name in cause.rows])
-    ]
-    alone = [item.name for item in rows if item.verdict == NOT_REPRODUCED and not item.cause]
-    parts = [
-        f"{plain(cause.summary.rstrip('.'))} ({plural(len(own), 'row')}: {row_links(own)})"
-        for cause, own in shared
-    ]
-    if alone:
-        each = "each " * (len(alone) > 1)
-        parts.append(f"{each}with a reason of its own: {row_links(alone)}")
-    if not parts:
-        return "No row fails."
-    count = len(shared) + len(alone)
-    has = "has" if len(failed) == 1 else "have"
-    return (
-        f"The {plural(len(failed), 'row')} not reproduced {has} {plural(count, 'cause')}: "
-        f"{'; '.join(parts)}."
-    )
-
-
-def of_errata(items: Sequence[RowEntry]) -> str:
-    """Return how many misprints there are, and what becomes of the paper with them put right."""
-    errata = [item for item in items if item.erratum]
-    effects = [item.erratum.effect for item in errata if item.erratum]
-    harmless = sum(text.startswith("none") for text in effects)
-    rows = [item for item in items if item.kind in STATEMENTS]
-    saved = [item.name for item in rows if item.verdict == CORRECTED]
-    effect = f", {harmless} of them without an effect shown on its results" if harmless else ""
-    rest = f"; {plural(len(saved), 'row')} hold with them put right ({row_links(saved)})"
-    by_row = [equations_of(item.section) for item in errata]
-    numbers = set().union(*by_row)
-    places = f" in equations {', '.join(f'({one})' for one in sorted(numbers))}" if numbers else ""
-    elsewhere = sum(not own for own in by_row)
-    places += f", {elsewhere} of them elsewhere" if elsewhere else ""
-    return f"It has {plural(len(errata), 'misprint')}{places}{effect}{rest * bool(saved)}."
-
-
-def equations_of(section: str) -> set[int]:
-    """Return the equations that something stands in, not those that it stands beside.
-
-    >>> [equations_of(text) for text in ("(4), (5)", "2, above (17)", "2, (13), below (21)")]
-    [{4, 5}, set(), {13}]
-    """
-    inside = re.sub(r"(above|after|below|from) [^,]*", "", section)
-    return set(map(int, re.findall(r"\((\d+)\)", inside)))
-
-
-def of_gaps(rows: Sequence[RowEntry], items: Sequence[RowEntry]) -> str:
-    """Return what cannot be decided, since it is not in the paper."""
-    by_verdict = {
-        name: [item.name for item in rows if item.verdict == name]
-        for name in (DEPENDS, OPEN, NOT_TESTABLE)
-    }
-    parts = [
-        f"{plural(len(names), 'row')} {'is' if len(names) == 1 else 'are'} {name} "
-        f"({row_links(names)})".replace("is depends", "depends").replace("are depends", "depend")
-        for name, names in by_verdict.items()
-        if names
-    ]
-    left = [item.name for item in items if item.kind == "reading"]
-    parts.append(f"the text leaves open {len(left)} things that had to be chosen here")
-    return f"Not decided by what is printed: {'; '.join(parts)}."
 
 
 # Parameters ---------------------------------------------------------------------------------
@@ -352,8 +317,9 @@ def parameters(scene: str) -> str:
         where = rest.strip() if known and colon else "" if known else about["source"]
         value = getattr(defaults, item.name)
         words = value if isinstance(value, str) else with_unit(value, about["unit"], 10)
-        rows.append([about["symbol"], words, how, where, about["meaning"], code(item.name)])
-    heads = ["Symbol", "Value", "Provenance", "Where", "What", "Name"]
+        source = ": ".join(filter(None, (how, where)))
+        rows.append([about["symbol"], words, source, about["meaning"], code(item.name)])
+    heads = ["Symbol", "Value", "Source", "What", "Name"]
     return markdown_table(heads, rows)
 
 
@@ -382,14 +348,21 @@ def overview(items: Sequence[RowEntry]) -> str:
     return markdown_table(["Row", "Where", "Printed", "Verdict"], rows)
 
 
-def errata(items: Sequence[RowEntry]) -> str:
-    """Return the table of misprints: where, and what should stand there."""
-    rows = [
-        [row.section, row.claim, row.erratum.corrected, Markdown(row_links([row.name]))]
+def errata(items: Sequence[RowEntry], in_copy: bool) -> str:
+    """Return the table of errata that are certain, or that may be faults of our copy."""
+    heads = ["Where", "Printed", "Corrected", "Why", "Effect", *["Our copy"] * in_copy, "Row"]
+    lines = [
+        [
+            ", ".join(one.equations),
+            formula(row.printed),
+            formula(one.corrected),
+            *map(plain, (one.why, one.effect, *[one.copy] * in_copy)),
+            Markdown(row_links([row.name])),
+        ]
         for row in items
-        if row.erratum
+        if (one := row.erratum) and bool(one.copy) == in_copy
     ]
-    return markdown_table(["Where", "What is wrong", "Corrected", "Row"], rows)
+    return markdown_table(heads, lines) if lines else ""
 
 
 def cause_table(scene: str, items: Sequence[RowEntry]) -> str:
@@ -397,7 +370,7 @@ def cause_table(scene: str, items: Sequence[RowEntry]) -> str:
     there = {row.name for row in items}
     shared = [
         [cause.summary, Markdown(row_links(own))]
-        for cause in causes(scene)
+        for cause in read_paper(scene).causes
         if (own := [name for name in cause.rows if name in there])
     ]
     return markdown_table(["Cause", "Rows"], shared) if shared else ""
@@ -409,27 +382,16 @@ def sentence(text: str) -> str:
 
 
 def row_lines(row: RowEntry) -> Iterator[str]:
-    """Yield the values of a row, its limits, its cause, its erratum and its command."""
+    """Yield the values of a row, its limits, its cause and its command."""
     ours = {REFERENCE: row.reference, **row.engines}
     values = [f"{name} {plain(value)}" for name, value in ours.items() if value]
     printed = [f"printed **{plain(row.printed)}**"] if row.printed else []
     if printed or values:
         yield "; ".join([*printed, *values])
     yield from map(threshold, row.thresholds)
-    if cause := next((one for one in causes(row.scene) if one.name == row.cause), None):
+    if cause := next((one for one in read_paper(row.scene).causes if one.name == row.cause), None):
         others = [name for name in cause.rows if name != row.name]
         yield f"cause: {plain(sentence(cause.summary))} Shared with {row_links(others)}"
-    if row.erratum:
-        for word, text in (
-            ("corrected", row.erratum.corrected),
-            ("why", row.erratum.why),
-            ("effect", row.erratum.effect),
-            ("our copy", row.erratum.copy),
-        ):
-            if text:
-                yield f"{word}: {plain(text)}"
-        if row.test:
-            yield f"shown by the test {code(row.test)}"
     if row.thresholds or row.failed:
         seconds = f" ({number(row.seconds, 2)} s)" if row.seconds >= 1 else ""
         yield f"{code(f'mbcheck reproduce {row.scene} --row {row.name}')}{seconds}"

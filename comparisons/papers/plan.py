@@ -19,13 +19,13 @@ from ..checks.suite import Task, matches
 from ..checks.verdict import Result, Subject, Verdict
 from ..engines.registry import REFERENCE, resolve_selection
 from .assess import Assessment, assessed, attempt, measure
+from .claims import read_paper
 from .ledger import KINDS, Condition, LedgerRow, Numbers
-from .outcomes import tables
 from .reproduce import for_scene
 from .session import Session
 
-TEXT = "a text, which computes nothing"
-"""Why a row is skipped that is not computed."""
+UNJUDGED = "no conditions judge it: a text, or what the paper leaves open"
+"""Why a row is skipped."""
 
 
 def plan(
@@ -58,7 +58,7 @@ def plan(
     checks = [
         RowCheck(scene, row.kind, (row.name,), for_scene(Session(engines), scene).engines)
         for scene in scenes
-        for row in tables(scene)[1]
+        for row in read_paper(scene).rows
         if not kinds or row.kind in kinds
     ]
     checks = narrowed(checks, f"--id {' '.join(ids)}", lambda one: not ids or matches(one, ids))
@@ -93,7 +93,7 @@ class RowCheck(Task):
     @property
     def row(self) -> LedgerRow:
         """The row itself; a check knows its name, so that it can be sent to another process."""
-        return next(row for row in tables(self.scene)[1] if row.name == self.quantities[0])
+        return next(row for row in read_paper(self.scene).rows if row.name == self.quantities[0])
 
     @property
     def subject(self) -> Subject:
@@ -118,8 +118,8 @@ class RowCheck(Task):
 
     def run(self, profile: str) -> list[Result]:
         """Return the row's result; rows have no tolerances that a profile could scale."""
-        if self.row.is_text:
-            return self.skipped(TEXT)
+        if not self.row.judgement:
+            return self.skipped(UNJUDGED)
         begin = perf_counter()
         outcome, failure = attempt(lambda: self.assess(shared_session(self.engines)))
         if outcome is None:

@@ -5,17 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from datetime import date
 from pathlib import Path
 from typing import Annotated
 
 from ...reference.errors import UnknownNameError, UsageError
 from ..documents.fields import JOBS, OptionMark, takes_fields_of
 from ..engines.registry import available, get_engine
-from ..queries.environment import versions
+from ..queries.environment import own_commit, versions
 from ..reports.drawing import import_pyplot
-from .folder import Folder
-from .ledger import LedgerRow, PaperFigure
-from .outcomes import Findings, Made, scenes_with_ledger, tables
+from .claims import PaperData, read_paper, scenes_with_ledger
+from .folder import Folder, Papers
+from .outcomes import Findings, Made
 from .session import Session
 
 Progress = Callable[[int, int, str], None]
@@ -71,19 +72,20 @@ def reproduce(asked: ReproduceRequest) -> Findings:
     figure, rows, resume, workers = asked.figure, asked.rows, asked.resume, asked.workers
     import_pyplot()
     papers = selected(asked.scenes or scenes_with_ledger(), figure, rows)
-    made = Made(versions(available()), asked.full)
-    folder = Folder(Path(asked.out), tables, made)
-    count = Count(sum(len(items) for paper in papers.values() for items in paper), asked.progress)
+    made = Made(versions(available()), asked.full, date.today().isoformat(), own_commit())
+    folder = Folder(Path(asked.out), made)
+    total = sum(len(paper.figures) + len(paper.rows) for paper in papers.values())
+    count = Count(total, asked.progress)
     session = Session(available(), asked.full, workers, folder.work, count.within)
     sessions = {scene: for_scene(session, scene) for scene in papers}
     for scene in () if resume or rows or figure is not None else papers:
         folder.forget_maps(scene)
-    for scene, (figures, _) in papers.items():
-        for item in figures:
+    for scene, paper in papers.items():
+        for item in paper.figures:
             with count.one(f"{scene} figure {item.number}"):
                 folder.draw(scene, sessions[scene], item, resume)
-    for scene, (_, ledger) in papers.items():
-        for row in ledger:
+    for scene, paper in papers.items():
+        for row in paper.rows:
             with count.one(f"{scene} {row.name}"):
                 folder.assess(scene, sessions[scene], row, resume)
     return folder.selection(papers)
@@ -91,11 +93,7 @@ def reproduce(asked: ReproduceRequest) -> Findings:
 
 def contents(out: str | Path) -> Findings:
     """Return everything that calls of `reproduce` have found in a folder."""
-    return Folder(Path(out), tables, Made(versions(available()))).contents
-
-
-Papers = dict[str, tuple[tuple[PaperFigure, ...], tuple[LedgerRow, ...]]]
-"""Figures and rows by scene."""
+    return Folder(Path(out), Made(versions(available()))).contents
 
 
 def selected(scenes: Sequence[str], figure: int | None, rows: Collection[str]) -> Papers:
@@ -106,26 +104,26 @@ def selected(scenes: Sequence[str], figure: int | None, rows: Collection[str]) -
     UsageError
         If none of the papers has them, or a scene has no paper.
     """
-    papers = {scene: tables(scene) for scene in scenes}
+    papers = {scene: read_paper(scene) for scene in scenes}
     for scene, paper in papers.items():
-        if not any(paper):
+        if not paper.rows:
             own = ", ".join(scenes_with_ledger())
             raise UsageError(f"{scene} has no paper that is reproduced; these have one: {own}")
-    numbers = sorted({item.number for figures, _ in papers.values() for item in figures})
+    numbers = sorted({item.number for paper in papers.values() for item in paper.figures})
     if figure is not None and figure not in numbers:
         raise UsageError(f"there is no figure {figure}; there are {', '.join(map(str, numbers))}")
-    names = [row.name for _, ledger in papers.values() for row in ledger]
+    names = [row.name for paper in papers.values() for row in paper.rows]
     for name in rows:
         if name not in names:
             raise UnknownNameError(f"row of {', '.join(papers)}", name, names)
     if figure is None and not rows:
         return papers
     return {
-        scene: (
-            tuple(item for item in figures if item.number == figure),
-            tuple(row for row in ledger if row.name in rows),
+        scene: PaperData(
+            tuple(item for item in paper.figures if item.number == figure),
+            tuple(row for row in paper.rows if row.name in rows),
         )
-        for scene, (figures, ledger) in papers.items()
+        for scene, paper in papers.items()
     }
 
 

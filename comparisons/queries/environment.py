@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import platform
 import re
+import subprocess
 from collections.abc import Iterable
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -24,6 +25,18 @@ def own_version() -> str:
         return version(__package__.partition(".")[0])
     except PackageNotFoundError:
         return "not installed"
+
+
+def own_commit() -> str:
+    """Return the commit of the clone that mbcheck is imported from; empty if it is none."""
+    clone = Path(__file__).resolve().parents[2]
+    if not (clone / ".git").exists():
+        return ""
+    try:
+        line = ["git", "-C", str(clone), "rev-parse", "--short=12", "HEAD"]
+        return subprocess.run(line, capture_output=True, text=True, check=True).stdout.strip()
+    except (OSError, subprocess.CalledProcessError):
+        return ""
 
 
 def environment() -> dict[str, str]:

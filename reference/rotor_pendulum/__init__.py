@@ -104,9 +104,10 @@ SCENE = Scene(
     paper=Paper(
         "P. Fang, Y. Hou, Y. Nan, L. Yu",
         "Study of synchronization for a rotor-pendulum system with Poincare method",
-        "Journal of Vibroengineering 17(5), jvejournals.com/article/15915",
+        "Journal of Vibroengineering 17(5)",
         2015,
         "",  # the journal gave none then
+        "www.extrica.com/article/15915",
     ),
     parameters=RotorPendulum,
     coordinates=("x", "phi_1", "phi_2", "phi_3"),

@@ -43,6 +43,12 @@ def test_budgets_follow_what_is_counted(house: list[Module]) -> None:
     assert not loose, "(what, counted, budget): lower the budget"
 
 
+def test_claims_of_papers_stay_within_their_lines(clone: Path) -> None:
+    lines = budgets.count_claims(clone)
+    assert lines.keys() == budgets.CLAIMS.keys()
+    assert all(count <= budgets.CLAIMS[paper] for paper, count in lines.items())
+
+
 def test_what_is_counted() -> None:
     house = [
         Module("comparisons/a/b.py", '"""Return what is told."""\nx = 1\n"""Of it."""\n'),

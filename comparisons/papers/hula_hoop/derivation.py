@@ -147,15 +147,18 @@ def secular_terms(session: Session) -> Numbers:
     """Return how the correction after (34) grows, in each half of 3000 periods of the spring.
 
     It is what 2 rho q' of (34) drives, q'' + q = 2 rho (sin(tau) - alpha sin(alpha tau)), over
-    rho and the coefficients of (34).
+    rho and the coefficients of (34). And what damping in the kernel would leave of its cos(tau) and
+    sin(tau) in some periods.
     """
-    alpha = float(nondimensional(EXAMPLE).alpha)
+    c = nondimensional(EXAMPLE)
+    alpha, periods = float(c.alpha), 10
     tau = np.linspace(0, 2e4, 200_001)
     resonant = (np.sin(tau) - tau * np.cos(tau)) / 2
     forced = alpha * (np.sin(alpha * tau) - alpha * np.sin(tau)) / (1 - alpha**2)
     wave = 2 * np.abs(resonant - forced) / abs(1 - alpha**2)
     early, late = (half.max() for half in np.split(wave[:-1], 2))
-    return {"early": early, "late": late, "growth": late / early}
+    left = np.exp(-float(c.rho) * 2 * np.pi * periods)
+    return {"growth": late / early, "damped": left, "periods": periods}
 
 
 def mean_balance(session: Session) -> Numbers:

@@ -29,6 +29,8 @@ from .results import (
     approximation_errors,
     example_from_rest,
     example_orbit,
+    example_rotation,
+    extremes,
     grid,
     is_class,
     lock_in,
@@ -58,9 +60,10 @@ def rotation(session: Session, who: str) -> Numbers:
     Whether it is stable, and its largest multiplier; the mean slope of theta [rad/s], and how far
     it is from omega, relative to it; the mean of theta - omega t [rad]; the amplitude of y at the
     frequency of the force [mm]. The largest other harmonic of y and of theta over the first and
-    the second, and the larger of both.
+    the second, and the larger of both. The range of theta' [rad/s], and its width by omega.
     """
-    report = example_orbit(session, who)
+    report, run = example_orbit(session, who), example_rotation(session, who)
+    slow, fast = extremes(run.times, run.observables["theta_dot"])
     speed = report.mean_speed or 0.0
     first, *others = (term.amplitude for term in report.harmonics["y"].terms)
     angle = report.harmonics["theta"]
@@ -77,20 +80,21 @@ def rotation(session: Session, who: str) -> Numbers:
         "rest": rest,
         "theta": theta,
         "other": max(rest, theta),
+        "slow": slow,
+        "fast": fast,
+        "width": (fast - slow) / OMEGA,
     }
 
 
 def motion_from_rest(session: Session, who: str) -> Numbers:
     """Return how the motion from rest locks in, and what its angular velocity does then.
 
-    When it last slips and reverses [s], and how it turns then; the range of |theta'| in the last
-    period [rad/s], and its width by omega; the frequency of the largest peak of theta' over the
-    last 12 periods, by omega.
+    When it last slips and reverses [s], and how it turns then; the least theta' of the last
+    period, and the frequency of the largest peak of theta' over the last 12 periods, by omega.
     """
     run, periods = example_from_rest(session, who), 12
     theta_dot = run.observables["theta_dot"]
     end = lock_in(run.times, run.observables["theta"], theta_dot)
-    last = np.abs(theta_dot[-1 - SAMPLES :])
     window = theta_dot[-periods * SAMPLES :]
     spectrum = np.abs(np.fft.rfft((window - window.mean()) * np.hanning(len(window))))
     ratio = float(np.argmax(spectrum)) / periods
@@ -100,9 +104,6 @@ def motion_from_rest(session: Session, who: str) -> Numbers:
         "turns": abs(end.turns - 1),
         "least": end.least_speed,
         "settled": end.settled,
-        "slow": last.min(),
-        "fast": last.max(),
-        "width": np.ptp(last) / OMEGA,
         "ratio": ratio,
         "off": abs(ratio - 2),
     }

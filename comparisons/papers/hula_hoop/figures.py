@@ -63,7 +63,7 @@ APPROXIMATE_LINES = {
         "linestyle": (0, (5, 2)),
         "label": "paper, as printed",
     },
-    "corrected": {"color": "#009E73", "linewidth": 1.0, "label": "with its phase (corrected)"},
+    "corrected": {"color": "#E69F00", "linewidth": 1.0, "label": "with its phase (corrected)"},
 }
 FIG_3_SECONDS = 3.0
 

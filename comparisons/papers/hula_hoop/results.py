@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.ndimage import label as connected
 
 from ....reference.hula_hoop.equations import SEMICIRCLE, HulaHoop
@@ -107,6 +108,13 @@ def approximation_errors(session: Session) -> dict[str, Array]:
     return {name: apart(approximate_states(name), truth).max(axis=1) for name in APPROXIMATIONS}
 
 
+def extremes(times: Array, values: Array) -> tuple[float, float]:
+    """Return the smallest and the largest value of samples (n_t,), between them by splines."""
+    spline = CubicSpline(times, values)
+    every = np.concatenate([values, spline(spline.derivative().roots(extrapolate=False))])
+    return float(every.min()), float(every.max())
+
+
 @dataclass(frozen=True)
 class LockIn:
     """How a motion from rest at 3 Hz, 60 N becomes a rotation.
@@ -148,7 +156,7 @@ def lock_in(times: Array, theta: Array, speed: Array) -> LockIn:
         settled=float(np.max(stroboscopic[off > 0.5], initial=0.0)),
         turns=abs(turns),
         direction=direction,
-        least_speed=float((direction * speed[-1 - SAMPLES :]).min() / omega),
+        least_speed=extremes(times[-1 - SAMPLES :], direction * speed[-1 - SAMPLES :])[0] / omega,
     )
 
 

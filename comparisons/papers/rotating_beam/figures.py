@@ -16,7 +16,6 @@ from ...engines.registry import REFERENCE
 from ...maps.store import Map
 from ...reports.drawing import INK, NOTE, broad, engine_line, label, new_figure
 from ..drawing import handles_of, outside_legend
-from ..ledger import PaperFigure
 from ..session import Session
 from .frequencies import THRESHOLD
 from .results import (
@@ -237,41 +236,3 @@ def draw_figure_5(session: Session) -> Any:
         line.set_linewidth(line.get_linewidth() / 2)
     legend(figure, panels[0, 0])
     return figure
-
-
-FIGURES = (
-    PaperFigure(
-        2,
-        "A mass at the free end lowers the first frequency",
-        "Chordwise, dimensionless as in (19), a = L. The text does not say what stands on the "
-        "axis: (a) has the speed, (b) the mass ratio. MuJoCo is a chain of rods, whose error falls "
-        "with the square of their length; Exudyn's beam stretches, the reference's does not.",
-        draw_figure_2,
-    ),
-    PaperFigure(
-        3,
-        "As the mass moves out, the first frequency rises and then falls",
-        "Chordwise, dimensionless, a = L. The text names no speed: here 7 rad/s, where two assumed "
-        "modes have the printed maximum for 0.8 kg. Triangles are the maxima found, dotted lines "
-        "the printed ones, 0.42, 0.429 and 0.442. Engines have the mass on rods' ends only.",
-        draw_figure_3,
-    ),
-    PaperFigure(
-        4,
-        "While the hub speeds up, the free end lags the more, the larger its mass",
-        "The spin-up (22), in the hub's frame, a = 0, no damping. The 24 rods of MuJoCo's chain "
-        "lag behind the beam, 32 with --full half as far. The text names no masses: here "
-        "those of section 3.1, and none. The reference is exact for large deflection, unlike the "
-        "paper's equations.",
-        draw_figure_4,
-    ),
-    PaperFigure(
-        5,
-        "Under a pulse of torque a mass at the free end makes the hub turn less and the beam bend "
-        "more",
-        "The pulse (23). The text names neither masses nor the hub: here those of section 3.1 and "
-        "none, J_h = 10 kg m^2, a = 0, no damping. (a) is the angle of the free end about the "
-        "axis; (b) and (d) leave out the mean after the pulse.",
-        draw_figure_5,
-    ),
-)

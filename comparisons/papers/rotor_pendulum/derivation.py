@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import operator
 from itertools import product
-from typing import Any
 
 import numpy as np
 from scipy.stats import spearmanr
 
 from ....reference import get_scene
-from ....reference.differences import lagrange_terms
 from ....reference.rotor_pendulum import CASE_1, CASE_2, theory
-from ....reference.rotor_pendulum.equations import coefficients, energy, operating_speed
-from ....reference.rotor_pendulum.phase import coupling_harmonics, coupling_torque, wrapped
+from ....reference.rotor_pendulum.equations import RotorPendulum, coefficients, operating_speed
 from ....reference.scene import Array
+from ..equations import Values
 from ..ledger import Numbers
 from ..session import Session
 from .results import (
@@ -24,26 +21,69 @@ from .results import (
     RANGE,
     REDUCED,
     SCENE,
-    class_shares,
     from_rest,
     orbit_value,
-    phase_map,
     synchronous_orbit,
 )
 
-LATTICE = np.linspace(*RANGE, 139)
+
+def at_ratios(n_x: float, n_phi: float, beta: float) -> RotorPendulum:
+    """Return the parameters of a point of figure 3, with the dampers of table 1."""
+    c, speed = coefficients(CASE_1), float(operating_speed(CASE_1))
+    return CASE_1.replace(
+        installation_angle=beta,
+        platform_stiffness=float(c.mass) * (speed / n_x) ** 2,
+        rod_stiffness=float(c.end_mass * c.length**2) * (speed / n_phi) ** 2,
+    )
+
+
+LATTICE = np.linspace(*RANGE, 139) + 1e-3
 """Values of a frequency ratio, 0.05 apart; none is 1."""
 
-UNDAMPED = CASE_2.replace(platform_damping=0.0, rod_damping=0.0)
+CASE_2_RATIOS: Values = PRINTED_RATIOS[2]._asdict()
+CASE_2_VALUES: Values = {
+    **CASE_2_RATIOS,
+    "t": 2 * np.pi * np.arange(64) / 64,
+    "alpha_1": 0.9,
+    "alpha_2": 0.2,
+}
+"""Parameters of case 2, and a turn of it, at which equations of the vibration are compared."""
 
 
 def lattice(beta: float = np.pi / 6) -> theory.Ratios:
     """Return both frequency ratios over the range of the figures, (139, 139)."""
-    values = LATTICE + 1e-3
-    return theory.Ratios(values[None], values[:, None], beta=beta)
+    return theory.Ratios(LATTICE[None], LATTICE[:, None], beta=beta)
 
 
 # Section 2: model and equations
+
+
+def scene_at(values: Values) -> Values:
+    """Return the scene's energy and accelerations at a state, in the symbols of (7) to (11).
+
+    Without motors and bearings where the equations have none.
+    """
+    q, v = (
+        np.array([values[f"{letter}_{i}"] for i in range(4)], dtype=float) for letter in ("q", "v")
+    )
+    p = RotorPendulum(
+        platform_mass=values["m_0"],
+        rotor_mass=values["m"],
+        rod_mass=values["m_3"],
+        eccentricity=values["r"],
+        rod_length=values["l"],
+        platform_stiffness=values["k_x"],
+        platform_damping=values["f_x"],
+        rod_stiffness=values["k_phi"],
+        rod_damping=values["f_phi"],
+        installation_angle=values["beta"],
+        motor_slope=values.get("k_e", 0.0),
+        synchronous_speed=values.get("w_s", 1.0),
+        friction=values.get("f", 0.0),
+    )
+    scene, c = get_scene(SCENE), coefficients(p)
+    a = scene.accelerations(0.0, q, v, c)
+    return {"energy": scene.energy(q, v, c)} | {f"a_{i}": float(one) for i, one in enumerate(a)}
 
 
 def reduction(session: Session) -> Numbers:
@@ -59,106 +99,31 @@ def reduction(session: Session) -> Numbers:
     return {"gaps": gaps, "exact": exact, "reduced": reduced}
 
 
-def printed_kinetic(q: Any, v: Any, c: Any) -> Any:
-    """Return (7) without J_i, which 2.2 neglects."""
-    rod, swing, sin, cos = c.beta + q[3], c.length * v[3], np.sin, np.cos
-    first, second = c.eccentricity * v[1], c.eccentricity * v[2]
-    masses = (
-        (c.platform, v[0], 0.0),
-        (c.rotor, v[0] + first * sin(q[1]), first * cos(q[1])),
-        (
-            c.rotor,
-            v[0] - second * sin(q[2]) - swing * sin(rod),
-            second * cos(q[2]) + swing * cos(rod),
-        ),
-        (c.rod, v[0] - swing * sin(rod), swing * cos(rod)),
-    )
-    return sum(mass * (x**2 + y**2) for mass, x, y in masses) / 2
+MUTUAL, STATOR, RESISTANCE, VOLTAGE, POLES = 0.13, 0.1, 0.54, 220.0, 2
+"""Table 1's induction motor [H, H, ohm, V, 1]."""
 
 
-def printed_potential(q: Any, c: Any) -> Any:
-    """Return (8)."""
-    return (c.stiffness * q[0] ** 2 + c.rod_stiffness * q[3] ** 2) / 2
+def motor_slope(electric_powers: int) -> float:
+    """Return the slope of (14) over the mechanical speed [N m s/rad, if it is one].
 
-
-def random_states() -> list[Array]:
-    """Return random coordinates and rates (2, 4), 16 of them."""
-    random = np.random.default_rng(18)
-    scales = np.array([[0.01, 1, 1, 0.1], [1, 100, 100, 5]])
-    return [np.asarray(random.normal(size=(2, 4)) * scales) for _ in range(16)]
-
-
-def printed_energy(session: Session) -> Numbers:
-    """Return by how much (7) and (8) differ from the scene's energy at random states, relative."""
-    c = coefficients(CASE_2)
-    errors = [
-        abs((printed_kinetic(q, v, c) + printed_potential(q, c)) / energy(q, v, c) - 1)
-        for q, v in random_states()
-    ]
-    return {"error": max(errors)}
-
-
-def equation_10(session: Session) -> Numbers:
-    """Return what the scene's accelerations leave of (10), relative to its largest term.
-
-    With (7), (8), the dampers of (9) that table 1 has, and the motors' torques less those of the
-    bearings, at random states.
+    (14) divides by the electric speed once; a torque needs it twice. With the electric
+    synchronous speed omega_s = n_p times the mechanical one, the slip is omega_s - n_p omega_m.
     """
-    c, errors = coefficients(CASE_2), []
-    for q, v in random_states():
-        a = np.array(get_scene(SCENE).accelerations(0.0, q, v, c))
-        terms = lagrange_terms(
-            lambda q, v: printed_kinetic(q, v, c), lambda q: printed_potential(q, c), q, v, a
-        )
-        motors = [c.slope * (c.speed - rate) - c.friction * rate for rate in v[1:3]]
-        forces = np.array([-c.damping * v[0], *motors, -c.rod_damping * v[3]])
-        every = np.array([*terms, -forces])
-        errors.append(np.max(abs(every.sum(axis=0)) / abs(every).max(axis=0)))
-    return {"error": max(errors)}
+    electric = POLES * float(CASE_1.synchronous_speed)
+    scale = POLES * MUTUAL**2 * VOLTAGE**2 / (STATOR**2 * RESISTANCE)
+    return float(POLES * scale / electric**electric_powers)
 
 
-def lines_of_11(sign: int = -1) -> Array:
-    """Return residuals of the lines of (11) with Lagrange's accelerations, where phi_3 = 0.
+def equation_14(session: Session) -> Numbers:
+    """Return what (14) gives at 153.8 rad/s: a power [W], with omega_m^2 a torque [N m].
 
-    Each relative to its largest term; ``sign`` stands before phi_2'^2 in line 4, printed +1.
+    And how far the torque is from the 3.08 N m of section 5.2, relative to them; and the torque
+    with the two inductances exchanged [N m].
     """
-    scene, p = get_scene(SCENE), CASE_2
-    c = coefficients(p)
-    q, v = np.array([1e-3, 0.4, 1.1, 0.0]), np.array([0.1, 150.0, 155.0, 2.0])
-    a = scene.accelerations(0.0, q, v, c)
-    arm, first, second = c.end_mass * c.length, np.sin(q[1]), np.sin(q[2])
-    torques = [c.slope * (c.speed - rate) - c.friction * rate for rate in v[1:3]]
-    lines = (
-        (
-            c.mass * a[0],
-            c.damping * v[0],
-            c.stiffness * q[0],
-            c.unbalance * (a[1] * first + v[1] ** 2 * np.cos(q[1])),
-            -c.unbalance * (a[2] * second + v[2] ** 2 * np.cos(q[2])),
-            -arm * (a[3] * np.sin(c.beta) + v[3] ** 2 * np.cos(c.beta)),
-        ),
-        (c.unbalance * c.eccentricity * a[1], -torques[0], c.unbalance * a[0] * first),
-        (
-            c.unbalance * c.eccentricity * a[2],
-            -torques[1],
-            -c.unbalance * a[0] * second,
-            c.unbalance * c.length * a[3] * np.cos(c.beta - q[2]),
-            -c.unbalance * c.length * v[3] ** 2 * np.sin(c.beta - q[2]),
-        ),
-        (
-            arm * c.length * a[3],
-            c.rod_damping * v[3],
-            -arm * a[0] * np.sin(c.beta),
-            c.unbalance * c.length * a[2] * np.cos(q[2] - c.beta),
-            sign * c.unbalance * c.length * v[2] ** 2 * np.sin(q[2] - c.beta),
-        ),
-    )
-    return np.array([abs(sum(terms)) / max(map(abs, terms)) for terms in lines])
-
-
-def other_lines_of_11(session: Session) -> Numbers:
-    """Return what the lines 1 to 3 of (11) leave with Lagrange's accelerations at phi_3 = 0."""
-    return {"left": lines_of_11()[:3]}
+    slip = 50 * np.pi - 153.8
+    power, torque = motor_slope(1) * slip, motor_slope(2) * slip
+    exchanged = torque * (STATOR / MUTUAL) ** 4
+    return {"power": power, "torque": torque, "off": abs(torque / 3.08 - 1), "exchanged": exchanged}
 
 
 # Section 3: coupling coefficients, figure 2
@@ -176,24 +141,21 @@ def mirror_images(session: Session) -> Numbers:
     }
 
 
-def level_rod(session: Session) -> Numbers:
-    """Return the largest mu_2 and mu_3 where beta = 0, and the coupling torque there [N m]."""
-    mu = theory.coupling_coefficients(lattice(0.0))
-    return {
-        "largest": max(np.max(abs(mu.mu_2)), np.max(abs(mu.mu_3))),
-        "torque": float(theory.coupling_amplitude(UNDAMPED.replace(installation_angle=0.0))),
-    }
+def level_coupling(session: Session) -> Numbers:
+    """Return mu_1, and mu_2 and mu_3, where beta = 0.
 
-
-def level_mu_1(session: Session) -> Numbers:
-    """Return the largest mu_1 where beta = 0 and n_x < 1, right and as printed."""
+    The largest mu_1 for n_x < 1, right and as printed; the largest mu_2 and mu_3; the coupling
+    torque with case 2's springs [N m].
+    """
     n = lattice(0.0)
-    before = np.broadcast_to(n.n_x < 1, (len(LATTICE), len(LATTICE)))
-    right, printed = (
-        float(np.max(theory.coupling_coefficients(n, as_printed).mu_1[before]))
-        for as_printed in (False, True)
-    )
-    return {"right": right, "printed": printed}
+    mu, printed = (theory.coupling_coefficients(n, as_printed) for as_printed in (False, True))
+    before = np.broadcast_to(n.n_x < 1, mu.mu_1.shape)
+    return {
+        "right": np.max(mu.mu_1[before]),
+        "printed": np.max(printed.mu_1[before]),
+        "largest": max(np.max(abs(mu.mu_2)), np.max(abs(mu.mu_3))),
+        "torque": float(theory.coupling_amplitude(CASE_2.replace(installation_angle=0.0))),
+    }
 
 
 def strength(session: Session) -> Numbers:
@@ -240,77 +202,18 @@ def peaks(session: Session) -> Numbers:
 def coupling_types(session: Session) -> Numbers:
     """Return the share of the plane without a type, and coupling torques [N m] of each type."""
     named = sum(high - low for low, high in (REGIONS["before"], REGIONS["after"]))
-
-    def torque(ratio: float) -> float:
-        """Return the coupling torque where both frequency ratios are this."""
-        stiffness = (float(operating_speed(CASE_2)) / ratio) ** 2
-        p = CASE_2.replace(platform_stiffness=114 * stiffness, rod_stiffness=1.08 * stiffness)
-        return float(theory.coupling_amplitude(p))
-
-    before, at, after = torque(0.5), torque(1.01), torque(3.0)
+    torques = [
+        float(theory.coupling_amplitude(at_ratios(ratio, ratio, np.pi / 6)))
+        for ratio in (0.5, 1.01, 3.0)
+    ]
     return {
         "unnamed": 1 - (named / (RANGE[1] - RANGE[0])) ** 2,
-        "torques": (before, at, after),
-        "rises": (at - before, at - after),
+        "torques": torques,
+        "rises": (torques[1] - torques[0], torques[1] - torques[2]),
     }
 
 
 # Section 4: synchronisation and stability
-
-
-def coupling_error(as_printed: bool) -> float:
-    """Return by how much (34) misses the mean coupling torque, relative to its amplitude."""
-    p, alpha = UNDAMPED, np.linspace(-np.pi, np.pi, 73)
-    n, truth = theory.ratios(p), coupling_torque(p, alpha)
-    scale = p.rotor_mass * (p.eccentricity * float(operating_speed(p))) ** 2 * n.r_m
-    error = scale * theory.balance(n, alpha, as_printed) + truth
-    return float(np.max(abs(error)) / np.max(abs(truth)))
-
-
-def equations_31_36(session: Session) -> Numbers:
-    """Return by how much (31) is missed at the stable roots of (30), and (36) by (34)'s slope.
-
-    The first relative to the cosecant; both over the range of figure 3 at its angles, with mu_1
-    as printed and corrected.
-    """
-    roots_left, slopes_left = [], []
-    for beta, as_printed in product(BETAS.values(), (True, False)):
-        n = lattice(beta)
-        mu = theory.coupling_coefficients(n, as_printed)
-        alpha = theory.stable_phase_difference(n, as_printed)
-        size = torque_size(mu, beta)
-        left = (mu.mu_3 * np.sin(beta) - mu.mu_1) * np.sin(alpha)
-        roots_left.append(np.max(abs(left - mu.mu_3 * np.cos(beta) * np.cos(alpha)) / size))
-        step, a = 1e-5, 0.7
-        ends = (theory.balance(n, a + way * step, as_printed) for way in (1, -1))
-        slope = operator.sub(*ends) / (2 * step)
-        slopes_left.append(np.max(abs(slope - theory.stability(n, a, as_printed)) / size))
-    return {"root": max(roots_left), "slope": max(slopes_left)}
-
-
-def branch_of_33(session: Session) -> Numbers:
-    """Return shares of figure 3's range where (33) with values in (0, pi) is the unstable root.
-
-    And by how much the cotangent of the stable root is missed, see `equations_31_36`.
-    """
-    shares = {
-        f"beta = {name}": class_shares(phase_map(session, beta, "paper"), Ellipsis).get(
-            "unstable", 0.0
-        )
-        for name, beta in BETAS.items()
-    }
-    return {"shares": shares, "error": equations_31_36(session)["root"]}
-
-
-def equation_34(session: Session) -> Numbers:
-    """Return errors of (34), and the constant part and the amplitude of case 2's torque [N m]."""
-    mean, first = map(complex, coupling_harmonics(CASE_2))
-    return {
-        "as_printed": coupling_error(True),
-        "corrected": coupling_error(False),
-        "mean": mean.real,
-        "amplitude": abs(first),
-    }
 
 
 def roots(session: Session) -> Numbers:
@@ -342,7 +245,7 @@ def springs_decide(session: Session) -> Numbers:
         "most": max(printed),
         "by_x": np.max(abs(np.angle(doubled / doubled[:, :1]))) / 2,
         "by_phi": np.ptp(np.unwrap(np.angle(doubled[:, 0])) / 2),
-        "flips": np.mean(abs(wrapped(alpha - alpha[:, :1])) > np.pi / 2),
+        "flips": np.mean(np.cos(alpha - alpha[:, :1]) < 0),
     }
 
 
@@ -351,23 +254,30 @@ def springs_decide(session: Session) -> Numbers:
 
 PRINTED_SPEED = 157.0
 """50 pi, rounded, from which table 1's ranges follow [rad/s]."""
+SPEEDS = (151.5, 157.5)
+"""What rounds to table 1's range of the rotors' speed [rad/s]."""
 
 
-def inertias(rod: bool) -> tuple[float, float]:
-    """Return the inertia that a spring swings, and the one that the paper takes for it.
+RATIOS = {"platform": "n_x", "rod": "n_phi"}
+"""Frequency ratio of each spring."""
 
-    Masses of the platform [kg], or moments of inertia of the rod [kg m^2].
+
+def spring_inertias(spring: str) -> tuple[float, float]:
+    """Return what a spring moves, and what the paper takes for it.
+
+    Masses on the platform's spring [kg], or moments of inertia on the rod's [kg m^2].
     """
     c = coefficients(CASE_1)
-    if rod:
-        return float(c.end_mass * c.length**2), float((c.platform + c.rod) * c.length**2)
-    return float(c.mass), float(c.platform)
+    right, wrong = c.mass, c.platform
+    if spring == "rod":
+        right, wrong = c.end_mass * c.length**2, (c.platform + c.rod) * c.length**2
+    return float(right), float(wrong)
 
 
-def stiffness(session: Session, ratio: float, rod: bool) -> Numbers:
+def stiffness(session: Session, ratio: float, spring: str) -> Numbers:
     """Return the stiffness that belongs to a frequency ratio, and that by the paper's inertia."""
     square = (PRINTED_SPEED / ratio) ** 2
-    right, wrong = inertias(rod)
+    right, wrong = spring_inertias(spring)
     return {
         "value": right * square,
         "mistaken": wrong * square,
@@ -377,24 +287,21 @@ def stiffness(session: Session, ratio: float, rod: bool) -> Numbers:
     }
 
 
-SPEEDS = (151.5, 157.5)
-"""What rounds to table 1's range of the rotors' speed [rad/s]."""
-
-
-def frequency_ratio(session: Session, case: int, rod: bool, printed: str) -> Numbers:
+def frequency_ratio(session: Session, case: int, spring: str) -> Numbers:
     """Return the frequency ratio of a printed stiffness, and speeds that make the printed one.
 
     It is taken at that speed of table 1's range that brings it nearest to the printed one.
     """
-    p = CASES[case]
-    n, spring = theory.ratios(p, speed=1.0), p.rod_stiffness if rod else p.platform_stiffness
-    right, wrong = (float(printed) * float(np.sqrt(spring / inertia)) for inertia in inertias(rod))
-    speed = float(np.clip(right, *SPEEDS))
+    printed = getattr(PRINTED_RATIOS[case], RATIOS[spring])
+    per_speed = float(getattr(theory.ratios(CASES[case], speed=1.0), RATIOS[spring]))
+    right, wrong = spring_inertias(spring)
+    takes = printed / per_speed
+    speed = float(np.clip(takes, *SPEEDS))
     return {
-        "value": speed * float(n.n_phi if rod else n.n_x),
+        "value": speed * per_speed,
         "speed": speed,
-        "takes": (right, wrong),
-        "inertias": inertias(rod),
+        "takes": (takes, takes * float(np.sqrt(right / wrong))),
+        "inertias": (right, wrong),
     }
 
 
@@ -403,14 +310,22 @@ def speeds_of_ratios(session: Session) -> Numbers:
 
     Of n_x and n_phi in cases 1 and 2, with that of both inertias that comes nearer table 1's range.
     """
-    asked = []
-    for case, rod in product((1, 2), (False, True)):
-        n = PRINTED_RATIOS[case]
-        takes = frequency_ratio(session, case, rod, str(n.n_phi if rod else n.n_x))["takes"]
-        asked.append(min(takes, key=lambda speed: abs(speed - np.mean(SPEEDS))))
+    takes = [
+        frequency_ratio(session, case, spring)["takes"] for case, spring in product((1, 2), RATIOS)
+    ]
+    asked = [min(pair, key=lambda speed: abs(speed - np.mean(SPEEDS))) for pair in takes]
     return {"asked": asked, "slowest": min(asked), "fastest": max(asked)}
 
 
-def dimensionless(session: Session, value: Any) -> Numbers:
-    """Return an entry of table 2."""
-    return {"value": float(value)}
+def electric_speed(session: Session) -> Numbers:
+    """Return case 2's n_x by (19): with the rotors' speed, and with that below (14)."""
+    electric = POLES * float(CASE_1.synchronous_speed)
+    mechanical, printed = (theory.ratios(CASE_2, speed=w).n_x for w in (electric / POLES, electric))
+    return {"corrected": float(mechanical), "as_printed": float(printed), "electric": electric}
+
+
+def dimensionless(session: Session, name: str) -> Numbers:
+    """Return an entry of table 2: eta, sigma or r_m."""
+    n = theory.ratios(CASE_1)
+    entries = {"eta": CASE_1.rod_mass / CASE_1.rotor_mass, "sigma": n.sigma, "r_m": n.r_m}
+    return {"value": float(entries[name])}

@@ -6,93 +6,87 @@ begins at a fold, which is followed over n_x here.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from ....reference import get_scene
 from ....reference.continuation.along import BoundaryAlong
 from ....reference.rotor_pendulum import CASE_1, CASE_2, theory
-from ....reference.rotor_pendulum.equations import RotorPendulum, coefficients, operating_speed
+from ....reference.rotor_pendulum.equations import operating_speed
 from ....reference.rotor_pendulum.phase import wrapped
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
-from ...maps.store import Map
 from ...scenes.rotor_pendulum.phase import PHASES
-from ..ledger import REPRODUCED, Numbers, below, holds, statement
+from ..ledger import Numbers
 from ..session import Session
+from .derivation import at_ratios, lattice
 from .results import (
     BETAS,
     CASES,
     SCENE,
     class_shares,
     inside,
+    kind_of,
     orbit_value,
     phase_map,
-    settled,
+    stable_phases,
     synchronous_orbit,
+    theory_on,
 )
 
 SMALL = 0.1
 """Distance of n_x from resonance that is left out."""
 FINE = 400
-"""Values along each side of a region, at which the theory is asked."""
+"""Values along each side of a region at which the theory is evaluated."""
 
 Span = tuple[float, float]
 BEFORE, AFTER, ANY = (0.1, 1.0), (1.0, 7.0), (0.0, 8.0)
 """Of a frequency ratio: before and after resonance, and wherever."""
 
 
-def orbits(session: Session, who: str, beta: float) -> Map:
-    """Return the map of the true orbits, by the reference or an engine."""
-    return phase_map(session, beta, engine="" if who == REFERENCE else who)
-
-
 def kinds_in_regions(
-    session: Session, who: str, beta: float, regions: tuple[tuple[Span, Span], ...]
+    session: Session, who: str, angle: str, regions: Sequence[tuple[Span, Span]]
 ) -> Numbers:
     """Return shares of the kinds of synchronism in regions of (n_x, n_phi).
 
     By the orbits of the reference or an engine, and by theory, which alone is judged; with mu_1 as
     printed the lesser share.
     """
-    plane = orbits(session, who, beta)
+    beta = BETAS[angle]
+    plane = phase_map(session, beta, who)
     places = [inside(plane, *region) for region in regions]
     shares = [class_shares(plane, where) if np.any(where) else "no point there" for where in places]
     if who != REFERENCE:
         return {"orbits": shares}
-    by_theory, apart, by_print = [], [], []
+    synphase, far, by_print = [], [], []
     for region in regions:
         n_x, n_phi = np.meshgrid(*(np.linspace(*ends, FINE + 2)[1:-1] for ends in region))
         n = theory.Ratios(n_x, n_phi, beta=beta)
-        synphase = np.cos(theory.stable_phase_difference(n)) > 0
+        kinds = np.cos(theory.stable_phase_difference(n)) > 0
         printed = np.mean(np.cos(theory.stable_phase_difference(n, as_printed=True)) > 0)
+        synphase.append(np.mean(kinds))
+        far.append(np.mean(kinds[(abs(n_x - 1) > SMALL) & (abs(n_phi - 1) > SMALL)]))
         by_print.append(min(printed, 1 - printed))
-        far = (abs(n_x - 1) > SMALL) & (abs(n_phi - 1) > SMALL)
-        by_theory.append({"synphase": np.mean(synphase), "antiphase": np.mean(~synphase)})
-        apart.append({"synphase": np.mean(synphase[far]), "antiphase": np.mean(~synphase[far])})
-    kinds = {kind: [shares[kind] for shares in by_theory] for kind in ("synphase", "antiphase")}
-    turn = 1 / np.sqrt(np.cos(beta) ** 2)
     return {
         "orbits": shares,
-        "theory": by_theory,
-        "apart": apart,
+        "theory": [{"synphase": one, "antiphase": 1 - one} for one in synphase],
+        "apart": [{"synphase": one, "antiphase": 1 - one} for one in far],
         "by_print": min(by_print),
-        "turn": turn,
-        **kinds,
+        "turn": 1 / np.cos(beta),
+        "synphase": synphase,
+        "antiphase": [1 - one for one in synphase],
     }
 
 
-def speeds(session: Session, who: str) -> Numbers:
-    """Return the least and the largest mean speed of stable orbits over figure 3 [rad/s]."""
-    planes = [orbits(session, who, beta).variables for beta in BETAS.values()]
-    there = np.concatenate(
-        [plane["mean_speed"][plane["class"] < PHASES.index("unstable")] for plane in planes]
-    )
-    return {
-        "least": np.min(there, initial=np.inf),
-        "largest": np.max(there, initial=-np.inf),
-    }
+def branch_of_33(session: Session) -> Numbers:
+    """Return shares of figure 3's range where (33), in (0, pi), is the unstable root of (30)."""
+    shares = {}
+    for name, beta in BETAS.items():
+        n = lattice(beta)
+        alpha = theory.printed_phase_difference(n)
+        shares[f"beta = {name}"] = np.mean(theory.stability(n, alpha) <= 0)
+    return {"shares": shares}
 
 
 def level_phases(session: Session) -> Numbers:
@@ -101,14 +95,14 @@ def level_phases(session: Session) -> Numbers:
     How far they are from pi before, and from 0 after resonance; how they spread along n_phi; and
     one by the equation as printed.
     """
-    plane = phase_map(session, 0.0, "theory")
-    alpha = plane.variables["phase_difference"]
-    before, after = (alpha[inside(plane, span, ANY)] for span in (BEFORE, AFTER))
-    n = theory.Ratios(0.5, 2.0, beta=0.0)
+    n = lattice(0.0)
+    alpha = theory.stable_phase_difference(n)
+    before = n.n_x[0] < 1
+    printed = theory.stable_phase_difference(theory.Ratios(0.5, 2.0, beta=0.0), as_printed=True)
     return {
-        "off": max(np.max(abs(wrapped(before - np.pi))), np.max(abs(after))),
-        "by_theory": spread(plane),
-        "printed": float(theory.stable_phase_difference(n, as_printed=True)),
+        "off": max(np.max(abs(wrapped(alpha[:, before] - np.pi))), np.max(abs(alpha[:, ~before]))),
+        "by_theory": spread(alpha),
+        "printed": float(printed),
     }
 
 
@@ -118,70 +112,48 @@ def level_orbits(session: Session, who: str) -> Numbers:
     Shares of their kinds before and after the platform's resonance; how their phases spread along
     n_phi [rad]; and the share of points without any.
     """
-    plane = orbits(session, who, 0.0)
+    plane = phase_map(session, 0.0, who)
+    off_resonance = abs(plane.x.values - 1) > SMALL
     return {
         "before": class_shares(plane, inside(plane, BEFORE, ANY)),
         "after": class_shares(plane, inside(plane, AFTER, ANY)),
-        "spread": spread(plane),
+        "spread": spread(plane.variables["phase_difference"][:, off_resonance]),
         "lost": np.mean(plane.variables["class"] == PHASES.index("none")),
     }
 
 
-def spread(plane: Map) -> float:
-    """Return the largest distance along n_phi from the median phase of a column, off resonance."""
-    column = abs(plane.x.values - 1) > SMALL
-    phase = np.exp(1j * plane.variables["phase_difference"][:, column])
-    return float(np.nanmax(abs(np.angle(phase / np.nanmean(phase, axis=0)))))
+def spread(phases: Array) -> float:
+    """Return the largest distance of phases from the mean of their column [rad]."""
+    unit = np.exp(1j * phases)
+    return float(np.nanmax(abs(np.angle(unit / np.nanmean(unit, axis=0)))))
 
 
-def theory_on_map(session: Session) -> Numbers:
-    """Compare theory and true orbits over figure 3, for each beta.
+def figure_3(session: Session, who: str) -> Numbers:
+    """Return what the orbits over figure 3 are like, for each beta, and how far from the theory.
 
-    Shares of points of the same class, and without a stable orbit; the median difference [rad].
-    And the kinds of the orbits of section 5.2's cases, whether they are the theory's, (32) in case
-    3, and how far their phases are from it in the others [rad].
+    Shares of their kinds, and the largest of each; shares of points at which the theory has the
+    same kind, and of those without a stable orbit; the median difference of the phases [rad]; and
+    the least and largest mean speed of all [rad/s].
     """
-    simulated = settled(session, list(CASES.values()))
-    phases = [float(theory.stable_phase_difference(theory.ratios(CASES[case]))) for case in (1, 2)]
-    expected = ["antiphase" if np.cos(phase) < 0 else "synphase" for phase in phases]
-    shares, lost, gaps = [], [], []
+    shares, agree, lost, gaps, speeds = [], [], [], [], []
     for beta in BETAS.values():
-        plane, true = (phase_map(session, beta, model).variables for model in ("theory", "exact"))
-        stable = true["class"] < PHASES.index("unstable")
-        gap = abs(wrapped(plane["phase_difference"] - true["phase_difference"]))
-        shares.append(np.mean(plane["class"] == true["class"]))
-        lost.append(np.mean(~stable))
-        gaps.append(np.median(gap[stable]))
-    kinds = {f"case {case}": orbit.kind for case, orbit in zip(CASES, simulated, strict=True)}
+        plane = phase_map(session, beta, who)
+        alpha, phase = theory_on(plane, beta), stable_phases(plane)
+        shares.append(class_shares(plane))
+        agree.append(np.mean(np.cos(alpha) * np.cos(phase) > 0))
+        lost.append(np.mean(np.isnan(phase)))
+        gaps.append(np.nanmedian(abs(wrapped(alpha - phase))))
+        speeds.append(plane.variables["mean_speed"][np.isfinite(phase)])
+    there = np.concatenate(speeds)
     return {
         "shares": shares,
+        **{kind: max(item.get(kind, 0.0) for item in shares) for kind in PHASES},
+        "agree": agree,
         "lost": lost,
         "gaps": gaps,
-        "kinds": kinds,
-        "same": list(kinds.values()) == [*expected, "none"],
-        "gaps_of_cases": [
-            abs(float(wrapped(orbit.phase - phase)))
-            for orbit, phase in zip(simulated, phases, strict=False)
-        ],
+        "least": there.min(initial=np.inf),
+        "largest": there.max(initial=-np.inf),
     }
-
-
-def theory_against_engine(session: Session, who: str) -> Numbers:
-    """Return the share of an engine's points whose class is the theory's, for each beta."""
-    shares = []
-    for beta in BETAS.values() if who != REFERENCE else ():
-        own = phase_map(session, beta, engine=who)
-        n = theory.Ratios(*np.meshgrid(own.x.values, own.y.values), beta=beta)
-        antiphase = ~(np.cos(theory.stable_phase_difference(n)) > 0)
-        shares.append(np.mean(own.variables["class"] == antiphase))
-    return {"agree": shares}
-
-
-def kinds_of_figure_3(session: Session, who: str) -> Numbers:
-    """Return shares of the kinds of orbits, for each beta, and the largest of each kind."""
-    shares = [class_shares(orbits(session, who, beta), Ellipsis) for beta in BETAS.values()]
-    largest = {kind: max(item.get(kind, 0.0) for item in shares) for kind in PHASES}
-    return {"shares": shares, **largest}
 
 
 STARTS: Mapping[str, Mapping[float, float]] = {
@@ -189,16 +161,6 @@ STARTS: Mapping[str, Mapping[float, float]] = {
     "pi/3": {2.0: 2.1, 3.0: 2.65, 7.0: 3.4},
 }
 """By installation angle and n_x: an n_phi with an orbit, near the fold at which it begins."""
-
-
-def at_ratios(n_x: float, n_phi: float, beta: float) -> RotorPendulum:
-    """Return the parameters of a point of figure 3, with the dampers of table 1."""
-    c, speed = coefficients(CASE_1), float(operating_speed(CASE_1))
-    return CASE_1.replace(
-        installation_angle=beta,
-        platform_stiffness=float(c.mass) * (speed / n_x) ** 2,
-        rod_stiffness=float(c.end_mass * c.length**2) * (speed / n_phi) ** 2,
-    )
 
 
 def folds(session: Session, angle: str) -> list[BoundaryAlong]:
@@ -247,52 +209,30 @@ def small_parameter(session: Session) -> Numbers:
         )
         for mu in SMALLER
     ]
-    phases = [float(theory.stable_phase_difference(theory.ratios(p))) for p in sets]
-    orbits = settled(session, sets)
-    gaps = [abs(float(wrapped(o.phase - alpha))) for o, alpha in zip(orbits, phases, strict=True)]
+    smallest = SMALLER[-1]
     light = sets[-1].replace(
-        rod_mass=CASE_2.rod_mass * SMALLER[-1],
-        rod_stiffness=CASE_2.rod_stiffness * SMALLER[-1],
-        rod_damping=CASE_2.rod_damping * SMALLER[-1] ** 3,
-        platform_damping=CASE_2.platform_damping * SMALLER[-1] ** 2,
+        rod_mass=CASE_2.rod_mass * smallest,
+        rod_stiffness=CASE_2.rod_stiffness * smallest,
+        rod_damping=CASE_2.rod_damping * smallest**3,
+        platform_damping=CASE_2.platform_damping * smallest**2,
     )
-    (other,) = settled(session, [light])
-    alpha = float(theory.stable_phase_difference(theory.ratios(light)))
-    order = np.log(gaps[-2] / gaps[-1]) / np.log(SMALLER[-2] / SMALLER[-1])
-    return {"gaps": gaps, "order": order, "off": abs(order - 1), "factors": SMALLER,
-            "other": abs(float(wrapped(other.phase - alpha))), "kind": other.kind}  # fmt: skip
-
-
-def speed_and_phase(session: Session) -> Numbers:
-    """Return what (26) and (30), (36) have: speeds and stable phases of cases 1 and 2, how many.
-
-    And the mean speeds of the orbits [rad/s].
-    """
-    c = coefficients(CASE_1)
-    rates = np.linspace(0, float(CASE_1.synchronous_speed), 4097)
-    excess = c.slope * (c.speed - rates) - c.friction * rates
-    alpha, phases = np.linspace(-np.pi, np.pi, 4098), []
-    for case in (1, 2):
-        n = theory.ratios(CASES[case])
-        crossings = np.diff(np.sign(theory.balance(n, alpha))) != 0
-        phases.append(int(np.sum(crossings & (theory.stability(n, alpha[1:]) > 0))))
-    orbits = [orbit_value(synchronous_orbit(session, CASES[i]), "mean_speed") for i in (1, 2)]
+    apart = []
+    for p in (*sets, light):
+        phase = orbit_value(synchronous_orbit(session, p), "phase_difference")
+        apart.append(float(abs(wrapped(phase - theory.stable_phase_difference(theory.ratios(p))))))
+    *gaps, other = apart
+    order = np.log(gaps[-2] / gaps[-1]) / np.log(SMALLER[-2] / smallest)
     return {
-        "speeds": float(operating_speed(CASE_1)),
-        "orbits": orbits,
-        "roots": int(np.sum(np.diff(np.sign(excess)) != 0)),
-        "phases": phases,
+        "factors": SMALLER,
+        "gaps": gaps,
+        "order": order,
+        "off": abs(order - 1),
+        "other": other,
+        "kind": kind_of(synchronous_orbit(session, light)),
     }
 
 
-SMALL_PARAMETER = statement(
-    "small_parameter", "equations (1)-(6)",
-    "For a small enough parameter a root of (4) that satisfies (6) belongs to a stable motion.",
-    REPRODUCED,
-    "phase of the stable orbit less that of the theory, case 2 with the rotors' masses and the "
-    "dampers times {factors:.3g}, motors and bearings times the squares of these, as the torque "
-    "that couples them: {gaps:.2g} rad, falling with the order {order:.2f}. It is 2.2's m_1, m_2 "
-    "that must be small: with the rod as light as the rotors, and dampers weaker still, the last "
-    "gap is {other:.2g} rad ({kind}). With table 1's masses and dampers the parameter is not small",
-    small_parameter, judgement=holds(below("off", 0.05)), slow=True,
-)  # fmt: skip
+def speeds(session: Session) -> Numbers:
+    """Return the speed of motors and bearings alone, and those of cases 1 and 2 [rad/s]."""
+    orbits = [orbit_value(synchronous_orbit(session, CASES[i]), "mean_speed") for i in (1, 2)]
+    return {"speeds": float(operating_speed(CASE_1)), "orbits": orbits}

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.integrate import solve_ivp
 
 from ....reference import get_scene
 from ....reference.errors import NoOrbitError
-from ....reference.rotor_pendulum import CASE_1, CASE_2, CASE_3
-from ....reference.rotor_pendulum.equations import RotorPendulum, coefficients
-from ....reference.rotor_pendulum.theory import Ratios
+from ....reference.rotor_pendulum import CASE_1, CASE_2, CASE_3, theory
+from ....reference.rotor_pendulum.equations import RotorPendulum, coefficients, operating_speed
 from ....reference.scene import Array
 from ....reference.solve.single import states_at
 from ...engines.registry import REFERENCE
@@ -20,8 +20,6 @@ from ...maps.store import Map
 from ...queries.orbit import OrbitReport, find
 from ...queries.request import Query
 from ...queries.simulate import simulate
-from ...scenes.quantity import Points
-from ...scenes.rotor_pendulum.maps import QUANTITIES
 from ...scenes.rotor_pendulum.phase import PHASES
 from ..session import Session
 
@@ -29,10 +27,10 @@ SCENE = "rotor_pendulum"
 REDUCED = "reduced"
 
 CASES: Mapping[int, RotorPendulum] = {1: CASE_1, 2: CASE_2, 3: CASE_3}
-PRINTED_RATIOS: Mapping[int, Ratios] = {
-    1: Ratios(0.4943, 0.4943),
-    2: Ratios(5.916, 5.029),
-    3: Ratios(5.916, 5.029, beta=np.pi / 2),
+PRINTED_RATIOS: Mapping[int, theory.Ratios] = {
+    1: theory.Ratios(0.4943, 0.4943),
+    2: theory.Ratios(5.916, 5.029),
+    3: theory.Ratios(5.916, 5.029, beta=np.pi / 2),
 }
 """Frequency ratios and installation angle printed for each case."""
 
@@ -59,12 +57,6 @@ RUN_TOLERANCES = {REFERENCE: (1e-10, 1e-8), REDUCED: (1e-7, 1e-6)}
 """Of the answer and of its check: the runs are long, and (11) is further off than that."""
 
 
-def changes(p: RotorPendulum) -> dict[str, Any]:
-    """Return the parameters that differ from the scene's defaults."""
-    default = CASE_1.as_dict()
-    return {name: value for name, value in p.as_dict().items() if value != default[name]}
-
-
 def synchronous_orbit(
     session: Session, p: RotorPendulum, engine: str = REFERENCE, model: str | None = None
 ) -> OrbitReport | None:
@@ -72,7 +64,7 @@ def synchronous_orbit(
 
     def search() -> OrbitReport | None:
         try:
-            asked = Query(SCENE, engine=engine, model=model, parameters=changes(p))
+            asked = Query(SCENE, engine=engine, model=model, parameters=p.as_dict())
             return find(asked, bounded=False)
         except NoOrbitError:
             return None
@@ -85,54 +77,21 @@ def orbit_value(report: OrbitReport | None, quantity: str) -> float:
     return np.nan if report is None else report.quantities[quantity].value
 
 
-@dataclass(frozen=True)
-class Settled:
-    """The synchronous orbit of a set of parameters, of which there may be none.
-
-    Attributes
-    ----------
-    kind : str
-        One of `mbcheck.comparisons.scenes.rotor_pendulum.maps.PHASES`.
-    phase, speed, torque : float
-        Mean phase difference [rad], speed [rad/s] and motor torque [N m]; NaN without one.
-    """
-
-    kind: str
-    phase: float
-    speed: float
-    torque: float
-
-    @property
-    def words(self) -> str:
-        """Return what to print."""
-        if self.kind == "none":
-            return "not there"
-        return f"{self.kind}, {self.phase:.4f} rad at {self.speed:.2f} rad/s, {self.torque:.3g} N m"
+def kind_of(report: OrbitReport | None) -> str:
+    """Return the kind of synchronism, one of `mbcheck.comparisons.scenes.rotor_pendulum.PHASES`."""
+    if report is None or not report.stable:
+        return "none" if report is None else "unstable"
+    return "synphase" if np.cos(orbit_value(report, "phase_difference")) > 0 else "antiphase"
 
 
-def settled(
-    session: Session, several: Sequence[RotorPendulum], model: str = "exact"
-) -> list[Settled]:
-    """Return the orbits of many parameters, all with the motor in one place."""
-    numbers = {
-        name: np.array([getattr(p, name) for p in several])
-        for name in RotorPendulum.numeric_names()
-    }
-    together = several[0].replace(**numbers)
-    places = np.arange(len(several))[:, None] * np.array([100, 0])  # no neighbours
-    points = Points(get_scene(SCENE), together, places, {}, REFERENCE, model)
-    values = session.once(
-        (SCENE, tuple(several), model), lambda: QUANTITIES["phase"].evaluate(points).values
+def orbit_in_words(session: Session, p: RotorPendulum, model: str | None = None) -> str:
+    """Return kind, phase, speed and torque of the synchronous orbit."""
+    report = synchronous_orbit(session, p, model=model)
+    phase, speed, torque = (
+        orbit_value(report, name) for name in ("phase_difference", "mean_speed", "motor_torque_1")
     )
-    return [
-        Settled(
-            PHASES[int(values["class"][i])],
-            float(values["phase_difference"][i]),
-            float(values["mean_speed"][i]),
-            float(p.motor_slope * (p.synchronous_speed - values["mean_speed"][i])),
-        )
-        for i, p in enumerate(several)
-    ]
+    words = f"{kind_of(report)}, {phase:.4f} rad at {speed:.2f} rad/s, {torque:.3g} N m"
+    return "not there" if report is None else words
 
 
 @dataclass(frozen=True)
@@ -144,11 +103,14 @@ class StartUp:
     parameters : RotorPendulum
     times : array (n,) [s]
     states : array (8, n)
+    largest : float, optional
+        Largest torque of the motors [N m], see `motor_torque`; by default they follow (14).
     """
 
     parameters: RotorPendulum
     times: Array
     states: Array
+    largest: float | None = None
 
     @property
     def phase(self) -> Array:
@@ -156,20 +118,30 @@ class StartUp:
         return self.states[1] - self.states[2]
 
     @property
-    def torques(self) -> tuple[Array, Array]:
-        """Torques of the two motors [N m]."""
-        c = coefficients(self.parameters)
-        first, second = (c.slope * (c.speed - rate) for rate in self.states[5:7])
-        return first, second
+    def torques(self) -> Array:
+        """Torques of the two motors (2, n) [N m]."""
+        return motor_torque(self.parameters, self.largest, self.states[5:7])
 
     @property
-    def last(self) -> slice:
-        """The last second."""
-        return slice(-PER_SECOND, None)
+    def half_ranges(self) -> Array:
+        """Half the range of each state in the last second (8,)."""
+        return np.asarray(np.ptp(self.states[:, -PER_SECOND:], axis=1) / 2)
 
-    def after(self, time: float) -> slice:
-        """Return what comes after a time [s]."""
-        return slice(int(time * PER_SECOND), None)
+    def by_turns(self, values: Any, turns: int = 1) -> Array:
+        """Return values (k, n) over each turn, or each few; an incomplete last one is dropped."""
+        size = turns * round(PER_SECOND * 2 * np.pi / float(operating_speed(self.parameters)))
+        whole: Array = values[: len(values) // size * size]
+        return whole.reshape(-1, size)
+
+    def turn_means(self, values: Any) -> Array:
+        """Return means over turns, about 42 samples each."""
+        return self.by_turns(values).mean(axis=1)
+
+    @property
+    def ends(self) -> list[float]:
+        """Phase [rad], speed [rad/s] and torque [N m] of rotor 1 in the last second."""
+        values = (self.phase, self.states[5], self.torques[0])
+        return [float(self.turn_means(one)[-24:].mean()) for one in values]
 
 
 def from_rest(session: Session, case: int, who: str = REFERENCE) -> StartUp:
@@ -182,44 +154,115 @@ def from_rest(session: Session, case: int, who: str = REFERENCE) -> StartUp:
         if who in (REFERENCE, REDUCED):
             own = scene.variants.get(who, scene)
             return states_at(own, p, np.zeros(8), times, RUN_TOLERANCES[who])
-        run = simulate(SCENE, engine=who, step=STEP, parameters=changes(p), times=times)
+        run = simulate(SCENE, engine=who, step=STEP, parameters=p.as_dict(), times=times)
         return np.array([run.observables[name] for name in scene.state_names])
 
     return session.once((SCENE, "from rest", case, who), lambda: StartUp(p, times, states()))
 
 
-def phase_map(session: Session, beta: float, model: str = "exact", engine: str = "") -> Map:
-    """Return the phase over n_x and n_phi: by a model of the reference, or an engine."""
+LARGEST = 8.0
+"""Largest torque of the motors' curve [N m]: about 2.6 times the working torque, as is usual."""
+CURVE_SECONDS = 3.0
+"""Duration of a start by that curve [s]: the slowest rotor is at working speed after 0.51 s."""
+
+
+def motor_torque(p: RotorPendulum, largest: float | None, rates: Array) -> Array:
+    """Return the torque of a motor [N m] at speeds [rad/s]: by (14), or by Kloss's formula.
+
+    ``2 M s s_k / (s^2 + s_k^2)`` over the slip s, with the largest torque M at the slip ``s_k``
+    that gives the curve the slope of (14) at no torque.
+    """
+    speed, slope = float(p.synchronous_speed), float(p.motor_slope)
+    slip = 1 - rates / speed
+    if largest is None:
+        return slope * speed * slip
+    at = 2 * largest / (slope * speed)
+    return 2 * largest * slip * at / (slip**2 + at**2)
+
+
+def other_start(
+    session: Session,
+    case: int,
+    seconds: float,
+    largest: float | None = None,
+    inertia: float = 0.0,
+    as_printed: bool = False,
+) -> StartUp:
+    """Return a start from rest with another motor, another rod, or another sign.
+
+    With the exact equations where the motor alone is another one, and else with (11), which the
+    paper integrates.
+
+    Parameters
+    ----------
+    seconds : float
+        Duration [s].
+    largest : float, optional
+        Largest torque of the motors [N m]; by default (14) holds from rest on.
+    inertia : float
+        J_3 of (7) [kg m^2], which (11) leaves out.
+    as_printed : bool
+        Take the sign before phi_2'^2 in the fourth line of (11) as printed.
+    """
+    p, scene = CASES[case], get_scene(SCENE)
+    equations, c = scene if largest else scene.variants[REDUCED], coefficients(p)
+
+    def derivative(time: float, state: Array) -> Array:
+        q, v = state[:4], state[4:]
+        matrix = np.array(equations.mass_matrix(q, c), dtype=float)
+        force = np.array(equations.forces(0.0, q, v, c), dtype=float)
+        matrix[3, 3] += inertia
+        force[1:3] += motor_torque(p, largest, v[1:3]) - motor_torque(p, None, v[1:3])
+        if as_printed:
+            force[3] -= 2 * c.unbalance * c.length * v[2] ** 2 * np.sin(q[2] - c.beta)
+        return np.concatenate([v, np.linalg.solve(matrix, force)])
+
+    def run() -> StartUp:
+        times = np.arange(round(seconds * PER_SECOND) + 1) / PER_SECOND
+        solution = solve_ivp(
+            derivative, times[[0, -1]], np.zeros(8), "DOP853", times, rtol=1e-7, atol=1e-9
+        )
+        return StartUp(p, times, solution.y, largest)
+
+    return session.once((SCENE, "other start", case, seconds, largest, inertia, as_printed), run)
+
+
+def phase_map(session: Session, beta: float, who: str = REFERENCE) -> Map:
+    """Return the phase of the synchronous orbits over n_x and n_phi."""
     fewer = session.engine_points or ENGINE_GRID
-    counts = (fewer, ENGINE_FULL_GRID) if engine else (GRID, FULL_GRID)
+    counts = (GRID, FULL_GRID) if who == REFERENCE else (fewer, ENGINE_FULL_GRID)
     axis = (*RANGE, session.points or counts[session.full])
-    return session.map(
-        SCENE,
-        "phase",
-        ("n_x", *axis),
-        ("n_phi", *axis),
-        engine=engine or REFERENCE,
-        model=None if engine else model,
-        parameters={"installation_angle": beta},
-    )
+    parameters = {"installation_angle": beta}
+    x, y = ("n_x", *axis), ("n_phi", *axis)
+    model = "exact" if who == REFERENCE else None
+    return session.map(SCENE, "phase", x, y, engine=who, model=model, parameters=parameters)
+
+
+def theory_on(plane: Map, beta: float) -> Array:
+    """Return the stable phase of (30), (36) at the points of a map (n_y, n_x) [rad]."""
+    n = theory.Ratios(*np.meshgrid(plane.x.values, plane.y.values), beta=beta)
+    return np.asarray(theory.stable_phase_difference(n))
+
+
+def stable_phases(plane: Map) -> Array:
+    """Return the phases (n_y, n_x) of a map [rad], NaN where there is no stable orbit."""
+    unstable = plane.variables["class"] == PHASES.index("unstable")
+    return np.where(unstable, np.nan, plane.variables["phase_difference"])
+
+
+NEAR = 1e-9
+"""Largest distance of a value from the end of a range that is round-off."""
 
 
 def inside(plane: Map, x: tuple[float, float], y: tuple[float, float]) -> Any:
     """Return which points of a map lie between two n_x and two n_phi, ends included."""
-    column, row = plane.x.values, plane.y.values
-    return _between(row, *y)[:, None] & _between(column, *x)[None]
+    n_x, n_phi = np.meshgrid(plane.x.values, plane.y.values)
+    low, high = (x[0] - NEAR, y[0] - NEAR), (x[1] + NEAR, y[1] + NEAR)
+    return (n_x > low[0]) & (n_x < high[0]) & (n_phi > low[1]) & (n_phi < high[1])
 
 
-def _between(values: Array, low: float, high: float) -> Any:
-    return (values > low - NEAR) & (values < high + NEAR)
-
-
-NEAR = 1e-9
-"""Distance of a value from an end that is rounding."""
-
-
-def class_shares(plane: Map, where: Any) -> dict[str, float]:
-    """Return the share of each class that there is among some points of a map."""
+def class_shares(plane: Map, where: Any = ...) -> dict[str, float]:
+    """Return the share of each class that occurs among some points of a map."""
     classes, names = plane.variables["class"][where], plane.about["class"].classes
     shares = {name: float(np.mean(classes == i)) for i, name in enumerate(names)}
     return {name: share for name, share in shares.items() if share > 0}

@@ -1,185 +1,70 @@
 """Measures of what the speed_regulator paper derives, sections 1-3 up to equation (20).
 
-Functions of (7)-(19), as printed and put right, take crank angles of any shape; rows of vectors
-come first.
+Its equations themselves are texts in ``claims.toml``.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 from ....reference import get_scene
 from ....reference.scene import Array
 from ....reference.speed_regulator.equations import (
     SpeedRegulator,
     coefficients,
+    inertia,
     outputs,
+    position,
 )
 from ....reference.speed_regulator.motions import mean_speed
-from ....reference.speed_regulator.theory import printed_mean_speed, rotation
+from ....reference.speed_regulator.theory import PRINTED_REMAINDER, printed_mean_speed
 from ...engines.registry import REFERENCE
 from ...engines.run import call_engine
 from ...queries.query import choose_engine
 from ...queries.request import Query
 from ...queries.simulate import simulate
-from ..ledger import Numbers
+from ..equations import Values
+from ..ledger import Numbers, half_unit
 from ..session import Session
-from .results import EXAMPLE, SCENE, damped, recorded_motion, turn_speeds
+from .results import EXAMPLE, SCENE, TURN, damped, recorded_motion, turn_speeds
 
-
-class PrintedKinematics(NamedTuple):
-    """Equations (2)-(12).
-
-    Attributes
-    ----------
-    beta : array
-    t, u : array
-        (7), (10).
-    places : array (5, ...)
-        phi, x_C, y_C, -beta, y_B of (2), (3).
-    a_1, a_2 : array (5, ...)
-        (11), (12).
-    """
-
-    beta: Any
-    t: Any
-    u: Any
-    places: Any
-    a_1: Any
-    a_2: Any
-
-
-def kinematics(phi: Any, p: SpeedRegulator) -> PrintedKinematics:
-    """Return what (2)-(12) say at crank angles, complex ones included."""
-    r, l = p.crank_radius, p.rod_length
-    ratio, sin, cos = r / l, np.sin(phi), np.cos(phi)
-    beta = np.arcsin(ratio * cos)
-    sin_b, cos_b = np.sin(beta), np.cos(beta)
-    t = ratio * sin / cos_b
-    u = ratio * cos / cos_b - t**2 * sin_b / cos_b
-    places = [phi, r * cos - l / 2 * sin_b, r * sin - l / 2 * cos_b, -beta, r * sin - l * cos_b]
-    a_1 = [
-        1 + 0 * phi,
-        -r * sin + l / 2 * t * cos_b,
-        r * cos - l / 2 * t * sin_b,
-        t,
-        r * cos - l * t * sin_b,
-    ]
-    a_2 = [
-        0 * phi,
-        -r * cos + l / 2 * t**2 * sin_b + l / 2 * u * cos_b,
-        -r * sin + l / 2 * t**2 * cos_b - l / 2 * u * sin_b,
-        u,
-        -r * sin + l * t**2 * cos_b - l * u * sin_b,
-    ]
-    return PrintedKinematics(beta, t, u, np.array(places), np.array(a_1), np.array(a_2))
-
-
-def masses(p: SpeedRegulator) -> Array:
-    """Return the diagonal of [m] in (13), the rod homogeneous."""
-    rod = p.rod_mass * p.rod_length**2 / 12
-    return np.array([p.flywheel_inertia, p.rod_mass, p.rod_mass, rod, p.slider_mass])
-
-
-def reaction_matrix(phi: float, p: SpeedRegulator, printed: bool = False) -> Array:
-    """Return [N] of (14) at one angle; row 4 as printed has lost the minus signs of (13)."""
-    r, l = p.crank_radius, p.rod_length
-    beta = float(kinematics(phi, p).beta)
-    x, y = l / 2 * np.cos(beta), l / 2 * np.sin(beta) * (1 if printed else -1)
-    return np.array(
-        [
-            [-r * np.sin(phi), r * np.cos(phi), 0, 0],
-            [-1, 0, 1, 0],
-            [0, -1, 0, 1],
-            [x, y, x, y],
-            [0, 0, 0, -1],
-        ]
-    )
-
-
-def free_bodies(phi: float, speed: float, p: SpeedRegulator, printed: bool = False) -> Array:
-    """Return phi'' and X_A, Y_A, X_B, Y_B by (14), its five rows solved together."""
-    at = kinematics(phi, p)
-    load = p.damping * at.a_1[4] * speed + spring(phi, p)
-    external = np.array([p.torque, 0, 0, 0, -load])
-    m = masses(p)
-    matrix = np.column_stack([m * at.a_1, -reaction_matrix(phi, p, printed)])
-    return np.asarray(np.linalg.solve(matrix, external - m * at.a_2 * speed**2))
-
-
-def spring(phi: Any, p: SpeedRegulator) -> Any:
-    """Return F_e: that of (13) where ``spring_rest`` is -l."""
-    return p.stiffness * (kinematics(phi, p).places[4] - p.spring_rest)
-
-
-def moment_of_inertia(phi: Any, p: SpeedRegulator) -> Any:
-    """Return J(phi) of (18)."""
-    a_1 = kinematics(phi, p).a_1
-    return np.tensordot(masses(p), a_1 * a_1, 1)
-
-
-def printed_slope(phi: Any, p: SpeedRegulator) -> Any:
-    """Return J'(phi) as (18) prints it: half of the derivative."""
-    at = kinematics(phi, p)
-    return np.tensordot(masses(p), at.a_1 * at.a_2, 1)
-
-
-def torque(phi: Any, speed: Any, p: SpeedRegulator) -> Any:
-    """Return M of (19) by its first two lines."""
-    y_phi = kinematics(phi, p).a_1[4]
-    return p.torque - y_phi * (p.damping * speed * y_phi + spring(phi, p))
-
-
-def acceleration(phi: Any, speed: Any, p: SpeedRegulator, factor: float = 2.0) -> Any:
-    """Return phi'' by (17) with (18), (19); ``factor`` 1 takes J' as printed, 2 puts it right."""
-    slope = factor * printed_slope(phi, p)
-    return (torque(phi, speed, p) - slope * speed**2 / 2) / moment_of_inertia(phi, p)
-
-
-SAMPLES = 4096
-"""Of a turn; means of periodic functions are then exact to rounding up to lambda = 0.98."""
-
-
-def averages(p: SpeedRegulator) -> dict[str, float]:
-    """Return the means of section 3 over a turn of the crank.
-
-    ``slope`` of J' over that of J; ``spring_19`` and ``spring_3`` of the spring's torque with the
-    references of (19) and of section 3, over its amplitude; ``cos_squared``; ``remainder`` of
-    t^2 sin^2 beta; ``mixed`` of t cos phi sin beta; ``damper`` of (r cos phi - l t sin beta)^2/l^2.
-    """
-    phi = 2 * np.pi * np.arange(SAMPLES) / SAMPLES
-    at = kinematics(phi, p)
-    y_phi, y, sin_b = at.a_1[4], at.places[4], np.sin(at.beta)
-    near, far = y_phi * (p.rod_length + y), y_phi * (p.crank_radius + p.rod_length + y)
-    means = {
-        "slope": np.mean(printed_slope(phi, p)) / np.mean(moment_of_inertia(phi, p)),
-        "spring_19": np.mean(near / np.max(abs(near))),
-        "spring_3": np.mean(far / np.max(abs(far))),
-        "cos_squared": np.mean(np.cos(phi) ** 2),
-        "remainder": np.mean((at.t * sin_b) ** 2),
-        "mixed": np.mean(at.t * np.cos(phi) * sin_b),
-        "damper": np.mean(y_phi**2) / p.rod_length**2,
-    }
-    return {name: float(mean) for name, mean in means.items()}
-
-
-ANGLES = 2 * np.pi * np.arange(64) / 64 + 0.05
 SPEED = 5.07
-PROBE = 1e-30
-"""Complex step, far below rounding."""
+"""Crank speed at which accelerations and reactions are compared [rad/s]."""
 
-RATIOS = tuple(
-    EXAMPLE.replace(crank_radius=ratio * EXAMPLE.rod_length) for ratio in (0.05, 0.2, 0.5, 0.9)
-)
-"""The example with several lambda = r/l."""
+REACTIONS = {
+    "X_A": "reaction_a_x",
+    "Y_A": "reaction_a_y",
+    "X_B": "reaction_b_x",
+    "Y_B": "reaction_b_y",
+}
+"""Names of the paper's reactions in the scene."""
 
 
-def slope_of(values: Any) -> Any:
-    """Return the derivative that a complex step has left in values."""
-    return np.asarray(values).imag / PROBE
+def motion(values: Values) -> Values:
+    """Return the scene's acceleration and reactions at a point of equations (13)-(19)."""
+    length = values["r"] + values["reach"]
+    p = SpeedRegulator(
+        crank_radius=values["r"],
+        rod_length=length,
+        flywheel_inertia=values["J_O"],
+        rod_mass=values["m_b"],
+        slider_mass=values["m"],
+        stiffness=values["k"],
+        damping=values["c"],
+        torque=values["M_m"],
+        spring_rest=-length,
+    )
+    c, phi, speed = coefficients(p), np.array([values["phi"]]), np.array([values["omega_1"]])
+    rate = get_scene(SCENE).accelerations(0.0, [phi], [speed], c)[0]
+    forces = outputs(phi[None], speed[None], c)
+    own = {name: float(forces[key][0]) for name, key in REACTIONS.items()}
+    return {"epsilon_1": float(rate[0]), **own}
 
 
 # Introduction and section 2
@@ -205,110 +90,49 @@ def slowest_gain(session: Session, who: str) -> float:
     return float(np.min(np.diff(turn_speeds(recorded_motion(session, "frictionless", who)))))
 
 
-def kinematic_error(session: Session) -> Numbers:
-    """Compare (4)-(12) with derivatives of the positions, by complex steps, at two lambda.
-
-    (5) with the speed 1, (8) with an acceleration of our choice.
-    """
-    errors, gain = [], 2.0
-    for p in (EXAMPLE, EXAMPLE.replace(crank_radius=0.9)):
-        at = kinematics(ANGLES, p)
-        moved = kinematics(ANGLES + 1j * PROBE, p)
-        r, l, sin_b, cos_b = p.crank_radius, p.rod_length, np.sin(at.beta), np.cos(at.beta)
-        closure = r * np.cos(ANGLES) - l * sin_b
-        in_5 = r * np.sin(ANGLES) + l * slope_of(moved.beta) * cos_b
-        in_8 = r * gain * np.sin(ANGLES) + r * SPEED**2 * np.cos(ANGLES)
-        in_8 -= l * (at.t * gain + at.u * SPEED**2) * cos_b + l * (at.t * SPEED) ** 2 * sin_b
-        errors += [
-            in_5,
-            in_8 / SPEED**2,
-            slope_of(moved.places) - at.a_1,
-            slope_of(moved.a_1) - at.a_2,
-            slope_of(moved.beta) + at.t,
-            slope_of(moved.t) - at.u,
-            closure,
-        ]
-    return {"error": max(float(np.max(abs(item))) for item in errors)}
-
-
 def opening(session: Session, who: str) -> Numbers | str:
     """Return how far an engine's loop opens [m]; no words if it has none."""
     violation = recorded_motion(session, "start_8", who).observables.get("position_violation")
     return "" if violation is None else {"opening": np.max(violation)}
 
 
-def slider_forces(session: Session) -> Numbers:
-    """Compare F_a and F_e above (13) with the power of the damper and the slope of the energy.
-
-    Both over the crank angle, relative to the largest.
-    """
-    p, c, scene = EXAMPLE, coefficients(EXAMPLE), get_scene(SCENE)
-    r, l = p.crank_radius, p.rod_length
-    at = kinematics(ANGLES, p)
-    arm = r * np.cos(ANGLES) - l * at.t * np.sin(at.beta)
-    spring = p.stiffness * (l + r * np.sin(ANGLES) - l * np.cos(at.beta)) * arm
-    damper = p.damping * SPEED * arm * arm
-    still = np.zeros_like(ANGLES)
-    slope = slope_of(scene.energy([ANGLES + 1j * PROBE], [still], c))
-    free = coefficients(p.replace(damping=0.0))
-    rates = [scene.accelerations(0.0, [ANGLES], [still + SPEED], one)[0] for one in (free, c)]
-    moment = moment_of_inertia(ANGLES, p)
-    errors = spring - slope, damper - moment * (rates[0] - rates[1])
-    sizes = np.max(np.abs(slope)), np.max(np.abs(damper))
-    return {"error": max(np.max(np.abs(e)) / size for e, size in zip(errors, sizes, strict=True))}
-
-
-def reactions(session: Session, who: str) -> Numbers | str:
-    """Compare reactions with those of (13), its five rows solved together."""
-    phi = np.array([0.3, 1.9, 4.4])
-    exact = outputs(phi[None], np.full((1, 3), SPEED), coefficients(EXAMPLE))
-    names = ("reaction_a_x", "reaction_a_y", "reaction_b_x", "reaction_b_y")
-    if who == REFERENCE:
-        solved = np.array([free_bodies(q, SPEED, EXAMPLE) for q in phi]).T
-        own: Numbers = dict(zip(names, solved[1:], strict=True))
-    else:
-        case = Query(SCENE).case
-        engine, model = choose_engine(who, case, None)
-        if not set(names) <= set(engine.reaction_names(case, model)):
-            return "does not tell"
-        states = np.stack([phi, np.full(3, SPEED)], axis=1)
-        own = call_engine(lambda: engine.reactions(case, model, np.zeros(3), states))
-    size = max(float(np.max(abs(exact[name]))) for name in names)
-    return {"error": max(float(np.max(abs(own[name] - exact[name]))) for name in names) / size}
-
-
-def work_of_reactions(as_printed: bool) -> Numbers:
-    """Return the largest part of A_1^T [N], over the rod's length."""
-    parts = [
-        kinematics(phi, EXAMPLE).a_1 @ reaction_matrix(phi, EXAMPLE, as_printed)
-        for phi in map(float, ANGLES)
-    ]
-    return {"work": float(np.max(np.abs(parts))) / EXAMPLE.rod_length}
-
-
-def accelerations_17(session: Session, who: str) -> Numbers:
-    """Compare accelerations with the reference's: by (17)-(19), or an engine's own."""
-    phi = ANGLES[::4]
-    speed = SPEED * np.linspace(-1, 1, len(phi))
-    exact = get_scene(SCENE).accelerations(0.0, [phi], [speed], coefficients(EXAMPLE))[0]
-
-    def error(values: Any) -> float:
-        return float(np.max(abs(values - exact)) / np.max(abs(exact)))
-
-    if who == REFERENCE:
-        right, wrong = (acceleration(phi, speed, EXAMPLE, factor) for factor in (2, 1))
-        return {"error": error(right), "as_printed": error(wrong)}
-    case = Query(SCENE).case
-    engine, model = choose_engine(who, case, None)
-    states = np.stack([phi, speed], axis=1)
-    own = call_engine(lambda: engine.accelerations(case, model, np.zeros(len(phi)), states))
-    return {"error": error(own[:, 0]), "model": model}
-
-
 def crank_angle_error(session: Session, who: str) -> float:
     """Return how far the crank angle is from the reference's within 10 s from 8 rad/s [rad]."""
     truth, own = (recorded_motion(session, "start_8", name) for name in (REFERENCE, who))
     return float(np.max(abs(own.observables["phi"] - truth.observables["phi"])[truth.times <= 10]))
+
+
+def largest_difference(own: Any, exact: Any) -> float:
+    """Return the largest difference of two arrays, relative to the largest value of the second."""
+    return float(np.max(np.abs(own - exact)) / np.max(np.abs(exact)))
+
+
+def reactions(session: Session, who: str) -> Numbers | str:
+    """Return by how much an engine's reactions miss the reference's, relative to the largest."""
+    if who == REFERENCE:
+        return {}
+    case, names = Query(SCENE).case, list(REACTIONS.values())
+    engine, model = choose_engine(who, case, None)
+    if not set(names) <= set(engine.reaction_names(case, model)):
+        return "does not tell"
+    states = np.array([[phi, SPEED] for phi in (0.3, 1.9, 4.4)])
+    phi, speed = states.T[:, None]
+    exact = outputs(phi, speed, coefficients(EXAMPLE))
+    own = call_engine(lambda: engine.reactions(case, model, np.zeros(len(states)), states))
+    tables = (np.array([values[name] for name in names]) for values in (own, exact))
+    return {"error": largest_difference(*tables)}
+
+
+def accelerations(session: Session, who: str) -> Numbers:
+    """Return by how much an engine's accelerations miss the reference's, and by which model."""
+    if who == REFERENCE:
+        return {}
+    case = Query(SCENE).case
+    engine, model = choose_engine(who, case, None)
+    states = np.array([np.linspace(0, 6, 16), SPEED * np.linspace(-1, 1, 16)]).T
+    exact = get_scene(SCENE).accelerations(0.0, *states.T[:, None], coefficients(EXAMPLE))[0]
+    own = call_engine(lambda: engine.accelerations(case, model, np.zeros(len(states)), states))
+    return {"error": largest_difference(own[:, 0], exact), "model": model}
 
 
 def taken_up_again(session: Session) -> Numbers:
@@ -322,54 +146,98 @@ def taken_up_again(session: Session) -> Numbers:
 
 def nonlinearity(session: Session) -> Numbers:
     """Return by how much equal steps of the speed, and twice the angle, change phi'' unequally."""
-
-    def rate(phi: float, speed: float) -> float:
-        return float(get_scene(SCENE).accelerations(0.0, [phi], [speed], coefficients(EXAMPLE))[0])
-
-    still, slow, fast = (rate(0.7, speed) for speed in (0.0, 3.0, 6.0))
+    phi, speed = np.array([0.7, 0.7, 0.7, 1.4]), np.array([0.0, 3.0, 6.0, 0.0])
+    rates = get_scene(SCENE).accelerations(0.0, [phi], [speed], coefficients(EXAMPLE))[0]
+    still, slow, fast, doubled = rates
     return {
         "bend": abs(fast - 2 * slow + still) / abs(slow - still),
-        "uneven": abs(rate(1.4, 0.0) - 2 * still),
+        "uneven": abs(doubled - 2 * still),
     }
+
+
+PROBE = 1e-30
+"""Complex step, far below round-off."""
+
+
+def halved_slope(session: Session) -> Numbers:
+    """Return what J' as (18) prints it does to a free crank's energy, and to the limit cycle.
+
+    The range of the energy in a turn, relative to its start; mean speeds [rad/s], as printed and
+    corrected.
+    """
+    c, scene, speeds = coefficients(EXAMPLE), get_scene(SCENE), []
+
+    def turn(speed: float, share: float) -> Array:
+        """Return speed and time after a turn, with a share of J' phi'^2/J added to phi''."""
+
+        def over_angle(phi: float, values: Array) -> list[float]:
+            moment = inertia(position(phi + 1j * PROBE, c), c)
+            rate = scene.accelerations(0.0, [phi], values[:1], c)[0]
+            rate += share * moment.imag / PROBE / moment.real * values[0] ** 2
+            return [rate / values[0], 1 / values[0]]
+
+        run = solve_ivp(over_angle, (0, TURN), [speed, 0.0], rtol=1e-9, atol=1e-11)
+        return np.asarray(run.y[:, -1])
+
+    for share in (1 / 4, 0.0):
+        start = brentq(lambda v, share=share: turn(v, share)[0] - v, 4.9, 5.3, xtol=1e-6)
+        speeds.append(TURN / turn(start, share)[1])
+    energy = np.sqrt(inertia(position(np.linspace(0, TURN, 513), c), c))
+    return {"swing": np.ptp(energy) / energy[0], "speeds": speeds}
 
 
 # Averages of section 3
 
-
-def largest_mean(*names: str) -> Numbers:
-    """Return the largest modulus of some means of section 3, for several lambda."""
-    return {"mean": max(abs(averages(p)[name]) for p in RATIOS for name in names)}
+SAMPLES = 4096
+"""Samples of a turn; means of periodic functions are then exact to round-off to lambda = 0.98."""
 
 
-def mean_spring(session: Session) -> Numbers:
-    """Return the largest mean torque of the spring, and speeds [rad/s] with several springs."""
-    speeds = [rotation(EXAMPLE.replace(stiffness=k)).mean_speed for k in (0.0, 32.0, 64.0)]
-    return {**largest_mean("spring_19", "spring_3"), "speeds": speeds}
+def averages(session: Session, ratio: float = 0.2, value: str = "damper") -> Numbers:
+    """Return means of section 3 over a turn of the crank, for lambda = r/l; one is the value.
 
-
-def remainder(session: Session) -> Numbers:
-    """Return the mean of t^2 sin^2 beta, by samples and in closed form."""
-    ratio = EXAMPLE.crank_radius / EXAMPLE.rod_length
-    closed = 1 - math.sqrt(1 - ratio**2) - ratio**2 / 2
-    return {"value": averages(EXAMPLE)["remainder"], "exact": closed}
-
-
-def remainder_everywhere(session: Session) -> Numbers:
-    """Return that mean for several lambda, and the error that 0.000204 makes of (21)."""
-    means = {f"{p.crank_radius / p.rod_length:g}": averages(p)["remainder"] for p in RATIOS}
-    errors = [float(printed_mean_speed(p) / mean_speed(p) - 1) for p in RATIOS]
-    ratios = np.array([p.crank_radius / p.rod_length for p in RATIOS])
-    exact = 1 - np.sqrt(1 - ratios**2)
+    ``cos_squared``; ``remainder`` of t^2 sin^2 beta, and in closed form, ``exact``; ``damper`` of
+    (r cos phi - l t sin beta)^2/l^2, as (20) has it, ``by_20``, and the relative error of that.
+    """
+    phi = 2 * np.pi * np.arange(SAMPLES) / SAMPLES
+    sine = ratio * np.cos(phi)
+    lever = ratio * np.sin(phi) / np.sqrt(1 - sine**2) * sine
+    parts = {"cos_squared": np.cos(phi), "remainder": lever, "damper": sine - lever}
+    means = {name: float(np.mean(part**2)) for name, part in parts.items()}
+    by_20 = ratio**2 / 2 + PRINTED_REMAINDER
     return {
-        "closed": np.max(abs(np.array([averages(p)["damper"] for p in RATIOS]) / exact - 1)),
-        "means": [f"{mean:.3g} at {ratio}" for ratio, mean in means.items()],
-        "errors": errors,
-        "largest": max(map(abs, errors)),
+        **means,
+        "value": means[value],
+        "by_20": by_20,
+        "error": abs(by_20 / means["damper"] - 1),
+        "exact": exact_remainder(ratio),
     }
 
 
-def mean_damper(session: Session) -> Numbers:
-    """Return the mean torque of the damper by (20), in c l^2 omega_1, and by samples."""
-    mean = averages(EXAMPLE)["damper"]
-    by_20 = 0.5 * (EXAMPLE.crank_radius / EXAMPLE.rod_length) ** 2 + 0.000204
-    return {"mean": mean, "printed": by_20, "error": abs(by_20 / mean - 1)}
+def exact_remainder(ratio: float) -> float:
+    """Return the mean of t^2 sin^2 beta in closed form."""
+    return 1 - math.sqrt(1 - ratio**2) - ratio**2 / 2
+
+
+def remainder(session: Session) -> Numbers:
+    """Return the mean of t^2 sin^2 beta at lambda = 0.2, and all lambda that round to the printed.
+
+    These as the least and the largest.
+    """
+    half = half_unit(f"{PRINTED_REMAINDER:f}")
+    ratios = [
+        brentq(lambda ratio, mean=mean: exact_remainder(ratio) - mean, 0.1, 0.3)
+        for mean in (PRINTED_REMAINDER - half, PRINTED_REMAINDER + half)
+    ]
+    return {**averages(session, value="remainder"), "ratios": ratios}
+
+
+def remainder_everywhere(session: Session, ratios: Sequence[float]) -> Numbers:
+    """Return that mean for several lambda, and the error that 0.000204 makes of (21)."""
+    sets = [EXAMPLE.replace(crank_radius=ratio * EXAMPLE.rod_length) for ratio in ratios]
+    errors = [float(printed_mean_speed(p) / mean_speed(p) - 1) for p in sets]
+    means = [averages(session, ratio)["remainder"] for ratio in ratios]
+    return {
+        "means": [f"{mean:.3g} at {ratio:g}" for mean, ratio in zip(means, ratios, strict=True)],
+        "errors": errors,
+        "largest": max(map(abs, errors)),
+    }

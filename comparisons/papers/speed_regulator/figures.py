@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline, CubicSpline
+from scipy.interpolate import CubicHermiteSpline
 
 from ....reference.scene import Array
 from ....reference.speed_regulator.motions import mean_speed
@@ -15,23 +15,22 @@ from ...engines.registry import REFERENCE, get_engine
 from ...queries.simulate import Simulation
 from ...reports.drawing import INK, NOTE, PALETTE, broad, engine_line, label, new_figure
 from ..drawing import dotted, draw_gap, handles_of, outside_legend
-from ..ledger import PaperFigure
 from ..session import Session
 from .results import (
+    ANGLES,
     DAMPINGS,
     EXAMPLE,
     RUNS,
     SCENE,
-    SLOW_START,
     STARTS,
-    TORQUE,
+    TURN,
     damped,
+    last_turn,
     mean_over_turns,
     recorded_motion,
     speed_map,
 )
 
-TURN = 2 * np.pi
 FORMULA_LINE = {
     "color": INK,
     "linewidth": 0.9,
@@ -42,46 +41,45 @@ FORMULA_LINE = {
 
 def figure_3(session: Session) -> Any:
     """Draw the mean speed against the torque for three dampers."""
-    fine, coarse = speed_map(session, fine=True), speed_map(session)
+    fine, coarse = speed_map(session, fine=True), speed_map(session).variables["mean_speed"]
     figure, axes = new_figure(2, 1, height=2.7, sharex=True)
     upper, lower = axes[:, 0]
-    torque = fine.x.values
-    for c, speed in zip(DAMPINGS, fine.variables["mean_speed"], strict=True):
+    torque, truth = fine.x.values, fine.variables["mean_speed"]
+    formula = np.array([printed_mean_speed(damped(c).replace(torque=torque)) for c in DAMPINGS])
+    for c, speed, line in zip(DAMPINGS, truth, formula, strict=True):
         broad(upper, torque, speed, label=REFERENCE)
-        end = float(printed_mean_speed(damped(c, torque=TORQUE[1])))
-        upper.plot([0, TORQUE[1]], [0, end], **FORMULA_LINE)
+        upper.plot(torque, line, **FORMULA_LINE)
         upper.annotate(f"c = {c:g} N s/m", (torque[-1] * 1.01, speed[-1]), va="center", **NOTE)
-        gap = abs(printed_mean_speed(damped(c).replace(torque=torque)) - speed)
-        lower.plot(torque, gap, **FORMULA_LINE)
-    for name, model, how in own_models(session):
-        own = speed_map(session, name, model=model)
-        for row, speed in enumerate(own.variables["mean_speed"]):
-            engine_line(
-                upper, name, own.x.values, speed, markevery=1, **how | {"linestyle": "none"}
-            )
-            gap = abs(speed - coarse.variables["mean_speed"][row])
-            draw_gap(lower, name, own.x.values, gap, linewidth=0.7 + 0.4 * row, **how)
+    lower.plot(torque, largest(formula - truth), **FORMULA_LINE)
+    for name in session.engines:
+        for model, how in zip(get_engine(name).models(SCENE)[:2], MODEL_STYLES, strict=False):
+            own = speed_map(session, name, model=model)
+            speeds, how = own.variables["mean_speed"], how | {"label": f"{name}, {model}"}
+            for speed in speeds:
+                engine_line(upper, name, own.x.values, speed, **how | {"linestyle": "none"})
+            draw_gap(lower, name, own.x.values, largest(speeds - coarse), **how)
     target = float(np.round(mean_speed(EXAMPLE), 2))
     upper.plot(EXAMPLE.torque, target, "*", color=INK, markersize=9, label="5.07 rad/s, as printed")
-    upper.set_xlim(0, TORQUE[1] * 1.14)
+    upper.set_xlim(0, torque[-1] * 1.14)
     lower.set_yscale("log")
     label(upper, "", "mean speed [rad/s]", "(a) The speed grows with the torque")
-    label(
-        lower,
-        "torque M_m [N m]",
-        "|difference| [rad/s]",
-        "(b) How far formula and engines are from the limit cycle (wider: larger c)",
-    )
+    what = "(b) How far formula and engines are from the limit cycle, largest of all c"
+    label(lower, "torque M_m [N m]", "|difference| [rad/s]", what)
     outside_legend(figure, handles_of(upper), columns=3)
     return figure
 
 
-def own_models(session: Session) -> Iterator[tuple[str, str, dict[str, Any]]]:
-    """Yield the first two models of each engine, the second with empty markers."""
-    for name in session.engines:
-        for empty, model in enumerate(get_engine(name).models(SCENE)[:2]):
-            face = {"markerfacecolor": "white"} if empty else {}
-            yield name, model, {"label": f"{name}, {model}", **face}
+MODEL_STYLES: tuple[dict[str, Any], ...] = (
+    {},
+    {"markerfacecolor": "white", "linestyle": (0, (3, 1, 1, 1, 1, 1))},
+)
+"""Of an engine's first model, and of its second."""
+
+
+def largest(gaps: Array) -> Array:
+    """Return the largest modulus over the dampers (3, n), NaN where there is none."""
+    most = np.max(np.nan_to_num(np.abs(gaps)), axis=0)
+    return np.where(most > 0, most, np.nan)
 
 
 def figure_4(session: Session) -> Any:
@@ -206,18 +204,6 @@ def figure_7(session: Session) -> Any:
     return figure
 
 
-ANGLES = np.linspace(0, TURN, 121)
-
-
-def last_turn(motion: Simulation, names: tuple[str, ...] = ("y", "y_dot")) -> Array:
-    """Return observables (n, 121) over the crank angle of the last whole turn."""
-    phi = motion.observables["phi"]
-    begin = TURN * (np.floor(phi[-1] / TURN) - 1)
-    at = slice(int(np.searchsorted(phi, begin)) - 2, None)
-    curves = [CubicSpline(phi[at], motion.observables[name][at]) for name in names]
-    return np.array([curve(begin + ANGLES) for curve in curves])
-
-
 SMOOTH = 6
 """Points drawn for each sample of a motion."""
 
@@ -227,48 +213,3 @@ def smooth(motion: Simulation, begin: float = 0.0) -> tuple[Array, Array]:
     curve = CubicHermiteSpline(motion.times, motion.observables["y"], motion.observables["y_dot"])
     times = np.linspace(begin, motion.times[-1], SMOOTH * len(motion.times))
     return curve(times), curve(times, 1)
-
-
-OPEN = (
-    "The paper gives 0.000204, hence lambda = 0.2, c = 2, 3, 4 N s/m and 5.07 rad/s alone; "
-    "masses, lengths, spring and torque are our choice (docs/scenes.md), made to have that speed "
-    "at c = 2."
-)
-
-FIGURES = (
-    PaperFigure(
-        3,
-        "The stabilised speed grows with the torque, nearly in proportion",
-        f"For c = 2, 3, 4 N s/m. Range of torques and dampers: our choice, the text has none. "
-        f"Of each engine its first model and, with empty markers, its second. {OPEN}",
-        figure_3,
-    ),
-    PaperFigure(
-        4,
-        "From different starts the crank comes to one speed, or to rest",
-        f"Starts at phi = 0 with {', '.join(f'{v:g}' for v in STARTS)} and {SLOW_START:g} rad/s: "
-        f"our choice. All but the last settle at 5.07 rad/s; the slowest does not come over the "
-        f"spring and stays at rest. Engines with their default models. {OPEN}",
-        figure_4,
-    ),
-    PaperFigure(
-        5,
-        "A stronger damper makes the crank stabilise at a lower speed",
-        f"c = 2, 3, 4 N s/m as in the paper, all from 6 rad/s at phi = 0 (our choice). {OPEN}",
-        figure_5,
-    ),
-    PaperFigure(
-        6,
-        "Braked, the crank slows down, swings and comes to rest",
-        "Our choice of a motor that gives less than the damper takes: 0.04 N m with c = 4 N s/m, "
-        f"below the least torque of a rotation. From 5.07 rad/s. {OPEN}",
-        figure_6,
-    ),
-    PaperFigure(
-        7,
-        "In its phase plane the slider comes to a closed curve, or, braked, to rest",
-        "With c = 4 N s/m, from above and from below to the limit cycle, and the braked motion of "
-        f"figure 6. Which motions the paper shows is not in its text. {OPEN}",
-        figure_7,
-    ),
-)

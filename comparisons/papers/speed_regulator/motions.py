@@ -8,6 +8,7 @@ engines that start beside the saddle.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.integrate import quad
@@ -15,7 +16,6 @@ from scipy.stats import linregress
 
 from ....reference import get_scene
 from ....reference.errors import NoOrbitError
-from ....reference.scene import Array
 from ....reference.speed_regulator.equations import SpeedRegulator, coefficients, inertia, position
 from ....reference.speed_regulator.motions import found_equilibria, mean_speed, static_stiffness
 from ....reference.speed_regulator.theory import (
@@ -26,9 +26,8 @@ from ....reference.speed_regulator.theory import (
 )
 from ...engines.registry import REFERENCE
 from ...queries.simulate import simulate
-from ..ledger import REPRODUCED, LedgerRow, Numbers, below, equal, holds, statement
+from ..ledger import Numbers
 from ..session import Session
-from .figures import last_turn
 from .results import (
     DAMPINGS,
     EXAMPLE,
@@ -36,16 +35,13 @@ from .results import (
     STARTS,
     damped,
     ending,
+    last_turn,
     own_speeds,
     parameters_of,
     recorded_motion,
     speed_map,
     turn_speeds,
 )
-
-CLOSE = 0.02
-"""Relative difference that a figure hides."""
-
 
 # The stabilised speed: (21), figures 3 to 5
 
@@ -70,44 +66,40 @@ def own_rotations(session: Session, who: str) -> Numbers:
     }
 
 
-INERTIAS = (2.0, 8.0, 32.0, 128.0)
-"""Of ever larger flywheels [kg m^2]."""
-
-
-def asymptote(session: Session) -> Numbers:
-    """Return errors of the exact average with ever larger flywheels, and their order in 1/J."""
-    sets = [EXAMPLE.replace(flywheel_inertia=value) for value in INERTIAS]
+def asymptote(session: Session, inertias: Sequence[float]) -> Numbers:
+    """Return errors of the exact average with ever larger flywheels [kg m^2], and their order."""
+    sets = [EXAMPLE.replace(flywheel_inertia=value) for value in inertias]
     errors = [rotation(p).mean_speed / float(mean_speed(p)) - 1 for p in sets]
-    slope = np.log(errors[-1] / errors[-2]) / np.log(INERTIAS[-1] / INERTIAS[-2])
-    return {"inertias": INERTIAS, "errors": errors, "slope": slope, "off": abs(slope + 1)}
+    slope = np.log(errors[-1] / errors[-2]) / np.log(inertias[-1] / inertias[-2])
+    return {"inertias": inertias, "errors": errors, "slope": slope, "off": abs(slope + 1)}
 
 
-AWAY = 2.0
-"""Times the least torque of a rotation: from there the linear law is judged."""
+def spring_speeds(session: Session, stiffnesses: Sequence[float]) -> Numbers:
+    """Return mean speeds [rad/s] of rotations with several springs [N/m]."""
+    return {"speeds": [rotation(EXAMPLE.replace(stiffness=k)).mean_speed for k in stiffnesses]}
 
 
-def linear_law(session: Session) -> Numbers:
+def linear_law(session: Session, away: float) -> Numbers:
     """Return how straight the curves of figure 3 are, and how far (21) is from them.
 
-    Away from the least torque of a rotation, and straightness from that torque on.
+    From ``away`` times the least torque of a rotation, and straightness from that torque on.
     """
     fine = speed_map(session, fine=True)
-    torque, least = fine.x.values, least_torques(session)
+    torque, least = fine.x.values, least_torques(session)["least"]
     speeds, errors = (fine.variables[name] for name in ("mean_speed", "error_as_printed"))
 
-    def bend(speed: Array, begin: float) -> float:
-        there = np.isfinite(speed) & (torque >= begin)
-        line = linregress(torque[there], speed[there])
-        off = speed[there] - line.intercept - line.slope * torque[there]
-        return float(np.max(abs(off)) / np.max(speed[there]))
+    def bend(begin: float) -> float:
+        """Return the largest distance of a curve from a straight line, over its height."""
+        off = []
+        for speed, limit in zip(speeds, least, strict=True):
+            there = np.isfinite(speed) & (torque >= begin * limit)
+            line = linregress(torque[there], speed[there])
+            gap = speed[there] - line.intercept - line.slope * torque[there]
+            off.append(np.max(abs(gap)) / np.max(speed[there]))
+        return float(max(off))
 
-    away = [error[torque >= AWAY * t] for error, t in zip(errors, least, strict=True)]
-    return {
-        "bend": max(bend(speed, AWAY * t) for speed, t in zip(speeds, least, strict=True)),
-        "near": max(bend(speed, t) for speed, t in zip(speeds, least, strict=True)),
-        "apart": max(float(np.max(abs(error))) for error in away),
-        "least": least,
-    }
+    apart = [abs(error[torque >= away * t]).max() for error, t in zip(errors, least, strict=True)]
+    return {"bend": bend(away), "near": bend(1.0), "apart": max(apart), "least": least}
 
 
 def speeds_of_figure_3(session: Session, who: str) -> Numbers:
@@ -116,17 +108,14 @@ def speeds_of_figure_3(session: Session, who: str) -> Numbers:
     return {"gap": np.nanmax(abs(own / true - 1))}
 
 
-def least_torques(session: Session) -> Array:
-    """Return the least torque (3,) [N m] of a rotation for each damper."""
-    return session.once(
-        (SCENE, "least torques"),
-        lambda: np.array([least_torque(damped(c)).torque for c in DAMPINGS]),
-    )
+def limits(session: Session) -> list[Threshold]:
+    """Return the least torque of a rotation for each damper of figure 5, with its bound."""
+    return session.once((SCENE, "limits"), lambda: [least_torque(damped(c)) for c in DAMPINGS])
 
 
-def least_torques_of_rotation(session: Session) -> Numbers:
-    """Return the least torque of a rotation for each damper."""
-    return {"least": least_torques(session)}
+def least_torques(session: Session) -> Numbers:
+    """Return the least torque [N m] of a rotation for each damper."""
+    return {"least": [limit.torque for limit in limits(session)]}
 
 
 def work_ratio(session: Session, who: str) -> Numbers:
@@ -163,28 +152,28 @@ def variation_of_runs(session: Session, who: str) -> Numbers:
 # Figures 6, 7, and conclusions
 
 
-def braked(session: Session) -> Numbers:
-    """Return parameters of the braked run, and the largest gain of energy beside the motor's."""
-    p, (phi, phi_dot) = parameters_of("braked"), states_of(session, "braked")
-    energy = get_scene(SCENE).energy([phi], [phi_dot], coefficients(p))
+def braked(session: Session, who: str) -> Numbers:
+    """Return what the braked run ends in, and how often it reverses.
+
+    Of the reference its parameters too, and the largest gain of energy beside the motor's.
+    """
+    observables = recorded_motion(session, "braked", who).observables
+    phi, speed = observables["phi"], observables["phi_dot"]
+    own: Numbers = {
+        "end": ending(session, "braked", who),
+        "reversals": int(np.sum(np.diff(speed > 0))),
+    }
+    if who != REFERENCE:
+        return own
+    p = parameters_of("braked")
+    energy = get_scene(SCENE).energy([phi], [speed], coefficients(p))
     return {
+        **own,
         "torque": p.torque,
         "damping": p.damping,
         "least": least_torque(p).torque,
         "gain": np.max(np.diff(energy - p.torque * phi)),
     }
-
-
-def states_of(session: Session, name: str, who: str = REFERENCE) -> tuple[Array, Array]:
-    """Return crank angle and speed of a run."""
-    observables = recorded_motion(session, name, who).observables
-    return observables["phi"], observables["phi_dot"]
-
-
-def end_of_braking(session: Session, who: str) -> Numbers:
-    """Return what the braked run ends in, and how often it reverses."""
-    forward = states_of(session, "braked", who)[1] > 0
-    return {"end": ending(session, "braked", who), "reversals": int(np.sum(np.diff(forward)))}
 
 
 def limit_cycles(session: Session) -> Numbers:
@@ -211,24 +200,19 @@ def closing_in(session: Session, who: str) -> Numbers:
     return {"first": first, "last": last, "left": abs(last / first)}
 
 
-LATE = 20
-"""Turn of a run from 6 rad/s with c = 4 by which it is near the limit cycle."""
+def decay(session: Session, who: str, turn: int) -> float:
+    """Return by which factor a deviation from the limit cycle falls in a turn, c = 4.
 
-
-def decay(session: Session, who: str) -> float:
-    """Return by which factor a deviation from the limit cycle falls in a turn, c = 4."""
+    Over ten turns of the run from 6 rad/s, from one by which it is near the limit cycle.
+    """
     speeds = turn_speeds(recorded_motion(session, "damping_4", who)) - own_speeds(session, who)[-1]
-    return float((speeds[LATE + 10] / speeds[LATE]) ** 0.1)
+    return float((speeds[turn + 10] / speeds[turn]) ** 0.1)
 
 
-WANTED = (5.07, 2.5, 1.5, 1.0)
-"""Speeds to design for [rad/s]."""
-
-
-def designs(session: Session) -> Numbers:
-    """Return the relative errors of the speeds that dampers by (21) give, NaN without rotation."""
+def designs(session: Session, speeds: Sequence[float]) -> Numbers:
+    """Return the relative errors of the speeds [rad/s] that dampers by (21) give."""
     errors = []
-    for omega in WANTED:
+    for omega in speeds:
         p = damped(EXAMPLE.damping * float(mean_speed(EXAMPLE)) / omega)
         try:
             errors.append(rotation(p).mean_speed / omega - 1)
@@ -242,20 +226,13 @@ BESIDE = 1e-4
 """Distance from the saddle at which an engine starts [rad]; the rest is what a direction errs."""
 
 SECONDS = 40.0
-"""In which a crank that comes round from there has done so [s]."""
+"""Time by which a crank that comes round from there has done so [s]."""
 
 AROUND, HALVINGS = 0.04, 14
 """Share of the torque around the limit in which an engine's is looked for, and halvings of it."""
 
 NEAR = 0.01
 """Share of the torque below and above the limit at which motions are looked at."""
-
-
-def limits(session: Session) -> list[Threshold]:
-    """Return the reference's limit for each damper of figure 5."""
-    return session.once(
-        (SCENE, "homoclinic limits"), lambda: [least_torque(damped(c)) for c in DAMPINGS]
-    )
 
 
 def by_weak_damping(p: SpeedRegulator) -> float:
@@ -295,18 +272,19 @@ def braking(session: Session) -> Numbers:
     For dampers of 2, 3 and 4 N s/m; the motions have the last of them.
     """
     own, last = limits(session), damped(DAMPINGS[-1])
-    weak = [by_weak_damping(damped(c)) for c in DAMPINGS]
-    below_and_above = [
-        comes_round(REFERENCE, last.replace(torque=own[-1].torque * (1 + side * NEAR)))
+    torques = np.array([limit.torque for limit in own])
+    weak = np.array([by_weak_damping(damped(c)) for c in DAMPINGS]) / torques - 1
+    slower, faster = (
+        comes_round(REFERENCE, last.replace(torque=torques[-1] * (1 + side * NEAR)))
         for side in (-1, 1)
-    ]
+    )
     return {
-        "torques": [limit.torque for limit in own],
+        "torques": torques,
         "bound": max(limit.error for limit in own),
-        "weak": [torque / limit.torque - 1 for torque, limit in zip(weak, own, strict=True)],
-        "slack": max(abs(t / limit.torque - 1) for t, limit in zip(weak, own, strict=True)),
-        "slower": below_and_above[0],
-        "faster": below_and_above[1],
+        "weak": weak,
+        "slack": np.max(np.abs(weak)),
+        "slower": slower,
+        "faster": faster,
     }
 
 
@@ -315,31 +293,107 @@ def braking_by(session: Session, who: str) -> Numbers | str:
 
     The engine's for the least and the largest damper alone, since each takes 16 runs.
     """
+    torques = least_torques(session)["least"]
     if who == REFERENCE:
-        return {"own": [limit.torque for limit in limits(session)]}
+        return {"own": torques}
     off = []
-    for damping, limit in zip(DAMPINGS[::2], limits(session)[::2], strict=True):
-        low, high = (limit.torque * (1 + side * AROUND / 2) for side in (-1, 1))
-        if comes_round(who, damped(damping, torque=low)) or not comes_round(
-            who, damped(damping, torque=high)
-        ):
+    for damping, torque in zip(DAMPINGS[::2], torques[::2], strict=True):
+        low, high = (torque * (1 + side * AROUND / 2) for side in (-1, 1))
+        turns = [comes_round(who, damped(damping, torque=end)) for end in (low, high)]
+        if turns != [False, True]:
             return f"more than {AROUND / 2:.0%} off"
         for _ in range(HALVINGS):
             middle = (low + high) / 2
-            turns = comes_round(who, damped(damping, torque=middle))
-            low, high = (low, middle) if turns else (middle, high)
-        off.append((low + high) / 2 / limit.torque - 1)
+            round_ = comes_round(who, damped(damping, torque=middle))
+            low, high = (low, middle) if round_ else (middle, high)
+        off.append((low + high) / 2 / torque - 1)
     return {"off": off}
 
 
-BRAKING: LedgerRow = statement(
-    "braking_limit", "3, figure 6",
-    "The motion is braked where the damper takes more than the motor gives.", REPRODUCED,
-    "the two balance last in the slowest turn that comes over the spring, the homoclinic orbit of "
-    "the lower saddle. It is at {torques:.7g} N m for c = 2, 3, 4 (bound {bound:.0e}): 1 % below "
-    "it a crank that leaves the saddle does not come round, 1 % above it does. What weak damping "
-    "takes of the spring's own orbit is off by {weak:.1e}. The averages (20), (21) have a speed at "
-    "every torque, and no such limit",
-    braking, braking_by, "{own:.5g} N m", "c = 2 and 4: off by {off:+.1e} of it",
-    holds(equal("slower", False), equal("faster", True), below("slack", 0.01)), slow=True,
-)  # fmt: skip
+# Readings
+
+SMALL = EXAMPLE.replace(crank_radius=0.1, rod_length=0.5, spring_rest=-0.5, torque=0.0512)
+
+VARIANTS = {
+    "missing_parameters": (
+        EXAMPLE,
+        EXAMPLE.replace(flywheel_inertia=8.0),
+        EXAMPLE.replace(flywheel_inertia=0.5),
+        EXAMPLE.replace(rod_mass=2.0, slider_mass=4.0),
+        EXAMPLE.replace(stiffness=8.0),
+        EXAMPLE.replace(stiffness=128.0),
+        SMALL,
+        SMALL.replace(stiffness=200.0),
+    ),
+    "spring_reference": tuple(
+        EXAMPLE.replace(spring_rest=place) for place in (-1.25, -1.5, -math.sqrt(1.5), 0.0)
+    ),
+    "braking_of_figure_6": (
+        damped(4.0, torque=0.04),
+        damped(2.0, torque=0.0),
+        damped(14.0),
+        damped(8.0),
+        damped(4.0),
+    ),
+}
+"""Parameters that a reading tries, in the order of its candidates."""
+
+
+def variants(session: Session, of: str) -> Numbers:
+    """Return what parameters of a reading give, each in words; ``average``, M_m/(c l^2) [1/s].
+
+    The mean speed and the least torque of a rotation, and the equilibria [rad]. And between which
+    limits 5.07 rad/s has M_m/(c l^2) by (21).
+    """
+    words, rests = [], []
+    for p in VARIANTS[of]:
+        least = least_torque(p).torque
+        turns = f"{rotation(p).mean_speed:.4f} rad/s" if p.torque > least else "no rotation"
+        words.append(f"{turns}; least torque of a rotation {least:.4f} N m")
+        rests.append(", ".join(f"{name} {at:.2f}" for name, at in found_equilibria(p).items()))
+    average = EXAMPLE.torque / (EXAMPLE.damping * EXAMPLE.rod_length**2)
+    limits = average / float(printed_mean_speed(EXAMPLE)) * np.array([5.065, 5.075])
+    return {"words": words, "rests": rests, "average": average, "limits": limits}
+
+
+def dampers_of_figure_4(session: Session) -> Numbers:
+    """Return the limit cycle [rad/s] with its torque for each damper, and its multiplier.
+
+    And the turns in which half of a deviation is gone.
+    """
+    torques = [EXAMPLE.torque * c / EXAMPLE.damping for c in DAMPINGS]
+    cycles = [rotation(damped(c, torque=t)) for c, t in zip(DAMPINGS, torques, strict=True)]
+    multipliers = np.array([cycle.multiplier for cycle in cycles])
+    return {
+        "torques": torques,
+        "speeds": [cycle.mean_speed for cycle in cycles],
+        "multipliers": multipliers,
+        "turns": -np.log(2) / np.log(multipliers),
+    }
+
+
+def axes_of_figure_3(session: Session, dampings: Sequence[float], torque: float) -> Numbers:
+    """Return the least torque [N m] by damper, and errors of (21) at twice that and at a torque."""
+    least = [least_torque(damped(c)).torque for c in dampings]
+    sets = [
+        [damped(c, torque=own) for own in (2 * limit, torque)]
+        for c, limit in zip(dampings, least, strict=True)
+    ]
+    errors = [
+        [float(printed_mean_speed(p)) / rotation(p).mean_speed - 1 for p in pair] for pair in sets
+    ]
+    return {"least": least, "errors": errors}
+
+
+def starts(session: Session, speeds: Sequence[float]) -> Numbers:
+    """Return what a crank comes to that starts at phi = 0, and at pi, by speed [rad/s].
+
+    That is rotation if it comes round three times within 40 s, and rest otherwise.
+    """
+    ends, times = [], np.linspace(0.0, SECONDS, 161)
+    for speed in speeds:
+        for phi in (0.0, math.pi):
+            run = simulate(SCENE, state={"phi": phi, "phi_dot": speed}, times=times)
+            round_ = np.max(run.observables["phi"]) > phi + 6 * math.pi
+            ends.append("rotation" if round_ else "rest")
+    return {"ends": ends}

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from ....reference import get_scene
 from ....reference.scene import Array
@@ -98,6 +99,20 @@ def turn_speeds(motion: Simulation) -> Array:
     phi = motion.observables["phi"]
     marks = np.arange(np.ceil(phi[0] / (2 * np.pi)), np.floor(phi[-1] / (2 * np.pi)) + 1)
     return 2 * np.pi / np.diff(np.interp(2 * np.pi * marks, phi, motion.times))
+
+
+TURN = 2 * np.pi
+ANGLES = np.linspace(0, TURN, 121)
+"""Crank angles of a turn."""
+
+
+def last_turn(motion: Simulation, names: tuple[str, ...] = ("y", "y_dot")) -> Array:
+    """Return observables (n, 121) over the crank angle of the last whole turn."""
+    phi = motion.observables["phi"]
+    begin = TURN * (np.floor(phi[-1] / TURN) - 1)
+    at = slice(int(np.searchsorted(phi, begin)) - 2, None)
+    curves = [CubicSpline(phi[at], motion.observables[name][at]) for name in names]
+    return np.array([curve(begin + ANGLES) for curve in curves])
 
 
 def mean_over_turns(motion: Simulation, turns: int) -> Array:

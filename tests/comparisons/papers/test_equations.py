@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
+from mbcheck.comparisons.papers.claims import read_paper, scenes_with_ledger
 from mbcheck.comparisons.papers.equations import Identities, sides
-from mbcheck.comparisons.papers.outcomes import of_paper, scenes_with_ledger, tables
 
 EXACT = 1e-14
 """Largest error of an equation that a scene's double precision leaves; by SymPy alone 1e-25."""
@@ -18,7 +18,7 @@ TRUNCATED = {"expansion_30": 1e-3}
 
 
 def identities_of(scene: str) -> Mapping[str, Identities]:
-    return of_paper(scene, "IDENTITIES", {})
+    return {row.name: row.equations for row in read_paper(scene).rows if row.equations}
 
 
 TABLE: dict[tuple[str, str], Identities] = {
@@ -35,7 +35,7 @@ def everywhere(identities: Identities) -> list[Any]:
 
 @pytest.mark.parametrize(("scene", "name"), TABLE)
 def test_equations_are_those_of_a_row(scene: str, name: str) -> None:
-    assert name in {row.name for row in tables(scene)[1]}
+    assert name in {row.name for row in read_paper(scene).rows}
 
 
 @pytest.mark.parametrize(("scene", "name"), TABLE)

@@ -9,11 +9,13 @@ from typing import Any
 import matplotlib.pyplot as plt
 import pytest
 
-from mbcheck.comparisons.papers.outcomes import scenes_with_ledger, tables
+from mbcheck.comparisons.papers.claims import read_paper, scenes_with_ledger
 from mbcheck.comparisons.papers.session import Session
 
 FIGURES = {
-    (scene, figure.number): figure for scene in scenes_with_ledger() for figure in tables(scene)[0]
+    (scene, figure.number): figure
+    for scene in scenes_with_ledger()
+    for figure in read_paper(scene).figures
 }
 QUICK = [("hula_hoop", 3), ("rotor_pendulum", 2), ("speed_regulator", 6)]
 """Figures that are drawn in a moment if no engine takes part."""

@@ -14,24 +14,19 @@ from mbcheck.comparisons.check.request import check
 from mbcheck.comparisons.checks.execution import run_checks
 from mbcheck.comparisons.checks.request import Execution
 from mbcheck.comparisons.papers import plan as papers
-from mbcheck.comparisons.papers.ledger import (
-    NOT_REPRODUCED,
-    NOT_TESTABLE,
-    REPRODUCED,
-    LedgerRow,
-    above,
-    below,
-    equal,
-    holds,
-    number,
-    statement,
+from mbcheck.comparisons.papers.claims import (
+    PaperData,
+    read_condition,
+    read_paper,
+    scenes_with_ledger,
 )
-from mbcheck.comparisons.papers.outcomes import scenes_with_ledger, tables
+from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED, NOT_TESTABLE, REPRODUCED, LedgerRow
 from mbcheck.comparisons.papers.plan import judged_number, plan
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference.errors import EngineError, UsageError
 from mbcheck.tests.support.command import invoke, refusal
 from mbcheck.tests.support.documents import validated
+from mbcheck.tests.support.papers.shared import row_of
 
 QUICK = ["validation/speed_regulator/mean_*", "validation/rotor_pendulum/eta"]
 
@@ -42,9 +37,8 @@ def crash(session: Session) -> Any:
 
 def toy(name: str, verdict: str, value: float = 2.01) -> LedgerRow:
     """Return the row of a number that is printed as 2.0."""
-    return number(
-        name, "5", "a speed", verdict, "why", lambda session: {"value": value}, printed="2.0 m/s"
-    )
+    keys = {"kind": "number", "verdict": verdict, "reason": "why", "printed": "2.0 m/s"}
+    return row_of(name, lambda session: {"value": value}, **keys)
 
 
 TOYS = (
@@ -52,14 +46,14 @@ TOYS = (
     toy("changed", REPRODUCED, 2.1),
     toy("still_wrong", NOT_REPRODUCED, 2.1),
     toy("nowhere", REPRODUCED, float("nan")),
-    statement("broken", "6", "it works", REPRODUCED, numbers=crash),
-    statement("text", "6", "it is of use", NOT_TESTABLE, "an outlook"),
+    row_of("broken", crash, reproduced_if=["value > 0"]),
+    row_of("text", verdict=NOT_TESTABLE, reason="an outlook"),
 )
 
 
 @pytest.fixture
 def _toys(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(papers, "tables", lambda scene: ((), TOYS))
+    monkeypatch.setattr(papers, "read_paper", lambda scene: PaperData(rows=TOYS))
 
 
 # What is planned
@@ -70,7 +64,7 @@ def test_every_row_has_its_id() -> None:
     rows = [
         f"validation/{scene}/{row.name}"
         for scene in scenes_with_ledger()
-        for row in tables(scene)[1]
+        for row in read_paper(scene).rows
     ]
     assert ids == rows
 
@@ -141,15 +135,15 @@ def test_a_changed_verdict_is_a_deviation() -> None:
 @pytest.mark.parametrize(
     ("condition", "value", "expected"),
     [
-        (below("x", 2), [0.5, 1.5], (1.5, 2.0)),
-        (above("x", 2), [0.5, 1.5], (0.5, 2.0)),
-        (equal("x", "rest"), "rest", (1.0, 1.0)),
-        (equal("x", True), False, (0.0, 1.0)),
-        (replace(below("x", 0), relation="rounds to", limit="printed"), 2.01, (2.01, 2.0)),
+        ("x < 2", [0.5, 1.5], (1.5, 2.0)),
+        ("x > 2", [0.5, 1.5], (0.5, 2.0)),
+        ("x == rest", "rest", (1.0, 1.0)),
+        ("x == true", False, (0.0, 1.0)),
+        ("x rounds to printed", 2.01, (2.01, 2.0)),
     ],
 )
-def test_number_that_a_row_is_judged_by(condition: Any, value: Any, expected: Any) -> None:
-    assert judged_number(condition, {"x": value}, "2.0 m/s") == expected
+def test_number_that_a_row_is_judged_by(condition: str, value: Any, expected: Any) -> None:
+    assert judged_number(read_condition(condition), {"x": value}, "2.0 m/s") == expected
 
 
 def test_results_do_not_depend_on_processes() -> None:
@@ -163,11 +157,12 @@ def test_results_do_not_depend_on_processes() -> None:
 
 
 def test_an_engine_that_changes_a_verdict_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
-    row = statement(
-        "a", "1", "a", REPRODUCED, each=lambda session, who: float(who == "mujoco"),
-        judgement=holds(below("value", 0.5, everyone=True)),
-    )  # fmt: skip
-    monkeypatch.setattr(papers, "tables", lambda scene: ((), (row,)))
+    row = row_of(
+        "a",
+        each=lambda session, who: float(who == "mujoco"),
+        reproduced_if=["value < 0.5, everyone"],
+    )
+    monkeypatch.setattr(papers, "read_paper", lambda scene: PaperData(rows=(row,)))
     (result,) = papers.RowCheck("hula_hoop", "claim", ("a",), ("mujoco",)).run("default")
     assert result.verdict == "deviation"
 

@@ -12,14 +12,15 @@ import pytest
 
 from mbcheck.comparisons.papers import ledger, pages
 from mbcheck.comparisons.papers.assess import Assessment, assess
+from mbcheck.comparisons.papers.claims import read_paper, scenes_with_ledger
 from mbcheck.comparisons.papers.folder import FINDINGS
 from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED, LedgerRow, half_unit
-from mbcheck.comparisons.papers.outcomes import Findings, RowEntry, scenes_with_ledger, tables
+from mbcheck.comparisons.papers.outcomes import Findings, RowEntry
 from mbcheck.comparisons.papers.reproduce import contents
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.tests.support.words import POINTS, agree, agree_by_chance
 
-ROWS = [(scene, row) for scene in scenes_with_ledger() for row in tables(scene)[1]]
+ROWS = [(scene, row) for scene in scenes_with_ledger() for row in read_paper(scene).rows]
 MOST_BYTES = 3e6
 WIDE = 1600
 """Points across a picture."""
@@ -46,7 +47,7 @@ def test_all_rows_and_figures_are_there(found: Findings, folder: Path) -> None:
     assert found.failures == []
     for scene in scenes_with_ledger():
         numbers = [item.number for item in found.figures_of(scene)]
-        assert numbers == [figure.number for figure in tables(scene)[0]]
+        assert numbers == [figure.number for figure in read_paper(scene).figures]
         assert all((folder / "figures" / f"{scene}_{n}.png").exists() for n in numbers)
 
 
@@ -83,7 +84,9 @@ def entry_of(found: Findings, scene: str, name: str) -> RowEntry:
 
 def texts(assessment: Assessment) -> dict[str, str]:
     """Return what a page says of a row."""
-    return {"reason": assessment.reason, "reference": assessment.reference}
+    candidates = "; ".join(f"{way}: {gives}" for way, gives in assessment.candidates)
+    own = {"reason": assessment.reason, "reference": assessment.reference}
+    return own | {"candidates": candidates}
 
 
 def expected(row: LedgerRow, session: Session) -> Assessment:
@@ -117,7 +120,10 @@ def row_named(scene: str, name: str) -> Any:
 
 FROM_REST = {
     "adequate",
+    "class_definitions",
     "class_table",
+    "definition",
+    "drawn_solution",
     "easier_with_inertia",
     "fewer_cyan",
     "fewer_red",
@@ -135,6 +141,7 @@ FROM_REST = {
     "region_3_shrinks",
     "rotation_from_shaking",
     "stable_appears",
+    "start",
     "transient_hoop",
     "transition",
     "unstable_not_seen",

@@ -11,16 +11,17 @@ from typing import Any
 
 import pytest
 
-from mbcheck.comparisons.papers import ledger, pages, reproduce
+from mbcheck.comparisons.papers import folder, ledger, pages, reproduce
 from mbcheck.comparisons.papers.assess import assess
-from mbcheck.comparisons.papers.ledger import PaperFigure, number, reading, statement
+from mbcheck.comparisons.papers.claims import PaperData
+from mbcheck.comparisons.papers.ledger import PaperFigure
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.comparisons.reports import drawing
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineError, UsageError
 from mbcheck.tests.support.command import invoke
 from mbcheck.tests.support.documents import validated
-from mbcheck.tests.support.papers.shared import SharedSession
+from mbcheck.tests.support.papers.shared import SharedSession, row_of
 
 # The runner
 
@@ -43,30 +44,31 @@ TOY_FIGURES = (
     PaperFigure(2, "a line", "Drawn with k = 1 <N/m>.", drawn),
     PaperFigure(3, "nothing", "Of no use.", crash),
 )
-SPEED = number(
-    "speed", "5", "a speed", ledger.REPRODUCED, numbers=lambda session: {"value": 2.01},
-    printed="2.0 m/s",
-)  # fmt: skip
+SPEED = row_of("speed", lambda session: {"value": 2.01}, kind="number", printed="2.0 m/s")
 TOY_ROWS = (
     SPEED,
-    statement("broken", "6", "it <i>works</i>", ledger.REPRODUCED, numbers=crash),
-    statement("slip", "6", "no slip", ledger.REPRODUCED, numbers=crash_unforeseen),
-    reading(
-        "units", "table 1", "a | unit", "none given",
-        candidates="m | 1\nkm | 2",
+    row_of("broken", crash, claim="it <i>works</i>"),
+    row_of("slip", crash_unforeseen),
+    row_of(
+        "units",
+        kind="reading",
+        verdict=ledger.READ,
+        claim="a | unit",
+        reason="none given",
+        candidates={"m": "1", "km": "2"},
     ),
-)  # fmt: skip
+)
 
 
-def replace_tables(monkeypatch: pytest.MonkeyPatch, papers: Any) -> None:
-    """Let scenes have other papers."""
-    for module in (reproduce, pages):
-        monkeypatch.setattr(module, "tables", papers)
+def replace_papers(monkeypatch: pytest.MonkeyPatch, figures: Any, rows: Any) -> None:
+    """Let scenes have another paper."""
+    for module in (reproduce, folder, pages):
+        monkeypatch.setattr(module, "read_paper", lambda scene: PaperData(figures, rows))
 
 
 @pytest.fixture
 def _toys(monkeypatch: pytest.MonkeyPatch) -> None:
-    replace_tables(monkeypatch, lambda scene: (TOY_FIGURES, TOY_ROWS))
+    replace_papers(monkeypatch, TOY_FIGURES, TOY_ROWS)
 
 
 @pytest.mark.usefixtures("_toys")
@@ -99,11 +101,11 @@ def test_interrupted_run_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         raise KeyboardInterrupt
 
     rows = (replace(SPEED, numbers=once), TOY_ROWS[3])
-    stopped = statement("stop", "6", "stops", ledger.REPRODUCED, numbers=interrupted)
-    replace_tables(monkeypatch, lambda scene: (TOY_FIGURES[:1], (*rows, stopped)))
+    stopped = row_of("stop", interrupted)
+    replace_papers(monkeypatch, TOY_FIGURES[:1], (*rows, stopped))
     with pytest.raises(KeyboardInterrupt):
         reproduce.reproduce(["hula_hoop"], out=tmp_path)
-    replace_tables(monkeypatch, lambda scene: (TOY_FIGURES[:1], rows))
+    replace_papers(monkeypatch, TOY_FIGURES[:1], rows)
     again = reproduce.reproduce(["hula_hoop"], out=tmp_path, resume=True)
     assert calls == ["speed"]
     assert [(item.verdict, item.reason, item.thresholds) for item in again.rows] == [
@@ -155,7 +157,7 @@ def test_pages_show_everything_and_escape_it(tmp_path: Path) -> None:
     page = Tags()
     page.feed((tmp_path / "hula_hoop.html").read_text(encoding="utf-8"))
     assert page.tags["img"] == 1
-    assert page.tags["table"] == 3
+    assert page.tags["table"] == 4
     assert not page.tags["i"]
     assert not page.tags["b"]
     assert not page.tags["script"]
@@ -204,7 +206,7 @@ def test_rows_and_figures_alone_take_their_place_in_what_is_there(
 ) -> None:
     reproduce.reproduce(["hula_hoop"], out=tmp_path)
     other = (replace(SPEED, numbers=lambda session: {"value": 3.0}), *TOY_ROWS[1:])
-    replace_tables(monkeypatch, lambda scene: (TOY_FIGURES, other))
+    replace_papers(monkeypatch, TOY_FIGURES, other)
     found = reproduce.reproduce(["hula_hoop"], out=tmp_path, rows=["speed"])
     assert [item.name for item in found.rows] == ["speed"]
     assert found.figures == ()

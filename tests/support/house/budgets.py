@@ -66,6 +66,14 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
 }
 """Folder -> statements and lines of Python."""
 
+CLAIMS: Mapping[str, int] = {
+    "hula_hoop": 1369,
+    "rotating_beam": 1232,
+    "rotor_pendulum": 1565,
+    "speed_regulator": 768,
+}
+"""Lines of ``claims.toml`` of each paper that are not empty."""
+
 WORDS: Mapping[str, int] = {
     "Return what": 320,
     "Of the": 416,
@@ -159,6 +167,14 @@ def count_sizes(house: Iterable[Module]) -> dict[str, tuple[int, int]]:
     return {folder: (statements[folder], lines[folder]) for folder in sorted(lines)}
 
 
+def count_claims(clone: Path) -> dict[str, int]:
+    """Return the number of lines of each paper's data."""
+    files = sorted((clone / "comparisons" / "papers").glob("*/claims.toml"))
+    return {
+        file.parent.name: sum(map(bool, file.read_text("utf-8").splitlines())) for file in files
+    }
+
+
 def count_phrases(house: Iterable[Module]) -> dict[str, int]:
     """Return how often each of `PHRASES` stands in the strings of the package."""
     counts = dict.fromkeys(PHRASES, 0)
@@ -176,4 +192,5 @@ def count_phrases(house: Iterable[Module]) -> dict[str, int]:
 
 if __name__ == "__main__":
     HOUSE = modules(Path.cwd())
-    pprint({"FOLDERS": count_sizes(HOUSE), "WORDS": count_phrases(HOUSE)}, sort_dicts=False)
+    SIZES = {"FOLDERS": count_sizes(HOUSE), "CLAIMS": count_claims(Path.cwd())}
+    pprint(SIZES | {"WORDS": count_phrases(HOUSE)}, sort_dicts=False)

@@ -7,7 +7,7 @@ import os
 import pickle
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -15,8 +15,9 @@ from typing import Any, TypeVar, cast
 import pytest
 
 from mbcheck.comparisons.papers.assess import Assessment
-from mbcheck.comparisons.papers.ledger import LedgerRow
-from mbcheck.comparisons.papers.outcomes import FigureEntry, Findings, Made, RowEntry, tables
+from mbcheck.comparisons.papers.claims import read_paper, read_row
+from mbcheck.comparisons.papers.ledger import REPRODUCED, LedgerRow
+from mbcheck.comparisons.papers.outcomes import FigureEntry, Findings, Made, RowEntry
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.tests.support.words import agree
 
@@ -76,14 +77,20 @@ def expected_findings(*scenes: str) -> Findings:
     rows = tuple(
         RowEntry.of(scene, row, Assessment(row.verdict, "why"), run=0, seconds=0.0)
         for scene in scenes
-        for row in tables(scene)[1]
+        for row in read_paper(scene).rows
     )
     figures = tuple(
         FigureEntry(scene, one.number, one.title, one.caption, None, 0, 0.0)
         for scene in scenes
-        for one in tables(scene)[0]
+        for one in read_paper(scene).figures
     )
     return Findings({}, False, figures, rows, (), (Made({}),))
+
+
+def row_of(name: str, numbers: Any = None, each: Any = None, **keys: Any) -> LedgerRow:
+    """Return a row as a paper's file has it, with functions for its measures."""
+    texts = {"section": "1", "claim": "a claim", "verdict": REPRODUCED} | keys
+    return replace(read_row("hula_hoop", name, texts, {}), numbers=numbers, each=each)
 
 
 def holds(row: LedgerRow, words: Sequence[str]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import partial
 from typing import Any
 
@@ -12,9 +13,15 @@ from mbcheck.comparisons.engines.registry import REFERENCE
 from mbcheck.comparisons.maps.request import Axis
 from mbcheck.comparisons.maps.store import Map
 from mbcheck.comparisons.papers.assess import assess
-from mbcheck.comparisons.papers.hula_hoop import derivation, identities, regions, results
+from mbcheck.comparisons.papers.claims import read_paper
+from mbcheck.comparisons.papers.hula_hoop import (
+    derivation,
+    identities,
+    readings,
+    regions,
+    results,
+)
 from mbcheck.comparisons.papers.hula_hoop.figures import motion_figure
-from mbcheck.comparisons.papers.hula_hoop.rows import REGION_ROWS, ROWS
 from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED, REPRODUCED, VERDICTS
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.comparisons.queries.query import choose_engine
@@ -23,7 +30,10 @@ from mbcheck.reference.hula_hoop.equations import SEMICIRCLE
 
 ENGINES = ("mujoco", "exudyn")
 
-BY_NAME = {row.name: row for row in ROWS}
+BY_NAME = {row.name: row for row in read_paper(results.SCENE).rows}
+REGION_ROWS = [
+    row for row in BY_NAME.values() if row.slow and re.match(r"5\.2|6|figure", row.section)
+]
 
 
 @pytest.fixture(scope="module")
@@ -90,6 +100,15 @@ def test_second_harmonic_and_errors_are_those_of_the_orbit(session: Session) -> 
     assert results.second_harmonic(results.example_orbit(session)) == pytest.approx(amplitude)
     errors = results.approximation_errors(session)
     assert errors["paper"][1] > 1.4 > 0.1 > errors["corrected"][1]
+
+
+@pytest.mark.slow
+def test_readings_from_rest_are_like_the_run_that_queries_make(session: Session) -> None:
+    run = results.example_from_rest(session)
+    single = results.lock_in(run.times, run.observables["theta"], run.observables["theta_dot"])
+    (end,) = readings.from_rest(results.EXAMPLE)
+    assert end.last_reversal == pytest.approx(single.last_reversal, abs=0.01)
+    assert readings.in_words(end) == readings.in_words(single)
 
 
 def test_difference_of_angles_is_taken_on_the_circle() -> None:

@@ -1,0 +1,238 @@
+"""A paper as data: its figures, rows and causes, read from ``claims.toml`` in its folder.
+
+docs/architecture.md says where to change what; a row and its keys::
+
+    [rows.case_1_speed]
+    kind = "number"
+    section = "5.2, case 1"
+    claim = "Synchronous speed."
+    verdict = "reproduced"
+    printed = "153.8 rad/s"
+    each = {call = "cases.speed_of", case = "case_1"}
+    reproduced_if = ["value rounds to printed", "drift < 1e-6, everyone, ours"]
+
+A measure is a function of the folder's modules, with the arguments that follow ``call``, if any.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from functools import cache, partial
+from importlib import import_module
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from ...reference import SCENES
+from ...reference.errors import MbcheckError, UnknownNameError
+from .equations import Identities, join_lines, sides
+from .ledger import (
+    CORRECTED,
+    DEPENDS,
+    NOT_TESTABLE,
+    READ,
+    REPRODUCED,
+    UNCONVERGED,
+    Cause,
+    Condition,
+    Erratum,
+    LedgerRow,
+    PaperFigure,
+)
+
+FILE = "claims.toml"
+
+CONDITIONS = {
+    "reproduced_if": REPRODUCED,
+    "unconverged_if": UNCONVERGED,
+    "corrected_if": CORRECTED,
+    "depends_if": DEPENDS,
+}
+"""Key of a row -> the verdict that it has if all these conditions hold, in order of preference."""
+
+DEFAULTS: Mapping[str, Mapping[str, Any]] = {
+    "number": {"reference": "{value:.5g} {unit}"},
+    "misprint": {"verdict": CORRECTED},
+    "reading": {"verdict": READ},
+}
+"""What rows of a kind have if they say nothing else."""
+
+JUDGED: Mapping[str, Mapping[str, Any]] = {
+    "number": {"reproduced_if": ["value rounds to printed"]},
+    "misprint": {"corrected_if": ["corrected < 1e-12", "as_printed > 1e-3"]},
+}
+"""Conditions of rows of a kind that have none."""
+
+CONDITION = re.compile(r"(\S+) (<=|>=|<|>|==|rounds to) (.+?)(, everyone)?(, ours)?")
+
+
+@dataclass(frozen=True)
+class PaperData:
+    """What a paper's file holds.
+
+    Attributes
+    ----------
+    figures : tuple of PaperFigure
+    rows : tuple of LedgerRow
+    causes : tuple of Cause
+    verdict : str
+        Whether model and method are right, what comes out and holds, and what to cite instead;
+        numbers are taken from rows: ``{case_1_speed.value:.4g}``.
+    """
+
+    figures: tuple[PaperFigure, ...] = ()
+    rows: tuple[LedgerRow, ...] = ()
+    causes: tuple[Cause, ...] = ()
+    verdict: str = ""
+
+
+@cache
+def read_paper(scene: str) -> PaperData:
+    """Return what is recorded of a scene's paper; nothing of one that has no file.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such scene.
+    MbcheckError
+        If the file is not as it should be: it names row and field.
+    """
+    if scene not in SCENES:
+        raise UnknownNameError("scene", scene, SCENES)
+    file = Path(__file__).parent / scene / FILE
+    if not file.exists():
+        return PaperData()
+    text = file.read_text("utf-8")
+    try:
+        data = tomllib.loads(text)
+        shared = data.pop("definitions", {})
+        rows = [read_row(scene, name, row, shared) for name, row in data["rows"].items()]
+        checked = converted(scene, {**data, "rows": ()}, PaperData)
+        return PaperData(**{**vars(checked), "rows": tuple(rows)})
+    except (LookupError, ValueError, TypeError, AttributeError, ImportError) as error:
+        raise MbcheckError(f"{file}: {error}") from error
+
+
+def scenes_with_ledger() -> tuple[str, ...]:
+    """Return the scenes of papers that are reproduced; others are textbook mechanics."""
+    return tuple(scene for scene in SCENES if read_paper(scene).rows)
+
+
+def equations_of(scene: str, name: str) -> Identities:
+    """Return the equations of a row."""
+    every = (row.equations for row in read_paper(scene).rows if row.name == name)
+    return next(one for one in every if one is not None)
+
+
+def read_row(
+    scene: str, name: str, data: Mapping[str, Any], shared: Mapping[str, str]
+) -> LedgerRow:
+    """Return a row of a paper from its table in the file."""
+    try:
+        kind = data.get("kind", "claim")
+        judges = {} if judged(data) or data.get("verdict") == NOT_TESTABLE else JUDGED
+        defaults = {**DEFAULTS.get(kind, {}), **judges.get(kind, {})}
+        row = {"kind": kind, "name": name} | defaults | dict(data)
+        row["judgement"] = {
+            CONDITIONS[key]: [vars(read_condition(text)) for text in row.pop(key)]
+            for key in judged(row)
+        }
+        if "equations" in row:
+            row["equations"] = read_equations(scene, row["equations"], shared)
+            if "erratum" in row:
+                pairs = pairwise(sides(row["equations"]["text"]))
+                wrong = [(own, other) for (_, own), (left, other) in pairs if left == "printed"]
+                texts = ["; ".join(own) for own in zip(*wrong, strict=True)]
+                forms = dict(zip(("corrected", "printed"), texts, strict=False))
+                row = {"printed": forms.pop("printed", ""), **row}
+                row["erratum"] = {**forms, **row["erratum"]}
+        return converted(scene, row, LedgerRow)
+    except (LookupError, ValueError, TypeError, AttributeError, ImportError) as error:
+        raise ValueError(f"row {name}: {error}") from error
+
+
+def judged(row: Mapping[str, Any]) -> list[str]:
+    """Return the keys of a row's conditions, in order of preference."""
+    return [key for key in CONDITIONS if key in row]
+
+
+def read_equations(
+    scene: str, data: Mapping[str, Any], shared: Mapping[str, str]
+) -> dict[str, Any]:
+    """Return a table of equations with what several rows have: definitions, and values.
+
+    Each of the definitions is a text, or the name of one that is shared; among the values
+    ``from`` names a table in a module, which has others.
+    """
+    definitions = (shared.get(text, text) for text in data.get("definitions", ()))
+    values = dict(data.get("values", {}))
+    table = values.pop("from", None)
+    others = measure(scene, table) if table else {}
+    return {**data, "definitions": join_lines(*definitions), "values": others | values}
+
+
+def read_condition(text: str) -> Condition:
+    """Return a condition from its text.
+
+    >>> read_condition("share >= 0.9, everyone, ours")
+    Condition(name='share', relation='>=', limit=0.9, everyone=True, ours=True)
+    """
+    match = CONDITION.fullmatch(text)
+    if match is None:
+        raise ValueError(f"{text!r} is no condition such as 'error < 1e-3, everyone, ours'")
+    name, relation, word, everyone, ours = match.groups()
+    limit: Any = {"true": True, "false": False}.get(word, word)
+    if relation != "rounds to" and re.fullmatch(r"[-+\d.e]*\d[-+\d.e]*", word):
+        limit = float(word)
+    return Condition(name, relation, limit, bool(everyone), bool(ours))
+
+
+def converted(scene: str, data: Mapping[str, Any], kind: Any) -> Any:
+    """Return a record of a kind; measures are looked up in the modules of the scene's folder."""
+    check_keys(data, kind)
+
+    def decode(_: Any, value: Any) -> Any:
+        return measure(scene, value)
+
+    return msgspec.convert(data, kind, dec_hook=decode)
+
+
+RECORDS = {"erratum": Erratum, "equations": Identities, "figures": PaperFigure, "causes": Cause}
+"""What stands under these keys."""
+
+
+def check_keys(data: Mapping[str, Any], kind: Any) -> None:
+    """Refuse keys that a kind of record does not have, which would be ignored silently."""
+    known = [item.name for item in fields(kind)]
+    for key, value in data.items():
+        if key not in known:
+            raise ValueError(f"{key!r} is no field; there are {', '.join(known)}")
+        for part in value if isinstance(value, list) else [value]:
+            if key in RECORDS and isinstance(part, dict):
+                check_keys(part, RECORDS[key])
+
+
+def measure(scene: str, named: str | Mapping[str, Any]) -> Any:
+    """Return what a name means in the modules of a scene's folder, its arguments filled in.
+
+    ``derivation.second_order``, or ``{call = "regions.share_of_class", name = "blue_o"}``; an
+    argument may be a function, ``{call = "results.peak"}``.
+    """
+    if isinstance(named, str):
+        module, _, name = named.rpartition(".")
+        return getattr(import_module(f"{__package__}.{scene}.{module}"), name)
+    function = measure(scene, named["call"])
+    arguments = {name: argument(scene, value) for name, value in named.items() if name != "call"}
+    return partial(function, **arguments) if arguments else function
+
+
+def argument(scene: str, value: Any) -> Any:
+    """Return an argument of a measure, with tuples for lists and functions for their names."""
+    if isinstance(value, list):
+        return tuple(argument(scene, one) for one in value)
+    return measure(scene, value) if isinstance(value, dict) else value
