@@ -67,7 +67,7 @@ class OrbitMapOptions(NamedTuple):
 OPTIONS = OrbitMapOptions()
 
 
-class Measured(NamedTuple):
+class OrbitNumber(NamedTuple):
     """A number of orbits (m,).
 
     Attributes
@@ -89,14 +89,14 @@ class Measured(NamedTuple):
     left_out: Any = 0.0
     turn: float = np.inf
 
-    def change(self, other: Measured) -> Array:
+    def change(self, other: OrbitNumber) -> Array:
         """Return a bound (m,) on the error that another run, with half the step, shows."""
         change = np.abs(other.value - self.value)
         off = np.sqrt(np.mean(np.abs(other.profile - self.profile) ** 2, axis=1))
         return difference(self.value, self.value + np.minimum(change, self.turn - change)) + off
 
 
-Measure = Callable[["OrbitMap", Ints, Orbits, int], Mapping[str, Measured]]
+Measure = Callable[["OrbitMap", Ints, Orbits, int], Mapping[str, OrbitNumber]]
 """From a map, points, their orbits and the divisor of the step to what they are measured by."""
 
 
@@ -270,10 +270,10 @@ class OrbitMap:
         return values
 
 
-def leading(orbits: Orbits) -> Measured:
+def leading(orbits: Orbits) -> OrbitNumber:
     """Return the largest modulus of the multipliers, that of a shift in time left out."""
     modulus = orbits.leading
-    return Measured(modulus, modulus[:, None], unit=0.0)
+    return OrbitNumber(modulus, modulus[:, None], unit=0.0)
 
 
 def rounding_floors(orbits: Orbits) -> Array:

@@ -27,7 +27,7 @@ from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ...engines.setup import STEPS_PER_PERIOD
 from ..bounds import conditions, last_harmonics, with_bounds
-from ..orbit_map import Ints, Measured, OrbitMap, from_reference
+from ..orbit_map import Ints, OrbitMap, OrbitNumber, from_reference
 from ..quantity import Flow, Points, QuantityValues, Variable, engine_setup
 from .rotations import balanced_rotations
 from .steps import step_counts
@@ -106,7 +106,7 @@ def rotation_values(maps: OrbitMap, orbits: Orbits) -> QuantityValues:
     return maps.flow.values(classes | values)
 
 
-def measured(maps: OrbitMap, which: Ints, orbits: Orbits, finer: int) -> dict[str, Measured]:
+def measured(maps: OrbitMap, which: Ints, orbits: Orbits, finer: int) -> dict[str, OrbitNumber]:
     """Return what rotations are measured by.
 
     Samples leave out harmonics, which fall off beyond the last as up to them.
@@ -120,8 +120,8 @@ def measured(maps: OrbitMap, which: Ints, orbits: Orbits, finer: int) -> dict[st
     (last, fall), (least_last, least_fall) = (last_harmonics(x) for x in spectra)
     u_1 = 2 * np.abs(np.mean(swing * np.exp(-2j * phase), axis=1))
     return {
-        "u_1": Measured(u_1, swing, left_out=4 * last * fall ** (ORBIT_SAMPLES // 4)),
-        "min_speed": Measured(lowest(speed), speed, left_out=4 * least_last / (1 - least_fall)),
+        "u_1": OrbitNumber(u_1, swing, left_out=4 * last * fall ** (ORBIT_SAMPLES // 4)),
+        "min_speed": OrbitNumber(lowest(speed), speed, left_out=4 * least_last / (1 - least_fall)),
     }
 
 

@@ -24,7 +24,7 @@ from ....reference.rotor_pendulum.phase import (
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ..bounds import conditions, with_bounds
-from ..orbit_map import Ints, Measured, OrbitMap
+from ..orbit_map import Ints, OrbitMap, OrbitNumber
 from ..quantity import Flow, Points, QuantityValues, Variable
 from .steps import NUDGE, columns, step_counts
 
@@ -184,13 +184,13 @@ def orbit_values(maps: OrbitMap, orbits: Orbits) -> QuantityValues:
     return maps.flow.values(values)
 
 
-def measured(maps: OrbitMap, which: Ints, orbits: Orbits, finer: int) -> dict[str, Measured]:
+def measured(maps: OrbitMap, which: Ints, orbits: Orbits, finer: int) -> dict[str, OrbitNumber]:
     """Return what orbits are measured by: phi_1 - phi_2, averaged on the circle, and the speed."""
     steps = finer * -(-maps.steps[which] // SAMPLES)
     path = maps.flow(which, orbits.states, 0.0, orbits.periods / SAMPLES, SAMPLES, steps)
     alpha, speed = path[1] - path[2], 2 * np.pi / orbits.periods
     mean = np.array([mean_phase(one) for one in alpha], dtype=float)
     return {
-        "phase_difference": Measured(mean, np.exp(1j * alpha), turn=2 * np.pi),
-        "mean_speed": Measured(speed, speed[:, None], unit=speed / 3),  # periods do not grow
+        "phase_difference": OrbitNumber(mean, np.exp(1j * alpha), turn=2 * np.pi),
+        "mean_speed": OrbitNumber(speed, speed[:, None], unit=speed / 3),  # periods do not grow
     }
