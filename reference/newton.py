@@ -45,19 +45,12 @@ class Effort(NamedTuple):
         Longer corrections are shortened to this.
     contraction : float
         Corrections, or residuals, that do not shrink by this factor ask for a new Jacobian.
-    near : float
-        Correction below which a Jacobian counts as that of the solution.
-    within_reach : bool
-        A system is given up whose correction by a new Jacobian has not shrunk, and is longer than
-        all that are left make together.
     """
 
     jacobians: int = 40
     chords: int = 0
     longest: float = 0.1
     contraction: float = 0.5
-    near: float = np.inf
-    within_reach: bool = False
 
 
 class Roots(NamedTuple):
@@ -149,7 +142,7 @@ def newton(
         Columns of the Jacobians that belong to the unknowns.
     """
     x, size = np.array(start, dtype=float), np.full(start.shape[1], np.inf)
-    first, before = size.copy(), size.copy()
+    before = size.copy()
     rows, closed = np.arange(len(size)), np.zeros(len(size), dtype=bool)
     with np.errstate(all="ignore"):
         if jacobians is None:
@@ -167,16 +160,12 @@ def newton(
                 x[:, going] += change * np.minimum(1.0, effort.longest / np.maximum(now, CLOSED))
                 reach = np.maximum(now, np.max(np.abs(left), axis=0))
                 shrinks = reach < effort.contraction * before[going]
-                if effort.within_reach and not chord:
-                    now[~shrinks & (now > effort.longest * (effort.jacobians - number))] = np.inf
                 closed[going] = (now < ROUNDING) | ((now < CLOSED) & ~shrinks)
                 size[going], before[going] = now, reach
-                first[going] = now if chord == 0 else first[going]
                 useful = shrinks if chord else now < effort.longest / 10
                 going = going[~closed[going] & np.isfinite(now) & useful]
                 if not going.size:
                     break
-            closed[rows] &= first[rows] < effort.near
             rows = rows[~closed[rows] & np.isfinite(size[rows])]
             if not rows.size:
                 break

@@ -195,6 +195,18 @@ class Orbits:
         values[:, self.closed] = descending(np.linalg.eigvals(self.monodromy[self.closed]).T)
         return values
 
+    @property
+    def leading(self) -> Array:
+        """Largest modulus (k,) of the multipliers, that of a shift in time left out.
+
+        Infinite where no orbit has closed.
+        """
+        values = np.where(self.closed, self.multipliers, np.inf)
+        if len(self.states) in self.columns:  # the period is an unknown: nothing drives the scene
+            trivial = np.argmin(np.abs(values - 1), axis=0)
+            np.put_along_axis(values, trivial[None], 0.0, axis=0)
+        return np.where(self.closed, np.max(np.abs(values), axis=0), np.inf)
+
 
 def descending(multipliers: Any) -> Any:
     """Return multipliers (2 n, ...) in descending order of their moduli."""
@@ -429,11 +441,7 @@ def _most_stable(
     coarse = shoot(scene, parameters, guesses, steps, period)
     if not np.any(coarse.closed):
         return None
-    moduli = np.abs(coarse.multipliers)
-    if scene.orbit.section_coordinate is not None:
-        trivial = trivial_multiplier(scene, np.where(coarse.closed, coarse.multipliers, 1))
-        np.put_along_axis(moduli, trivial[None], 0.0, axis=0)
-    best = int(np.argmin(np.where(coarse.closed, np.max(moduli, axis=0), np.inf)))
+    best = int(np.argmin(coarse.leading))
     return _accurate(scene, parameters, coarse.states[:, best], coarse.periods[best])
 
 

@@ -168,6 +168,22 @@ class Continuum:
 NO_CONTINUUM = Continuum()
 
 
+class OrbitLimit(NamedTuple):
+    """The least value of a parameter at which there is a periodic orbit.
+
+    Attributes
+    ----------
+    value, error : float
+        It, and a bound on its error.
+    saddle : mapping of str to float, or None
+        The state of rest on which the orbit ends; None where that vanishes at the same value.
+    """
+
+    value: float
+    error: float
+    saddle: Mapping[str, float] | None
+
+
 @dataclass(frozen=True)
 class PeriodicOrbit:
     """Where a periodic orbit is sought, and what it is measured by.
@@ -185,7 +201,8 @@ class PeriodicOrbit:
     mirror : tuple of str
         Coordinates whose signs change in a symmetry: half a period of the drive later, and with
         what turns half a turn on, the equations of motion are the same. Empty without it.
-    connection : callable, or None: see `continuation.rest.RestFamily.connection`
+    limit : (str, callable ``(parameters) -> OrbitLimit``), or None
+        The parameter at whose least value the orbit ends on a saddle, and what solves for that.
     known : callable ``(parameters) -> (state (2 n,), period) or None``
         The orbit by another method, which the search then begins with; raises `NoOrbitError` where
         that method proves that there is none.
@@ -196,7 +213,7 @@ class PeriodicOrbit:
     quantities: Callable[..., dict[str, float]] = lambda states, c: {}
     units: Mapping[str, str] = field(default_factory=dict)
     mirror: tuple[str, ...] = ()
-    connection: Callable[[Any, Array, bool], tuple[float, float, float]] | None = None
+    limit: tuple[str, Callable[[Any], OrbitLimit]] | None = None
     known: Callable[[Any], tuple[Array, float] | None] = lambda p: None
 
 

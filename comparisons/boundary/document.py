@@ -19,8 +19,8 @@ Kind = Literal[
 Subject = Literal["orbits", "equilibria"]
 
 End = Literal[
-    "window", "closed", "resonance_1_1", "resonance_1_2", "with_fold", "with_period_doubling",
-    "with_neimark_sacker", "heteroclinic", "symmetric", "neutral", "unstable", "lost", "points",
+    "window", "closed", "with_fold", "with_period_doubling", "with_neimark_sacker", "symmetric",
+    "neutral", "unstable", "lost", "points",
 ]  # fmt: skip
 
 
@@ -140,10 +140,9 @@ class BoundaryCurve:
     doubled : bool
         whether more was found on the orbits of twice the length that part there
     begins : End
-        why a curve ends: `window`: it leaves it; `closed`; `resonance_1_1`, `resonance_1_2`: the
-        pair meets at 1 or -1; `with_...`: another bifurcation comes in, whose curve begins there,
-        or its saddle vanishes; `heteroclinic`: the orbit meets another saddle; `symmetric`: the
-        orbits become symmetric; `neutral`, `unstable`: what lies beyond bounds no stability;
+        why a curve ends: `window`: it leaves it; `closed`; `with_...`: another bifurcation comes
+        in, whose curve begins there, or the saddle of a homoclinic orbit vanishes; `symmetric`:
+        the orbits become symmetric; `neutral`, `unstable`: what lies beyond bounds no stability;
         `lost`: no further point was found; `points`: there are too many
     ends : End
         the same of its end

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -22,6 +21,7 @@ from ...reference.continuation.bifurcations import (
 from ...reference.continuation.network import (
     CurveSearch,
     CurveStart,
+    Executor,
     Line,
     Network,
     SearchOutcome,
@@ -32,7 +32,7 @@ from ...reference.orbits import section_row
 from ...reference.scene import Array
 from ..checks.orbits import engine_tracer
 from ..documents import document
-from ..engines.isolation import Worker, ready
+from ..engines.isolation import isolated
 from ..queries.environment import versions
 from ..queries.query import by_state, floats
 from .request import EQUILIBRIA, ORBITS, BoundaryRequest
@@ -79,47 +79,30 @@ def perform(asked: BoundaryRequest, subject: str, task: Task) -> SearchOutcome:
     return search.outcome
 
 
-@contextmanager
-def executor(workers: int) -> Iterator[Callable[[Perform, Sequence[Task]], SearchOutcome]]:
-    """Lend a function that returns the outcome of the first of several tasks, or raises its error.
+def executor(perform: Perform, workers: int) -> Executor:
+    """Return a function that gives the outcome of the first of several tasks, or raises its error.
 
-    Other processes, if there are any, begin the tasks after it meanwhile, in their order. An
-    outcome does not depend on the number of processes.
+    All lines are begun together, then as many curves as there are processes; what turns out to be
+    needless is dropped. An outcome does not depend on the number of processes.
     """
-    idle: list[Worker] = []
-    busy: dict[Worker, bytes] = {}
     outcomes: dict[bytes, Any] = {}
 
-    def outcome_of_first(perform: Perform, tasks: Sequence[Task]) -> SearchOutcome:
+    def outcome_of_first(tasks: Sequence[Task]) -> SearchOutcome:
         if workers == 1:
             return perform(tasks[0])
-        calls = {pickle.dumps(call): call for call in (partial(perform, one) for one in tasks)}
-        first = next(iter(calls))
-        needless = [worker for worker, key in busy.items() if key not in calls]
-        if first not in (*outcomes, *busy.values()) and len(busy) == workers:
-            for worker in needless[:1]:
-                worker.end()
-                del busy[worker]
-        while first not in outcomes:
-            for key, call in calls.items():
-                if len(busy) < workers and key not in (*outcomes, *busy.values()):
-                    worker = idle.pop() if idle else Worker()
-                    busy[worker] = key
-                    worker.begin(call, None, None)
-            for worker in ready(busy):
-                outcomes[busy.pop(worker)] = worker.outcome
-                idle.extend([worker] if worker.process.is_alive() else [])
-        outcome = outcomes.pop(first)
-        if isinstance(outcome, EngineError):
-            raise outcome
-        result: SearchOutcome = outcome
-        return result
+        lines = [one for one in tasks if one.func is CurveSearch.look_along]
+        calls = [partial(perform, one) for one in lines or tasks[:workers]]
+        keys = [pickle.dumps(call) for call in calls]
+        if keys[0] not in outcomes:
+            new = [i for i, key in enumerate(keys) if key not in outcomes]
+            for place, outcome in isolated([calls[i] for i in new], workers):
+                outcomes[keys[new[place]]] = outcome
+        first: SearchOutcome | EngineError = outcomes.pop(keys[0])
+        if isinstance(first, EngineError):
+            raise first
+        return first
 
-    try:
-        yield outcome_of_first
-    finally:
-        for worker in (*idle, *busy):
-            worker.end()
+    return outcome_of_first
 
 
 class Boundary:
@@ -160,14 +143,13 @@ class Boundary:
         EngineError
         """
         before = 0
-        with executor(workers) as execute:
-            for number, (subject, network) in enumerate(self.networks.items()):
-                work = partial(execute, partial(perform, replace(self.asked), subject))
-                ahead = len(self.networks) - number - 1
-                done = 0
-                for done, total, words in network.work(work):
-                    yield before + done, before + total + ahead * len(self.lines), words
-                before += done
+        for number, (subject, network) in enumerate(self.networks.items()):
+            execute = executor(partial(perform, replace(self.asked), subject), workers)
+            ahead = len(self.networks) - number - 1
+            done = 0
+            for done, total, words in network.work(execute):
+                yield before + done, before + total + ahead * len(self.lines), words
+            before += done
         networks = self.networks.values()
         problems = [problem for network in networks for problem in network.total.problems]
         missing = any(network.missing and not network.curves for network in networks)

@@ -9,7 +9,7 @@ from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 from time import monotonic
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,22 +24,39 @@ from .execute import Executor, in_turn, on_cluster, on_this_machine
 from .request import Axis, Request, evaluate, resolved
 from .store import Map, read, to_bytes
 
-COARSE_CELLS = 32
-"""Cells along an axis that refinement starts with on a large grid; a quarter of a small one."""
 
-FEW = 512
-"""Points that take about as long as a single one, computed together."""
+class RefinementOptions(NamedTuple):
+    """How refinement shares its work, and how often an unfinished map is written.
 
-SHARES = 4
-"""Blocks of a pass of refinement, at least where it has many points."""
+    Attributes
+    ----------
+    coarse_cells : int
+        Cells along an axis that refinement starts with on a large grid; a quarter of a small one.
+    few : int
+        Points that take about as long as a single one, computed together.
+    shares : int
+        Blocks of a pass of refinement, at least where it has many points.
+    look_back : int
+        Passes from whose places the direction of a boundary is taken.
+    look_ahead : int
+        Cells that are computed ahead of it, at most.
+    often : float
+        Time [s] between two times at which an unfinished map is written.
+    rarely : float
+        Or so many times as long as that takes.
+    """
 
-LOOK_BACK, LOOK_AHEAD = 4, 16
-"""Passes from whose places the direction of a boundary is taken, and cells that are computed ahead
-of it, at most."""
+    coarse_cells: int = 32
+    few: int = 512
+    shares: int = 4
+    look_back: int = 4
+    look_ahead: int = 16
+    often: float = 2.0
+    rarely: float = 20.0
 
-OFTEN, RARELY = 2.0, 20.0
-"""Time [s] between two times at which an unfinished map is written, or so many times as long as
-that takes."""
+
+OPTIONS = RefinementOptions()
+
 
 Places = NDArray[np.int_]
 Progress = Callable[[int, int], None]
@@ -154,7 +171,7 @@ class Grid:
         self.computed = np.zeros(asked.shape, dtype=bool)
         self.problems: list[tuple[float, float, str]] = []
         self.done = self.total = 0
-        self.saved, self.pause, self.is_new = monotonic(), OFTEN, False
+        self.saved, self.pause, self.is_new = monotonic(), OPTIONS.often, False
         self.settings = json.loads(json.dumps(asked.as_dict()))
         self.before = self.read_unfinished(resume)
 
@@ -207,14 +224,14 @@ class Grid:
         begin = monotonic()
         write_whole(self.unfinished, to_bytes(self.map()))
         self.saved, self.is_new = monotonic(), False
-        self.pause = max(OFTEN, RARELY * (self.saved - begin))
+        self.pause = max(OPTIONS.often, OPTIONS.rarely * (self.saved - begin))
 
     def fill(self, places: Places, execute: Executor) -> None:
         """Compute places (k, 2), columns and rows, or take them from what was kept."""
         self.total += len(places)
         missing, size = [], self.asked.block or len(places)
         if self.asked.refine:  # to be shared, however many there are to share it
-            size = min(size, max(FEW, -(-len(places) // SHARES)))
+            size = min(size, max(OPTIONS.few, -(-len(places) // OPTIONS.shares)))
         for block in split(places, size):
             column, row = block.T
             if self.before is not None and np.all(self.before.computed[row, column]):
@@ -286,7 +303,7 @@ def refined(grid: Grid) -> Iterator[Places]:
     asked = grid.asked
     key = next(name for name, item in asked.mapped.variables.items() if item.classes)
     count = min(asked.shape) - 1
-    cells = max(1, min(COARSE_CELLS, count / 4))
+    cells = max(1, min(OPTIONS.coarse_cells, count / 4))
     spacing = 1 << max(0, int(np.floor(np.log2(count / cells))))
     yield everywhere(asked, spacing)
     while True:
@@ -294,9 +311,9 @@ def refined(grid: Grid) -> Iterator[Places]:
         if spacing == 1:
             return
         spacing //= 2
-        before = deque[Places](maxlen=LOOK_BACK)
+        before = deque[Places](maxlen=OPTIONS.look_back)
         while (places := uncertain(grid.variables[key], grid.computed, spacing)).size:
-            follows = len(before) == LOOK_BACK and asked.engine == REFERENCE
+            follows = len(before) == OPTIONS.look_back and asked.engine == REFERENCE
             far = straight_on(before[0], places, asked.shape, spacing) if follows else places[:0]
             before.append(places)
             far = far[~grid.computed[far[:, 1], far[:, 0]]]
@@ -309,7 +326,7 @@ def straight_on(before: Places, places: Places, shape: tuple[int, int], spacing:
 
     Each goes on in the direction from the nearest one of an earlier pass.
     """
-    cells = min(LOOK_AHEAD, FEW // (3 * len(places)))
+    cells = min(OPTIONS.look_ahead, OPTIONS.few // (3 * len(places)))
     lines = [lattice(count, spacing) for count in reversed(shape)]
     old, new = (
         np.stack([np.searchsorted(*pair) for pair in zip(lines, some.T, strict=True)], axis=1)

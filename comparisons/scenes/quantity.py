@@ -25,6 +25,12 @@ from ..queries.query import choose_engine, choose_method, seconds_of_a_step
 NO_VALUE = -1
 """What stands for the class of a point that has none: the engine failed there."""
 
+STEP_COUNTS = np.array(sorted({m << j for j in range(20) for m in (1, 3)}))
+"""Numbers of steps that are taken between two samples."""
+
+LONG_STEP_COUNTS = np.array(sorted({m << j for j in range(20) for m in (4, 5, 6, 7)}))
+"""The same over long spans."""
+
 
 @dataclass(frozen=True)
 class Variable:
@@ -85,18 +91,32 @@ class Points:
         """Return the parameters of one point, all of them numbers or words."""
         return self.parameters.at(i)
 
-    def refuse_step(self, shortest: Array) -> None:
-        """Refuse a step that is wanted shorter than what the quantity can take (k,) [s].
+    def step_counts(
+        self, spans: Array, longest: Any, fewest: int = 1, counts: NDArray[np.int_] = STEP_COUNTS
+    ) -> NDArray[np.int_]:
+        """Return into how many equal steps spans (k,) [s] are divided.
+
+        Parameters
+        ----------
+        spans : array (k,)
+        longest : float or array (k,)
+            Longest step [s], where ``step`` is not given.
+        fewest : int
+        counts : int array
+            Numbers to choose from.
 
         Raises
         ------
         UsageError
+            If ``step`` is too short for them.
         """
+        shortest = spans / counts[-1]
         if self.step is not None and self.step < np.max(shortest):
             raise UsageError(
                 f"steps of {self.step:g} s are more than this map takes from sample to sample; "
                 f"{np.max(shortest):.3g} s is the shortest that all of its points can have"
             )
+        return enough_steps(np.maximum(spans / (self.step or longest), fewest), counts)
 
 
 @dataclass(frozen=True)
@@ -303,6 +323,12 @@ class Flow:
     def values(self, values: Mapping[str, Any]) -> QuantityValues:
         """Return what a quantity is at the points: nothing where the engine failed."""
         return QuantityValues.of(values, self.problems)
+
+
+def enough_steps(wanted: Array, counts: NDArray[np.int_] = STEP_COUNTS) -> NDArray[np.int_]:
+    """Return numbers of steps (k,) no smaller than those wanted: few, so that points share them."""
+    places = np.searchsorted(counts, wanted * (1 - 1e-9))
+    return counts[np.minimum(places, len(counts) - 1)]
 
 
 def engine_setup(points: Points, case: Case | None = None) -> Setup:

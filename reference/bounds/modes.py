@@ -21,31 +21,44 @@ from ..errors import MbcheckError
 from ..linear import OVERFLOW, Mode, linearise_at, mode_of
 from ..scene import Array, Dynamics
 
-COEFFICIENT = 1.5 * EPS
-"""Relative error that rounding is granted for a coefficient of the equations of motion, and for the
-values of functions in them."""
 
-ENTRY = 1.5 * EPS
-"""Relative error that rounding is granted for an entry of a matrix, and again for its products."""
+class ModeOptions(NamedTuple):
+    """What rounding is granted, and how eigenvalues are corrected.
 
-STEP = 1e-4
-"""Relative step of the differences by which the matrices' sensitivities are found."""
+    Attributes
+    ----------
+    coefficient : float
+        Relative error of a coefficient of the equations of motion, and of the values of functions
+        in them.
+    entry : float
+        Relative error of an entry of a matrix, and again of its products.
+    step : float
+        Relative step of the differences by which the matrices' sensitivities are found.
+    singular : float
+        Relative change of an eigenvalue by rounding of M beyond which it may as well be infinite.
+    near : float
+        Relative distance of approximate eigenvalues that are not meant to be one.
+    far : float
+        Ratio of eigenvalues beyond which one decomposition does not tell all of them.
+    tolerance : float
+        Largest last correction of an eigenvalue, relative to it; nearly double ones keep half their
+        digits.
+    max_iterations : int
+        Corrections of an eigenvalue; two serve where it is simple.
+    """
 
-SINGULAR = 1 / 8
-"""Relative change of an eigenvalue by rounding of M beyond which it may as well be infinite."""
+    coefficient: float = 1.5 * EPS
+    entry: float = 1.5 * EPS
+    step: float = 1e-4
+    singular: float = 1 / 8
+    near: float = 0.1
+    far: float = 1e10
+    tolerance: float = 1e-5
+    max_iterations: int = 8
 
-NEAR = 0.1
-"""Relative distance of approximate eigenvalues that are not meant to be one."""
 
-FAR = 1e10
-"""Ratio of eigenvalues beyond which one decomposition does not tell all of them."""
+OPTIONS = ModeOptions()
 
-SETTLED = 1e-5
-"""Largest last correction of an eigenvalue, relative to it; nearly double ones keep half their
-digits."""
-
-CORRECTIONS = 8
-"""Most corrections of an eigenvalue; two serve where it is simple."""
 
 INDEFINITE = "the mass matrix is not positive definite"
 
@@ -98,13 +111,13 @@ def linearisation_error(dynamics: Dynamics, parameters: Any, state: Array) -> En
     state, n = np.asarray(state), len(dynamics.coordinates)
     c = dynamics.coefficients(parameters)
     *exact, forces = linearise_at(dynamics, c, state)
-    errors, load = Entries(*(ENTRY * np.abs(matrix) for matrix in exact)), np.abs(forces)
+    errors, load = Entries(*(OPTIONS.entry * np.abs(matrix) for matrix in exact)), np.abs(forces)
 
     def add(upper: Any, lower: Any, share: float) -> None:
         for error, high, low in zip(errors, upper, lower, strict=True):
             error += share * np.abs(high - low)
 
-    factors = 1 + STEP, 1 - STEP
+    factors = 1 + OPTIONS.step, 1 - OPTIONS.step
     places: list[Any] = [
         [(c._replace(**{name: value * factor}), state) for factor in factors]
         for name, value in zip(c._fields, c, strict=True)
@@ -114,13 +127,13 @@ def linearisation_error(dynamics: Dynamics, parameters: Any, state: Array) -> En
         places.append([(c, state, OneFunctionOff(name, factor)) for factor in factors])
     for pair in places:
         upper, lower = (linearise_at(dynamics, *place) for place in pair)
-        add(upper[:3], lower[:3], COEFFICIENT / (2 * STEP))
-        load += COEFFICIENT / (2 * STEP) * np.abs(upper[3] - lower[3])
+        add(upper[:3], lower[:3], OPTIONS.coefficient / (2 * OPTIONS.step))
+        load += OPTIONS.coefficient / (2 * OPTIONS.step) * np.abs(upper[3] - lower[3])
     place = EPS * np.abs(state)
     if np.any(load):
         place[:n] += np.abs(np.linalg.pinv(exact[2])) @ load
     for i in np.flatnonzero(place):
-        step = max(place[i], STEP * max(abs(state[i]), 1.0)) * np.eye(2 * n)[i]
+        step = max(place[i], OPTIONS.step * max(abs(state[i]), 1.0)) * np.eye(2 * n)[i]
         upper, lower = (linearise_at(dynamics, c, state + side * step) for side in (1, -1))
         add(upper[:3], lower[:3], place[i] / step[i])  # twice the slope: that changes on the way
         bend = place[i] / (2 * step[i]) * np.abs(upper[2] - lower[2])
@@ -171,7 +184,9 @@ def bounded_modes(matrices: Entries, errors: Entries, steady: Sequence[int] = ()
             raise MbcheckError(OVERFLOW)
         after = pair_separations(values)
         bounds = pair_bounds(after, first_order.real)
-        if np.any((before > NEAR * np.abs(starts)) & (after < NEAR**2 * np.abs(starts))):
+        if np.any(
+            (before > OPTIONS.near * np.abs(starts)) & (after < OPTIONS.near**2 * np.abs(starts))
+        ):
             raise MbcheckError(OVERFLOW)  # two starts led to one eigenvalue
         bounds += np.where(after < before / 2, np.abs(values - starts), 0.0)
     rigid = [Mode(0.0, 0.0, 0.0, 0.0, None, 0.0)] * (len(steady) + int(np.sum(~sprung)))
@@ -237,7 +252,7 @@ def graded_eigenvalues(matrix: Array) -> Any:
     try:
         inverse = np.linalg.inv(matrix)
         spread = np.max(np.abs(inverse), initial=0.0)
-        inverses = eigvals(inverse) if spread > FAR else spectrum[:0]
+        inverses = eigvals(inverse) if spread > OPTIONS.far else spectrum[:0]
     except (np.linalg.LinAlgError, ValueError):  # not finite
         return fastest * spectrum
     large = spectrum[np.abs(spectrum) >= 1 / np.sqrt(spread)]
@@ -277,7 +292,7 @@ def refined(
     It stays within reach of its start; the bound is infinite where it cannot come to rest there.
     """
     magnitudes, last, value = Entries(*map(np.abs, matrices)), np.inf, start
-    for _ in range(CORRECTIONS):
+    for _ in range(OPTIONS.max_iterations):
         if not value:
             return complex(np.nan), np.inf
         size = magnitudes.pencil(abs(value))
@@ -291,9 +306,11 @@ def refined(
             y @ (matrix * balance) @ x for matrix in (matrices.slope(value), matrices.mass)
         )
         weights = np.outer(np.abs(y), np.abs(x)) * balance
-        if np.sum(weights * (errors.mass + ENTRY * magnitudes.mass)) > SINGULAR * abs(bend):
+        if np.sum(
+            weights * (errors.mass + OPTIONS.entry * magnitudes.mass)
+        ) > OPTIONS.singular * abs(bend):
             return value, np.inf
-        rounding = np.sum(weights * (errors.pencil(abs(value)) + ENTRY * size))
+        rounding = np.sum(weights * (errors.pencil(abs(value)) + OPTIONS.entry * size))
         rest = y @ pencil @ x
         step = abs(value) * rest / slope
         if not abs(step) < last / 2 or abs(value - step - start) > reach:
@@ -302,7 +319,7 @@ def refined(
         if last <= EPS * abs(value):
             break
     last = min(last, abs(step))
-    if last < SETTLED * abs(value):
+    if last < OPTIONS.tolerance * abs(value):
         return value, float(abs(value) * rounding / abs(slope) + last)
     # two that meet: how far off both roots of a parabola may be
     root = np.sqrt(abs(slope) ** 2 + 4 * abs(bend) * (rounding + abs(rest)))

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,25 +34,38 @@ from ..orbits import (
 from ..periodic import spectrum_of
 from ..scene import Array, EquationsOfMotion
 from ..solve.rk8 import rk8_samples, rk8_steps
-from .modes import COEFFICIENT, pair_bounds, separations
+from . import modes
+from .modes import pair_bounds, separations
 
-DISPLACEMENT = 1e-7
-"""Of orbits, in the size of each state: changes are linear there, and rounding small in them."""
 
-ROUNDING = 3 * EPS
-"""Of a period's end, in the sizes of the states, beside what two numbers of steps differ by."""
+class OrbitBoundOptions(NamedTuple):
+    """What a bound on the errors of an orbit counts.
 
-STEP_ROUNDING = 1.5 * EPS
-"""What each step adds to it: five standard deviations of half a unit, evenly spread."""
+    Attributes
+    ----------
+    displacement : float
+        Of orbits, in the size of each state: changes are linear there, and rounding small in them.
+    rounding : float
+        Of a period's end, in the sizes of the states, beside what two numbers of steps differ by.
+    step_rounding : float
+        What each step adds to it: five standard deviations of half a unit, evenly spread.
+    parts : int
+        Parts of a period, from the ends of which rounding is followed to its end.
+    curved : float
+        Relative change of the period map's Jacobian within the orbit's error that makes it unknown.
+    samples : int
+        Samples of a period.
+    """
 
-PARTS = 16
-"""Parts of a period, from the ends of which rounding is followed to its end."""
+    displacement: float = 1e-7
+    rounding: float = 3 * EPS
+    step_rounding: float = 1.5 * EPS
+    parts: int = 16
+    curved: float = 0.25
+    samples: int = 256
 
-CURVED = 0.25
-"""Relative change of the period map's Jacobian within the orbit's error that makes it unknown."""
 
-COUNT = 256
-"""Samples of a period."""
+OPTIONS = OrbitBoundOptions()
 
 
 @dataclass(frozen=True)
@@ -132,27 +145,32 @@ class Closing:
         return self.about(c, count).linearise(np.arange(count), unknowns)
 
     def samples(self, at: Neighbours) -> Array:
-        """Return states (k, 2 n, `COUNT`) over one period."""
+        """Return states (k, 2 n, count) over one period."""
         count = len(at.weights)
         parts = self.about(at.coefficients, count).place(np.arange(count), at.unknowns[:, None])
         x, periods = parts[0][:, 0], parts[1][0] * np.ones(count)
-        derivative, times = self.scene.derivative(at.coefficients), np.arange(1, COUNT) / COUNT
-        rest = rk8_samples(derivative, x, 0.0, np.outer(times, periods), -(-self.steps // COUNT))
+        derivative, times = (
+            self.scene.derivative(at.coefficients),
+            np.arange(1, OPTIONS.samples) / OPTIONS.samples,
+        )
+        rest = rk8_samples(
+            derivative, x, 0.0, np.outer(times, periods), -(-self.steps // OPTIONS.samples)
+        )
         return np.concatenate([x[..., None], rest], axis=-1).swapaxes(0, 1)
 
     def flows(self, c: Any) -> tuple[Array, Array, Array]:
         """Return the Jacobians of the flow up to the end of each part, and from there to the end.
 
-        Both of shape (`PARTS`, 2 n, 2 n), in the sizes of the states; then the largest values
+        Both of shape (parts, 2 n, 2 n), in the sizes of the states; then the largest values
         (2 n,) of the states there, in the same.
         """
         scene, period, unit = self.scene, self.orbit.period, self.scale[:, None] / self.scale
         derivative, x = scene.derivative(c), self.orbit.state
-        size, steps = len(x), -(-self.steps // PARTS)
+        size, steps = len(x), -(-self.steps // OPTIONS.parts)
         jacobians: list[Array] = []
         largest = np.abs(x)
-        for i in range(PARTS):
-            start, end = i * period / PARTS, (i + 1) * period / PARTS
+        for i in range(OPTIONS.parts):
+            start, end = i * period / OPTIONS.parts, (i + 1) * period / OPTIONS.parts
             part = partial(rk8_steps, derivative, t0=start, t1=end, steps=steps)
             x, jacobian = by_complex_step(part, x)
             jacobians.append(jacobian / unit)
@@ -183,14 +201,14 @@ class Closing:
         def times(factors: Array) -> Any:
             return type(c)(*(value * factors[:, i] for i, value in enumerate(c)))
 
-        points = times(1 + DISPLACEMENT * of_one)
+        points = times(1 + OPTIONS.displacement * of_one)
         unknowns = np.zeros((unknowns_count, len(of_one)))
         ends = self.about(points, len(of_one)).residual(np.arange(len(of_one)), unknowns)
-        change = (ends[:, 1 + size :] - ends[:, :1]) / DISPLACEMENT
+        change = (ends[:, 1 + size :] - ends[:, :1]) / OPTIONS.displacement
         along = inverse @ (errors / np.where(sizes > 0, sizes, 1.0))
         moves = np.hstack([np.zeros((unknowns_count, 1)), along, -inverse @ change])
-        length = DISPLACEMENT / np.maximum(np.max(np.abs(moves), axis=0), 1.0)
-        weights = np.concatenate([[0.0], sizes, np.full(len(places), COEFFICIENT)])
+        length = OPTIONS.displacement / np.maximum(np.max(np.abs(moves), axis=0), 1.0)
+        weights = np.concatenate([[0.0], sizes, np.full(len(places), modes.OPTIONS.coefficient)])
         independent = np.zeros(len(weights), dtype=bool)
         independent[1 + sources.shape[1] : 1 + size] = True
         coefficients = times(1 + length[:, None] * of_one)
@@ -226,7 +244,7 @@ def orbit_bounds(scene: EquationsOfMotion, parameters: Any, orbit: Orbit) -> Orb
             for value, jacobian in (closing.linearise(c, here) for closing in (fine, rough))
         )
         inverse, monodromy = np.linalg.inv(slopes[:, columns]), slopes[:, :size] + np.eye(size)
-        rounding = ROUNDING + STEP_ROUNDING * np.sqrt(fine.steps)
+        rounding = OPTIONS.rounding + OPTIONS.step_rounding * np.sqrt(fine.steps)
         before, after, largest = coarse.flows(c)  # rounding needs no more digits
         random = rounding * spread_of(after, largest)
         integration = 2 * np.abs(rest - other) + np.sum(np.abs(random), axis=1)
@@ -235,7 +253,7 @@ def orbit_bounds(scene: EquationsOfMotion, parameters: Any, orbit: Orbit) -> Orb
         jacobians = coarse.linearise(near.coefficients, near.unknowns)[1]
         bend = near.changes(jacobians)
         bent = float(np.max(np.sum(np.abs(inverse) @ bend[:, columns], axis=1)))
-    if not bent < CURVED:
+    if not bent < OPTIONS.curved:
         raise NoOrbitError(hidden_by_rounding(scene))
     spectrum, scale = Spectrum.of(monodromy), fine.scale
     error = near.together(np.abs(near.unknowns.T)) / (1 - bent)
@@ -336,7 +354,7 @@ class SampleBounds:
     Attributes
     ----------
     near : Neighbours
-    samples : array (k, 2 n, `COUNT`)
+    samples : array (k, 2 n, count)
     integration : array (2 n,)
         Bounds on the errors of the samples by integration.
     """
@@ -359,9 +377,9 @@ class SampleBounds:
         bounds += self.near.together(
             np.array([changes(measure(x, one) if weight else base) for weight, x, one in sources])
         )
-        phase = 2 * np.pi * np.arange(COUNT) / COUNT
+        phase = 2 * np.pi * np.arange(OPTIONS.samples) / OPTIONS.samples
         for i, size in enumerate(self.integration):
-            step = max(size, DISPLACEMENT * float(np.max(np.abs(self.samples[0, i]))))
+            step = max(size, OPTIONS.displacement * float(np.max(np.abs(self.samples[0, i]))))
             for pattern in (1.0, np.cos(phase), np.sin(phase)):
                 moved = self.samples[0].copy()
                 moved[i] += step * pattern

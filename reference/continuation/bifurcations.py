@@ -17,7 +17,7 @@ period; it loses this symmetry (a pitchfork) by a period doubling of that map.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import Any, NamedTuple
@@ -272,7 +272,7 @@ class OrbitCurve:
 
 
 BRANCH_POINT, HOMOCLINIC = "branch_point", "homoclinic"
-"""Kinds of curves of states of rest alone, see `rest`."""
+"""Kinds of curves of states of rest: see `rest`; and of where a periodic orbit ends on a saddle."""
 
 
 class ParameterWindow(NamedTuple):
@@ -401,64 +401,26 @@ def crossings(others: Any) -> dict[str, float]:
     }
 
 
-def pair_sum(point: CurvePoint) -> float:
-    """Return 2 cos of the angle of the critical pair, or the sum of two that are real."""
-    return float((point.critical + 1 / point.critical).real)
+def margin(kind: str, point: CurvePoint) -> float:
+    """Return how far a point of a curve is from where another bifurcation comes in.
 
-
-CODIMENSION_2: Mapping[str, Callable[[CurvePoint], float]] = {
-    "resonance_1_1": lambda point: 2 - pair_sum(point),
-    "resonance_1_2": lambda point: 2 + pair_sum(point),
-    "with_fold": lambda point: crossings(point.others)[FOLD],
-    "with_period_doubling": lambda point: crossings(point.others)[DOUBLING],
-    "with_neimark_sacker": lambda point: crossings(point.others)[NEIMARK_SACKER],
-}
-"""Where a curve ends since another bifurcation comes in, by a function that is 0 there.
-
-The first two are of a pair of multipliers, and positive while it is complex."""
-
-
-def meets(kind: str, before: CurvePoint, here: CurvePoint) -> str | None:
-    """Return which of them lies between two points of a curve, or None."""
-    for why, value in CODIMENSION_2.items():
-        if kind != NEIMARK_SACKER and why.startswith("resonance"):  # two of a pair alone may meet
-            continue
-        a, b = value(before), value(here)
-        if a > 0 > b or (a < 0 < b and not why.startswith("resonance")):
-            return why
-    return None
-
-
-def meeting_gap(kind: str, point: CurvePoint) -> float:
-    """Return how far multipliers are from another bifurcation at a point of a curve of a kind.
-
-    Distance of the others from the unit circle, or of a pair from each other.
+    It is positive while all others are inside the unit circle and a pair on it is complex.
     """
-    own = [point.critical.imag] if kind == NEIMARK_SACKER else []
-    return float(np.min(np.abs([*own, *(np.abs(point.others) - 1)]), initial=np.inf))
+    margins = 1 - np.abs(point.others)
+    if kind == NEIMARK_SACKER:  # 2 cos of the pair's angle, or the sum of two that are real
+        margins = np.append(margins, 2 - abs((point.critical + 1 / point.critical).real))
+    return float(np.min(margins, initial=np.inf))
 
 
-def end_beyond(why: str, kind: str) -> str:
-    """Return why the curve that begins where another of a kind ends has its own end there.
-
-    One that a homoclinic orbit ends on goes on both ways.
-    """
-    if kind == HOMOCLINIC:
-        return why
-    beyond = kind_beyond(why, kind)
-    if beyond != NEIMARK_SACKER or kind == NEIMARK_SACKER:
-        return f"with_{beyond if why.startswith('resonance') else kind}"
-    if why == f"with_{NEIMARK_SACKER}":
-        return f"with_{kind}"
-    return "resonance_1_2" if why == f"with_{DOUBLING}" else "resonance_1_1"
-
-
-def kind_beyond(why: str, kind: str) -> str:
-    """Return the kind of the curve that begins where another of a kind ends.
+def kind_beyond(kind: str, point: CurvePoint) -> str:
+    """Return the kind of the curve that begins where one of another kind ends.
 
     Two multipliers that meet at 1 or -1 leave it as a pair.
     """
-    if why.startswith("resonance"):
-        return FOLD if why.endswith("1_1") else DOUBLING
-    new = why.removeprefix("with_")
-    return NEIMARK_SACKER if new == kind or kind == BRANCH_POINT else new
+    pair = abs((point.critical + 1 / point.critical).real)
+    meets = kind == NEIMARK_SACKER and 2 - pair <= 1 - np.max(np.abs(point.others), initial=0)
+    leading = point.critical if meets else point.others[np.argmax(np.abs(point.others))]
+    if not meets and leading.imag:
+        return NEIMARK_SACKER
+    new = FOLD if leading.real > 0 else DOUBLING
+    return NEIMARK_SACKER if kind in (new, BRANCH_POINT) else new

@@ -15,31 +15,6 @@ import numpy as np
 
 from ..scene import Array
 
-CONVERGED = 1e-8
-"""Newton correction after which no other is made: it leaves its square."""
-
-NOISE = 1e-7
-"""Largest correction of a solution whose corrections stop shrinking: flows of engines are noisy."""
-
-
-MOST_TURN = 1.6
-"""Of the angle that is aimed at: steps that turn more have led to other curves near by."""
-
-
-OFF = 0.7, 0.1
-"""Distance of a point from where the tangent led, in the step's length, by the turn and beside: of
-an arc it is half the turn, and more where another curve was met."""
-
-OFF_CUBIC = 0.2
-"""Most of that from where a cubic led."""
-
-AIM = 0.1
-"""Distance from where a cubic led that is aimed at, in the step's length. It grows as the third
-power of that."""
-
-LONGER = 0.5, 2.0
-"""Least and largest length of a step, in that of the step before."""
-
 
 class CurveEquations(NamedTuple):
     """Equations of a curve.
@@ -65,28 +40,113 @@ class CurveEquations(NamedTuple):
         return self.residual is None
 
 
-class Control(NamedTuple):
-    """Steps along a curve.
+class ContinuationOptions(NamedTuple):
+    """How curves are followed; lengths are in the unit of the unknowns, those of places 0 to 1.
 
     Attributes
     ----------
-    first, shortest, longest : float
-        Their lengths, in the unit of the unknowns.
-    turn : float
-        Angle between the tangents of neighbours that is aimed at [rad]; `MOST_TURN` times that is
-        refused.
-    iterations : int
-        Newton iterations of a point at most.
-    points : int
-        Points of a curve in one direction at most.
+    ds, ds_min, ds_max : float
+        First, shortest and longest step along a curve.
+    growth : (float, float)
+        Least and largest length of a step, in that of the step before.
+    turn, max_turn : float
+        Angle between the tangents of neighbours that is aimed at, and that is refused [rad].
+    aim, max_offset : float
+        Distance from where a cubic led that is aimed at, and that is refused, in the step's length:
+        it grows as the third power of that.
+    max_offset_line : (float, float)
+        The same from where a tangent led, by the turn and beside: of an arc it is half the turn,
+        and more where another curve was met.
+    max_points : int
+        Points of a curve in one direction.
+    max_iterations : int
+        Newton iterations of a point.
+    tolerance : float
+        Correction after which no other is made: it leaves its square.
+    noise : float
+        Largest correction of a solution whose corrections stop shrinking: flows of engines are
+        noisy.
+    integration : float
+        What integration may leave of a point of the reference.
+    steps_min, steps_max : int
+        Steps of the reference in a (half) period.
+    rounding, step_rounding : float
+        Of a period's end, in the sizes of the states: as it is, and by the root of its steps.
+    edge : float
+        How near an edge of the window is on it.
+    symmetric : float
+        Departure from its mirror image of an orbit that has become symmetric.
+    near_meeting : float
+        `margin` below which another bifurcation may be near.
+    careful : (float, float)
+        Longest step, the first and any other, from there: two bifurcations must not lie in between,
+        nor another curve of the kind ahead. Longer ones may be taken while the margin hardly
+        changes.
+    max_change : float
+        Most that the margin may change by in such a step, relative to itself.
+    landed, max_landings : float, int
+        Largest margin where two bifurcations meet, and the most points that are tried.
+    max_multiplier : float
+        Up to which orbits are followed along lines: none became stable again.
+    max_period : float
+        Periods of the window's middle in one, beyond which an orbit is taken to approach a saddle.
+    real : float
+        Imaginary part of multipliers that have met.
+    same, same_orbit : float
+        Distance from a curve, and between the states of two orbits, below which they are one.
+    parting : float
+        How far from a period doubling the doubled orbits start, in the size of the states.
+    beside : float
+        Step along a curve from where it begins, after which its other multipliers tell the way.
+    exact : float
+        Error bound of a bifurcation on a line that is not solved for again.
+    astray : float
+        Newton's method has led to another bifurcation than the one it started at.
+    shares : tuple of float
+        Where on a line orbits are looked for.
+    near : float
+        How far, in the sizes of the states too, an engine's curve may have shifted.
     """
 
-    first: float = 0.02
-    shortest: float = 1e-4
-    longest: float = 0.1
-    turn: float = 0.2
-    iterations: int = 8
-    points: int = 400
+    ds: float = 0.04
+    ds_min: float = 1e-4
+    ds_max: float = 0.4
+    growth: tuple[float, float] = (0.5, 2.0)
+    turn: float = 0.5
+    max_turn: float = 0.8
+    aim: float = 0.1
+    max_offset: float = 0.2
+    max_offset_line: tuple[float, float] = (0.7, 0.1)
+    max_points: int = 400
+    max_iterations: int = 8
+    tolerance: float = 1e-8
+    noise: float = 1e-7
+    integration: float = 3e-11
+    steps_min: int = 16
+    steps_max: int = 2048
+    rounding: float = 7e-16
+    step_rounding: float = 5e-16
+    edge: float = 1e-9
+    symmetric: float = 1e-2
+    near_meeting: float = 0.05
+    careful: tuple[float, float] = (0.01, 0.08)
+    max_change: float = 0.5
+    landed: float = 1e-4
+    max_landings: int = 8
+    max_multiplier: float = 5.0
+    max_period: float = 10.0
+    real: float = 1e-9
+    same: float = 1e-3
+    same_orbit: float = 1e-2
+    parting: float = 0.03
+    beside: float = 5e-3
+    exact: float = 1e-9
+    astray: float = 0.3
+    shares: tuple[float, ...] = (0.5, 0.15, 0.85)
+    near: float = 0.2
+
+
+OPTIONS = ContinuationOptions()
 
 
 @dataclass(frozen=True)
@@ -115,7 +175,11 @@ class CurveSolution:
 
 
 def correct(
-    equations: CurveEquations, z: Array, row: Array, value: float, iterations: int = 8
+    equations: CurveEquations,
+    z: Array,
+    row: Array,
+    value: float,
+    iterations: int = OPTIONS.max_iterations,
 ) -> CurveSolution | None:
     """Return the point of a curve on a plane ``row . z = value``; None where there is none near.
 
@@ -144,11 +208,11 @@ def correct(
         except np.linalg.LinAlgError:
             return None
         z, last, size = z + step, residual, float(np.max(np.abs(step)))
-        enough = size < CONVERGED * (1.0 if equations.exact else 0.1)
+        enough = size < OPTIONS.tolerance * (1.0 if equations.exact else 0.1)
         if enough or size > 2 * before or size > 1.0:
             break
         before = size
-    if not enough and before >= NOISE:
+    if not enough and before >= OPTIONS.noise:
         return None
     return CurveSolution(z, matrix if equations.slopes is None else equations.slopes(z))
 
@@ -166,35 +230,35 @@ def node(solution: CurveSolution, along: Array) -> Node:
 
 
 def step_on(
-    equations: CurveEquations, here: Node, length: float, control: Control, before: Any = None
+    equations: CurveEquations,
+    here: Node,
+    ds: float,
+    before: Any = None,
+    options: ContinuationOptions = OPTIONS,
 ) -> tuple[Node, float] | None:
     """Return the next point of a curve, and the length of the step after it.
 
     None where no further point is found by the shortest step. ``before`` is the point before this
     one (with ``z`` and ``tangent``), None for the first.
     """
-    is_cubic = before is not None
-    while length >= control.shortest:
-        guess = here.z + length * here.tangent
-        if is_cubic:
-            apart = float(np.linalg.norm(here.z - before.z))
-            guess = between(before, here, 1 + length / apart)
-        ahead_by = float(here.tangent @ guess)
-        solution = correct(equations, guess, here.tangent, ahead_by, control.iterations)
-        if solution is not None and np.max(np.abs(solution.z - guess)) < length:
+    while ds >= options.ds_min:
+        guess = here.z + ds * here.tangent
+        if before is not None:
+            guess = between(before, here, 1 + ds / float(np.linalg.norm(here.z - before.z)))
+        solution = correct(equations, guess, here.tangent, float(here.tangent @ guess))
+        if solution is not None and np.max(np.abs(solution.z - guess)) < ds:
             ahead = node(solution, here.tangent)
             turn = float(np.arccos(np.clip(ahead.tangent @ here.tangent, -1, 1)))
-            off = float(np.linalg.norm(ahead.z - guess)) / length
-            most = OFF[0] * turn + OFF[1]
-            if is_cubic:
-                most = min(most, OFF_CUBIC)
-            if turn < MOST_TURN * control.turn and off < most:
-                longer = control.turn / max(turn, 1e-12)
-                if is_cubic:
-                    longer = min(longer, float(np.cbrt(AIM / max(off, 1e-12))))
-                longer = float(np.clip(longer, *LONGER))
-                return ahead, min(max(longer * length, control.shortest), control.longest)
-        length /= 2
+            off = float(np.linalg.norm(ahead.z - guess)) / ds
+            by_turn, beside = options.max_offset_line
+            most, longer = by_turn * turn + beside, options.turn / max(turn, 1e-12)
+            if before is not None:
+                most = min(most, options.max_offset)
+                longer = min(longer, float(np.cbrt(options.aim / max(off, 1e-12))))
+            if turn < options.max_turn and off < most:
+                longer = float(np.clip(longer, *options.growth))
+                return ahead, min(max(longer * ds, options.ds_min), options.ds_max)
+        ds /= 2
     return None
 
 

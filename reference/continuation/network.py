@@ -21,48 +21,19 @@ import numpy as np
 from ..orbits import descending, section_row
 from ..scene import Array
 from .bifurcations import (
-    CODIMENSION_2,
     DOUBLING,
     LINE,
     BifurcationCurve,
     CurvePoint,
     OrbitCurve,
-    end_beyond,
-    kind_beyond,
+    crossings,
     split,
 )
-from .curve import Control, between, correct, tangent_of
+from .curve import OPTIONS, between, correct, tangent_of
 from .tracing import Tracer, is_inside, leaves
 
-ALONG = Control(first=0.15, longest=0.4, turn=0.5)
-"""Steps along lines."""
-
-ACROSS = Control(first=0.04, longest=0.4, turn=0.5)
-"""Steps along curves."""
-
-SAME = 1e-3
-"""Distance from a curve, in the window's unit, below which a bifurcation is on it."""
-
-SAME_ORBIT = 1e-2
-"""Distance of two orbits at the same parameters, in the sizes of the states, likewise."""
-
-PARTING = 0.03
-"""How far from a period doubling the doubled orbits start, in the size of the states."""
-
-BESIDE = 5e-3
-"""Step along a curve from where it begins, after which its other multipliers tell the way."""
-
-EXACT = 1e-9
-"""Error bound of a bifurcation on a line, in the window, that is not solved for again."""
-
-ASTRAY = 0.3
-"""Newton's method has led to another bifurcation than the one it started at."""
-
-SHARES = (0.5, 0.15, 0.85)
-"""Where on a line orbits are looked for."""
-
-NEAR = 0.2
-"""How far in the window, and in the sizes of the states, an engine's curve may have shifted."""
+ALONG = OPTIONS._replace(ds=0.15)
+"""Steps along lines, which are longer at first than those along curves."""
 
 
 class CurveStart(NamedTuple):
@@ -97,8 +68,8 @@ class Line(NamedTuple):
     value : float
         Where, 0 to 1.
     share : float or None
-        Where on it the scene's orbit is looked for with all means; None takes `SHARES`, and the
-        first guess alone.
+        Where on it the scene's orbit is looked for with all means; None takes those of the options,
+        and the first guess alone.
     """
 
     value: float
@@ -152,9 +123,14 @@ class CurveSearch:
     # Along lines ------------------------------------------------------------------------------
 
     def look_along(self, line: Line) -> None:
-        """Follow orbits along a line of the window, and gather where curves start."""
+        """Follow orbits along a line of the window, and gather where curves start.
+
+        With the first line comes the curve on which orbits end, if there is one.
+        """
+        if line == Line(0.0):
+            self.outcome.curve = self.reference.least_curve()
         seen: list[BifurcationCurve] = []
-        for share in SHARES if line.share is None else (line.share,):
+        for share in OPTIONS.shares if line.share is None else (line.share,):
             place = np.array([line.value, share])
             if line.share is None:
                 starts = [(1, guess) for guess in self.reference.starts(place)]
@@ -182,17 +158,17 @@ class CurveSearch:
                 return
             before = curve.points[-1]
             curve.points.append(point)
-            old, new = self.reference.crossings(before), self.reference.crossings(point)
-            for kind in old:
-                if old[kind] * new[kind] < 0:
-                    self.meet(line, kind, self.reference.crossing(kind, before, point))
+            old, new = crossings(before.others), crossings(point.others)
+            for kind, a in old.items():
+                if a * new[kind] < 0:
+                    self.meet(line, kind, between(before, point, a / (a - new[kind])))
 
     def meet(self, line: OrbitCurve, kind: str, guess: Array) -> None:
         """Keep a bifurcation near a point of a line."""
         parts, (row, along) = line.family.parts, unit_rows(guess)
         for own in self.reference.curves_at(kind, parts, guess):
             solution = correct(own.equations, guess, row, line.value)
-            if solution is None or np.any(np.abs(solution.z - guess) > ASTRAY):
+            if solution is None or np.any(np.abs(solution.z - guess) > OPTIONS.astray):
                 continue
             tangent = tangent_of(solution.jacobian, along)
             point = self.reference.rate(own, solution, tangent)[0]
@@ -207,7 +183,7 @@ class CurveSearch:
         away = vectors[:, np.argmin(np.abs(values + 1))].real
         row = np.append(away / np.linalg.norm(away), [0.0, 0.0])
         line = self.reference.curve(LINE, 2 * parts, 0, float(at.place[0]))
-        guess = at.z + PARTING * row
+        guess = at.z + OPTIONS.parting * row
         solution = correct(line.equations, guess, row, float(row @ guess))
         if solution is not None:
             self.branch(line, self.reference.rate(line, solution, row)[0], [])
@@ -243,10 +219,10 @@ class CurveSearch:
 
     def first(self, curve: OrbitCurve, start: CurveStart) -> tuple[OrbitCurve, CurvePoint | None]:
         """Return the first point of a curve, None if there is none near; and the curve itself."""
-        at, rows, most = start.point, [start.point.tangent], ASTRAY
+        at, rows, most = start.point, [start.point.tangent], OPTIONS.astray
         if start.begins:
-            rows, most = [*rows, *unit_rows(at.z)], PARTING
-        elif self.tracer is self.reference and np.max(at.bound) < EXACT:
+            rows, most = [*rows, *unit_rows(at.z)], OPTIONS.parting
+        elif self.tracer is self.reference and np.max(at.bound) < OPTIONS.exact:
             return curve, at
         for row in rows:
             solution = correct(curve.equations, at.z, row, float(row @ at.z))
@@ -257,7 +233,7 @@ class CurveSearch:
 
     def goes_on(self, curve: OrbitCurve, point: CurvePoint) -> bool:
         """Return whether what lies ahead of the beginning of a curve bounds stability."""
-        ahead = point.z + BESIDE * point.tangent
+        ahead = point.z + OPTIONS.beside * point.tangent
         _, _, monodromy = curve.values(curve.family, ahead[:, None])
         if not np.all(np.isfinite(monodromy)):
             return False
@@ -272,11 +248,11 @@ class CurveSearch:
         """Return the points of a curve in one direction, with the first, and why it ends."""
         if leaves(start):
             return [start], "window"
-        steps = list(self.tracer.trace(curve, start, ACROSS, begins))
+        steps = list(self.tracer.trace(curve, start, OPTIONS, begins))
         points = [start, *(point for point, _ in steps if point)]
         why = steps[-1][1]
-        if why in CODIMENSION_2:
-            beyond, begins = kind_beyond(why, curve.kind), end_beyond(why, curve.kind)
+        if why.startswith("with_"):
+            beyond, begins = why.removeprefix("with_"), f"with_{curve.kind}"
             self.outcome.starts.append(CurveStart(beyond, curve.family.parts, points[-1], begins))
         return points, why
 
@@ -294,12 +270,12 @@ class CurveSearch:
                 continue
             rating = self.reference.rate(own, solution, tangent_of(solution.jacobian, row))
             true = self.reference.adapt(own, *rating, row)[1]
-            if true is not None and np.max(np.abs(true.z - point.z)) < NEAR:
+            if true is not None and np.max(np.abs(true.z - point.z)) < OPTIONS.near:
                 away[axis] = (point.z - true.z)[-2 + axis]
         return away
 
 
-Task = Callable[[CurveSearch], None]
+Task = partial[None]
 """A part of the work on a network: a method of `CurveSearch` with its argument."""
 
 
@@ -375,6 +351,7 @@ class Network:
         met = [one for one in outcome.starts if not one.begins]
         if self.lines_done < len(self.lines):
             self.lines_done += 1
+            self.curves += [outcome.curve] if outcome.curve else []
         elif self.starts:
             start, curve = self.starts.pop(0), outcome.curve
             if curve and start.begins:  # the first point may lie on other curves as well
@@ -410,7 +387,8 @@ class Network:
     def curve_through(self, start: CurveStart) -> BifurcationCurve | None:
         """Return the curve that a bifurcation is on already, or None."""
         for curve in self.curves:
-            if (curve.kind, curve.parts) == start[:2] and curve.distance(start.point.place) < SAME:
+            away = curve.distance(start.point.place)
+            if (curve.kind, curve.parts) == start[:2] and away < OPTIONS.same:
                 return curve
         return None
 
@@ -427,6 +405,6 @@ def is_known(start: CurvePoint, parts: int, lines: list[BifurcationCurve]) -> bo
             way = b.z - a.z
             share = float(np.clip(way @ (start.z - a.z) / (way @ way), 0, 1))
             near = between(a, b, share) - start.z
-            if line.parts == parts and np.max(np.abs(near)) < SAME_ORBIT:
+            if line.parts == parts and np.max(np.abs(near)) < OPTIONS.same_orbit:
                 return True
     return False

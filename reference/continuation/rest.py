@@ -1,14 +1,16 @@
-"""States of rest and homoclinic orbits as curves over two parameters.
+"""States of rest as curves over two parameters, and where rotations end on them.
 
 A state of rest is a fixed point of the flow over any time. With the flow of the linearised
 equations over a short one in place of a monodromy matrix, its bifurcations are those of orbits:
 where an eigenvalue is 0 a multiplier is 1 (a fold), and where two have the sum 0 two multipliers
-have the product 1 (a Hopf point). Two more conditions are of states of rest alone:
+have the product 1 (a Hopf point). One more condition is of states of rest alone:
 
 * branch point: an eigenvalue is 0 on a state that goes on, so that the fold's equations are
   singular. What they have along the left null vector, which vanishes on such a state, gives way to
-  the component along the right one (Seydel 2010, chapter 5);
-* homoclinic orbit: the unstable direction of a saddle comes back on its stable one.
+  the component along the right one (Seydel 2010, chapter 5).
+
+A rotation that comes ever nearer to a saddle ends there: the parameter at which it does is a root
+that the scene knows how to find, and along the other axis of a window one root beside the other.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import expm
@@ -24,7 +26,7 @@ from scipy.optimize import brentq
 
 from ..cost import keep_budget
 from ..differences import by_complex_step
-from ..errors import NoOrbitError, ParameterError
+from ..errors import NoOrbitError
 from ..orbits import descending, state_scale
 from ..scene import Array, EquationsOfMotion, coefficients_at
 from .bifurcations import (
@@ -32,6 +34,7 @@ from .bifurcations import (
     FOLD,
     HOMOCLINIC,
     LINE,
+    BifurcationCurve,
     CurvePoint,
     Family,
     OrbitCurve,
@@ -41,32 +44,45 @@ from .bifurcations import (
     split,
     stable_side,
 )
-from .curve import CurveEquations, CurveSolution, between, node
-from .tracing import Tracer, numbers
+from .curve import CurveSolution, node
+from .tracing import Tracer, is_inside, numbers
 
-SHARE = 0.5
-"""Of the time of the fastest mode amid the window, over which the flow is linearised."""
 
-ROUNDING = 3e-15
-"""What rounding is taken to change parameters and states by, relative."""
+class RestOptions(NamedTuple):
+    """How states of rest are found and told apart.
 
-PLACES = 16
-"""Of the coordinates that turn, at which states of rest are looked for."""
+    Attributes
+    ----------
+    share : float
+        Of the time of the fastest mode amid the window, over which the flow is linearised.
+    rounding : float
+        What rounding is taken to change parameters and states by, relative.
+    places : int
+        Of the coordinates that turn, at which states of rest are looked for.
+    max_iterations : int
+        Of Newton's method to them.
+    max_step, tolerance : float
+        Its longest correction in the states' sizes, and the last.
+    isolated : float
+        Least singular value of slopes at a state of rest that is no line of them.
+    continues : float
+        What a state at a branch point may lack of balance along the left null vector.
+    least_points : int
+        Places along an axis at which the end of rotations is solved for.
+    """
 
-ITERATIONS, LONGEST, AT_REST = 40, 0.1, 1e-11
-"""Of Newton's method to them: how many, the longest in the states' sizes, and the last."""
+    share: float = 0.5
+    rounding: float = 3e-15
+    places: int = 16
+    max_iterations: int = 40
+    max_step: float = 0.1
+    tolerance: float = 1e-11
+    isolated: float = 1e-9
+    continues: float = 1e-8
+    least_points: int = 33
 
-ISOLATED = 1e-9
-"""Least singular value of slopes at a state of rest that is no line of them."""
 
-CONTINUES = 1e-8
-"""What a state at a branch point may lack of balance along the left null vector."""
-
-CLOSE = 1e-3
-"""Share of the way between two points to which a homoclinic orbit is narrowed down."""
-
-ENDING = 0.03
-"""Of the critical multiplier less 1: the saddle of a homoclinic orbit is about to vanish."""
+OPTIONS = RestOptions()
 
 
 def is_undriven(scene: EquationsOfMotion, parameters: Any, count: int) -> bool:
@@ -99,41 +115,18 @@ class RestFamily(Family):
         finite = np.all(np.isfinite(closing), axis=(1, 2))[:, None, None]
         return left, closing, np.where(finite, expm(np.where(finite, closing, 0.0)), np.nan)
 
-    def connection(self, z: Array, fine: bool) -> tuple[float, float]:
-        """Return by how much the directions of a saddle miss each other, and the least energy.
-
-        The scene's function takes parameters, the saddle (2 n,) and whether tolerances are fine,
-        and returns kinetic energies [J]: half a turn from the saddle on its unstable direction, on
-        its stable one, and the least on both, negative where the motion does not come round. The
-        differences are relative to the first two, NaN where there is no saddle.
-        """
-        search = self.scene.orbit.connection
-        if search is None:
-            return np.nan, np.nan
-        try:
-            there, back, least = search(
-                numbers(self.parameters(z[-2:, None])), z[: self.size] * self.scale, fine
-            )
-        except ParameterError:
-            return np.nan, np.nan
-        size = abs(there) + abs(back)
-        return (there - back) / size, least / size
-
 
 @dataclass(frozen=True)
 class RestCurve(OrbitCurve):
-    """A curve of states of rest: of a bifurcation, of a homoclinic orbit, or along a line.
+    """A curve of states of rest: of a bifurcation, or along a line.
 
     Attributes
     ----------
     about : array (2 n + 2,) or None
-        Of a branch point: a state near it.
-    rough : bool
-        Whether homoclinic orbits are solved for with coarse tolerances.
+        A state near a branch point; None of other kinds.
     """
 
     about: Array | None = None
-    rough: bool = False
 
     @cached_property
     def null_vectors(self) -> tuple[Array, Array]:
@@ -150,41 +143,20 @@ class RestCurve(OrbitCurve):
 
     def values(self, family: Family, z: Array) -> tuple[Array, Array, Array]:
         """Return residuals (2 n + 1, k), slopes of the first 2 n, and linearised flows."""
-        if self.kind not in (BRANCH_POINT, HOMOCLINIC):
+        if self.about is None:
             return super().values(family, z)
         left, closing, flow = family.evaluate(z)
-        if self.kind == HOMOCLINIC:
-            assert isinstance(family, RestFamily)
-            last = np.array([family.connection(one, not self.rough)[0] for one in z.T])
-        else:
-            assert self.about is not None
-            w, v = self.null_vectors
-            shift = v @ (z[: family.size] - self.about[: family.size, None])
-            left = left + np.outer(w, shift - w @ left)
-            last = bifurcation_function(FOLD, closing, flow)
-            closing = closing + w[:, None] * (v - w @ closing)[:, None, :]
+        w, v = self.null_vectors
+        shift = v @ (z[: family.size] - self.about[: family.size, None])
+        left = left + np.outer(w, shift - w @ left)
+        last = bifurcation_function(FOLD, closing, flow)
+        closing = closing + w[:, None] * (v - w @ closing)[:, None, :]
         return np.vstack([left, last]), closing, flow
-
-    @property
-    def equations(self) -> CurveEquations:
-        """The equations of the curve; slopes of homoclinic orbits are by coarse tolerances."""
-        return CurveEquations(self.linearise, self.residual if self.is_fine else None)
-
-    @property
-    def is_fine(self) -> bool:
-        """Whether homoclinic orbits are solved for with fine tolerances."""
-        return self.kind == HOMOCLINIC and not self.rough
-
-    def linearise(self, z: Array) -> tuple[Array, Array]:
-        """Return what is left of the equations (2 n + 1,) at unknowns (2 n + 2,), and slopes."""
-        if not self.is_fine:
-            return super().linearise(z)
-        return self.residual(z), replace(self, rough=True).linearise(z)[1]
 
 
 @dataclass
 class RestTracer(Tracer):
-    """Follows curves of the states of rest of a scene, and of homoclinic orbits.
+    """Follows curves of the states of rest of a scene.
 
     Attributes
     ----------
@@ -204,7 +176,7 @@ class RestTracer(Tracer):
             return family.scale, family.period
         _, closing, _ = family.evaluate(np.array(states).T)
         fastest = float(np.max(np.abs(np.linalg.eigvals(closing))))
-        family = self.over(SHARE * family.period / max(fastest, 1e-6))
+        family = self.over(OPTIONS.share * family.period / max(fastest, 1e-6))
         return family.scale, family.period
 
     @property
@@ -251,20 +223,20 @@ class RestTracer(Tracer):
         guesses = np.array(self.rough_states(place)) / family.scale
         z = np.vstack([guesses.T, np.repeat(place[:, None], len(guesses), axis=1)])
         size = np.full(len(guesses), np.inf)
-        for _ in range(ITERATIONS):
+        for _ in range(OPTIONS.max_iterations):
             keep_budget(1.0)
             left, closing, _ = family.evaluate(z)
             bad = ~np.all(np.isfinite(closing), axis=(1, 2))
             closing[bad], left[:, bad] = np.eye(n), 0.0
             step = -(np.linalg.pinv(closing) @ left.T[..., None])[..., 0].T
             size = np.where(bad, np.inf, np.max(np.abs(step), axis=0))
-            z[:n] += step * np.minimum(1.0, LONGEST / np.maximum(size, 1e-300))
-            if np.all((size < AT_REST) | bad):
+            z[:n] += step * np.minimum(1.0, OPTIONS.max_step / np.maximum(size, 1e-300))
+            if np.all((size < OPTIONS.tolerance) | bad):
                 break
         least = np.linalg.svd(family.evaluate(z)[1], compute_uv=False)[:, -1]
         z[self.turning] = (z[self.turning] + 0.05) % 1 - 0.05  # their size is a turn
         states: list[Array] = []
-        for state in z.T[(size < AT_REST) & (least > ISOLATED)]:
+        for state in z.T[(size < OPTIONS.tolerance) & (least > OPTIONS.isolated)]:
             if not any(np.max(np.abs(state - one)) < 1e-6 for one in states):
                 states.append(state)
         return states
@@ -280,7 +252,7 @@ class RestTracer(Tracer):
                 except NoOrbitError:
                     continue
         names = [self.scene.coordinates[row] for row in self.turning]
-        count = round(PLACES ** (1 / max(len(names), 1)))
+        count = round(OPTIONS.places ** (1 / max(len(names), 1)))
         angles = 2 * np.pi * np.arange(count) / count
         for at in product(angles, repeat=len(names)):
             states.append(self.scene.state(dict(zip(names, at, strict=True))))
@@ -292,13 +264,11 @@ class RestTracer(Tracer):
         """Return a point with its multipliers and error bound; no steps change it."""
         self.solutions += 1
         n, here = curve.family.size, node(solution, along)
-        assert isinstance(curve, RestCurve)
-        other = replace(curve, rough=True)
-        left, _, flow = other.values(curve.family, here.z[:, None])
+        left, _, flow = curve.values(curve.family, here.z[:, None])
         inverse = np.linalg.inv(np.vstack([here.jacobian, here.tangent]))[:, :-1]
         low, size = self.window.low, self.window.high - self.window.low
         values = np.append(here.z[:n], low / size + here.z[n:])
-        rounding = ROUNDING * (np.abs(here.jacobian) @ np.abs(values))
+        rounding = OPTIONS.rounding * (np.abs(here.jacobian) @ np.abs(values))
         bound = np.abs(inverse) @ (2 * np.abs(left[:, 0]) + rounding)
         multipliers = descending(np.linalg.eigvals(flow[0]))
         critical, others = split(curve.kind, multipliers, False)
@@ -312,34 +282,10 @@ class RestTracer(Tracer):
         """Return both as they are: states of rest take no steps."""
         return curve, point
 
-    def crossings(self, point: CurvePoint) -> dict[str, float]:
-        """Return numbers, by kind of bifurcation, whose signs change along a line."""
-        gap = np.nan
-        if point.unstable == 1:
-            gap = self.over(self.units[1]).connection(point.z, False)[0]
-        return {**super().crossings(point), HOMOCLINIC: gap}
-
-    def crossing(self, kind: str, before: CurvePoint, point: CurvePoint) -> Array:
-        """Return a guess (2 n + 2,) of where a bifurcation lies between two points of a line."""
-        if kind != HOMOCLINIC:
-            return super().crossing(kind, before, point)
-        family = self.over(self.units[1])
-
-        def gap(share: float) -> float:
-            return family.connection(between(before, point, share), False)[0]
-
-        try:
-            return between(before, point, float(brentq(gap, 0, 1, xtol=CLOSE)))
-        except ValueError:  # no saddle in between
-            return super().crossing(kind, before, point)
-
     def is_proper(self, curve: OrbitCurve, point: CurvePoint) -> bool:
         """Return whether a solution of a curve's equations is what they stand for."""
-        assert isinstance(curve, RestCurve)
-        if curve.kind == BRANCH_POINT:
-            return abs(curve.unbalanced(point.z)) < CONTINUES
-        if curve.kind == HOMOCLINIC:
-            return self.over(self.units[1]).connection(point.z, True)[1] > 0
+        if isinstance(curve, RestCurve) and curve.about is not None:
+            return abs(curve.unbalanced(point.z)) < OPTIONS.continues
         return super().is_proper(curve, point)
 
     def end(
@@ -348,11 +294,65 @@ class RestTracer(Tracer):
         """Return why a curve ends at a point, or nothing."""
         if curve.kind == LINE:  # whole turns on, the states are the same
             return "closed" if np.any(np.abs(here.z - first.z)[self.turning] > 1) else ""
-        if curve.kind == HOMOCLINIC and not self.is_proper(curve, here):
-            return self.why_lost(curve, here).replace("lost", "heteroclinic")
         return super().end(curve, first, before, here)
 
-    def why_lost(self, curve: OrbitCurve, before: CurvePoint) -> str:
-        """Return why there is no further point: a homoclinic orbit ends as its saddle does."""
-        vanishes = curve.kind == HOMOCLINIC and abs(before.critical - 1) < ENDING
-        return "with_fold" if vanishes else "lost"
+    # Where rotations end ----------------------------------------------------------------------
+
+    def least_curve(self, count: int = OPTIONS.least_points) -> BifurcationCurve | None:
+        """Return the curve on which rotations end on a saddle, None where there is none.
+
+        One axis of the window is the parameter that the scene solves for, at so many places of the
+        other.
+        """
+        limit, names = self.scene.orbit.limit, self.window.names
+        if limit is None or limit[0] not in names:
+            return None
+        axis = names.index(limit[0])
+        shares = np.linspace(0, 1, count)
+        limits = [self.least_at(axis, share) for share in shares]
+        inside = [i for i, one in enumerate(limits) if one and is_inside(one[0][-2:])]
+        if len(inside) < 2:
+            return None
+        known, ends = [limits[i] for i in inside], []
+        for i, beyond in ((inside[0], inside[0] - 1), (inside[-1], inside[-1] + 1)):
+            vanishes = 0 <= beyond < len(limits) and limits[beyond] is None
+            ends.append(f"with_{FOLD}" if vanishes else "window")
+            if 0 <= beyond < len(limits) and not vanishes:
+                edge = self.least_on_edge(axis, shares[i], shares[beyond])
+                known = [edge, *known] if beyond < i else [*known, edge]
+        ways = np.gradient(np.array([z for z, _ in known]), axis=0)
+        points = []
+        for (z, bound), way in zip(known, ways, strict=True):
+            flow = self.family(1).evaluate(z[:, None])[2][0]
+            multipliers = descending(np.linalg.eigvals(flow))
+            across, tangent = np.eye(2)[axis] * bound, way / np.linalg.norm(way)
+            parts = split(HOMOCLINIC, multipliers, False)
+            points.append(CurvePoint(z, tangent, multipliers, *parts, across))
+        return BifurcationCurve(HOMOCLINIC, 1, points, (ends[0], ends[1]))
+
+    def least_on_edge(self, axis: int, inside: float, beyond: float) -> Any:
+        """Return `least_at` where the curve leaves the window, between two shares."""
+        low = self.least_at(axis, beyond)[0][-2 + axis] < 0
+
+        def off(share: float) -> float:
+            place = self.least_at(axis, share)[0][-2 + axis]
+            return float(place if low else place - 1)
+
+        return self.least_at(axis, float(brentq(off, inside, beyond, xtol=1e-12)))
+
+    def least_at(self, axis: int, share: float) -> Any:
+        """Return the unknowns (2 n + 2,) where rotations end on a saddle, and a bound.
+
+        At a share of the other axis; None where the saddle itself vanishes first. The bound is on
+        the place along the axis.
+        """
+        keep_budget(1.0)
+        place = np.full(2, share)
+        assert self.scene.orbit.limit is not None
+        at = self.scene.orbit.limit[1](numbers(self.parameters(place[:, None])))
+        if at.saddle is None:
+            return None
+        size = (self.window.high - self.window.low)[axis]
+        place[axis] = (at.value - self.window.low[axis]) / size
+        state = self.scene.state(at.saddle) / self.units[0]
+        return np.concatenate([state, place]), at.error / size

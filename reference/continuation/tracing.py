@@ -14,59 +14,30 @@ from ..errors import NoOrbitError
 from ..orbits import descending, find_orbit, section_row, state_scale
 from ..scene import Array, EquationsOfMotion
 from .bifurcations import (
-    CODIMENSION_2,
     LINE,
     NEIMARK_SACKER,
+    BifurcationCurve,
     CurvePoint,
     Family,
     OrbitCurve,
     PeriodFlow,
-    crossings,
     half_period_signs,
-    meeting_gap,
-    meets,
+    kind_beyond,
+    margin,
     reference_flow,
     split,
     stable_side,
 )
-from .curve import Control, CurveSolution, Node, between, correct, node, step_on
-
-WANTED = 3e-11
-"""What integration may leave of a point of the reference, in the window's unit."""
-
-FEWEST, MOST = 16, 2048
-"""Steps of the reference in a (half) period."""
-
-ROUNDING, STEP_ROUNDING = 7e-16, 5e-16
-"""Of a period's end, in the sizes of the states: as it is, and by the root of its steps."""
-
-EDGE = 1e-9
-"""How near an edge of the window is on it."""
-
-SYMMETRIC = 1e-2
-"""Departure from its mirror image of an orbit that has become symmetric."""
-
-NEAR_MEETING = 0.05
-"""`meeting_gap` below which another bifurcation may be near."""
-
-CAREFUL = 0.01, 0.08
-"""Longest step, the first and any other, from there: two bifurcations must not lie in between, nor
-another curve of the kind ahead. Longer ones may be taken while the gap hardly changes."""
-
-CHANGE = 0.5
-"""Most that the gap may change by in such a step if it goes on as in the one before, in itself."""
-
-FAR = 5.0
-"""Largest multiplier up to which orbits are followed along lines: none became stable again."""
-
-ENDLESS = 10.0
-"""Periods of the window's middle in one, beyond which an orbit is taken to approach a saddle."""
-
-REAL = 1e-9
-"""Imaginary part of multipliers that have met."""
-
-LANDED, LANDINGS = 1e-4, 8
-"""Of a function of multipliers where two bifurcations meet; in so many steps at most."""
+from .curve import (
+    OPTIONS,
+    ContinuationOptions,
+    CurveSolution,
+    Node,
+    between,
+    correct,
+    node,
+    step_on,
+)
 
 
 def numbers(parameters: Any) -> Any:
@@ -194,7 +165,8 @@ class Tracer:
         inverse = np.linalg.inv(np.vstack([here.jacobian, here.tangent]))[:, :-1]
         off = np.abs(inverse @ left[:, 0])
         growth = 1 + np.sum(np.abs(monodromy[0]), axis=1)
-        rounding = (ROUNDING + STEP_ROUNDING * np.sqrt(self.steps)) * np.append(growth, max(growth))
+        unit = OPTIONS.rounding + OPTIONS.step_rounding * np.sqrt(self.steps)
+        rounding = unit * np.append(growth, max(growth))
         bound = 2 * off + np.abs(inverse) @ rounding
         multipliers = descending(np.linalg.eigvals(monodromy[0]))
         critical, others = split(curve.kind, multipliers, section_row(self.scene) is not None)
@@ -210,7 +182,7 @@ class Tracer:
         The point then moves on a plane: that across the curve, or on which a row is constant.
         """
         row = point.tangent if row is None else row
-        while self.stepper is None and off > WANTED and self.steps < MOST:
+        while self.stepper is None and off > OPTIONS.integration and self.steps < OPTIONS.steps_max:
             self.steps = int(1.5 * self.steps) + 1
             curve = self.curve(curve.kind, curve.family.parts, curve.axis, curve.value)
             again = correct(curve.equations, point.z, row, float(row @ point.z))
@@ -221,72 +193,64 @@ class Tracer:
             point, off = self.rate(curve, again, point.tangent)
             if off > before / 2:  # rounding
                 break
-        if self.stepper is None and off < WANTED / 300 and self.steps > FEWEST:
-            self.steps = max(int(0.85 * self.steps), FEWEST)
+        needless = off < OPTIONS.integration / 300 and self.steps > OPTIONS.steps_min
+        if self.stepper is None and needless:
+            self.steps = max(int(0.85 * self.steps), OPTIONS.steps_min)
             curve = self.curve(curve.kind, curve.family.parts, curve.axis, curve.value)
         return curve, point
 
     def trace(
-        self, curve: OrbitCurve, start: CurvePoint, control: Control, begins: str = ""
+        self, curve: OrbitCurve, start: CurvePoint, options: ContinuationOptions, begins: str = ""
     ) -> Iterator[tuple[CurvePoint | None, str]]:
         """Yield points of a curve from one on, without that; with the last, why it ends.
 
         ``begins`` is why it begins at the first, which is no end, whichever side it lies on.
         """
-        past, before, length = None, start, control.first
-        for _ in range(control.points):
+        past, before, ds = None, start, options.ds
+        for _ in range(options.max_points):
             if curve.kind != LINE:
-                length = min(length, careful(curve.kind, past, before))
+                ds = min(ds, careful(curve.kind, past, before))
             here = Node(before.z, before.tangent, np.empty(0))
-            step = step_on(curve.equations, here, length, control, past)
+            step = step_on(curve.equations, here, ds, past, options)
             if step is None:
-                yield None, self.why_lost(curve, before)
+                yield None, "lost"
                 return
             ahead, apart = step[0], float(np.linalg.norm(step[0].z - before.z))
             edge = crossing(before, ahead, curve.family.size)
             if edge is not None:
-                last = self.at_edge(curve, before, ahead, edge)
-                if last is None and apart > 2 * control.shortest:
-                    length = apart / 2
-                    continue
-                if last is None:
-                    yield None, "lost"
-                    return
-                why = "" if curve.kind == LINE else meets(curve.kind, before, last) or ""
-                if why == begins and before is start:
-                    why = ""
-                if why:
-                    last = self.landing(curve, before, last, why)
-                    missed = last is None or not is_inside(last.place)
-                    if missed and apart > 2 * control.shortest:
-                        length = apart / 2
-                        continue
-                yield last, why or "window"
-                return
-            length = step[1]
-            point, off = self.rate(curve, CurveSolution(ahead.z, ahead.jacobian), ahead.tangent)
-            curve, better = self.adapt(curve, point, off)
-            if better is None:
+                point, why = self.at_edge(curve, before, ahead, edge), "window"
+                again = point is None and apart > 2 * options.ds_min
+            else:
+                ds = step[1]
+                rated = self.rate(curve, CurveSolution(ahead.z, ahead.jacobian), ahead.tangent)
+                curve, point = self.adapt(curve, *rated)
+                why = "" if point is None else self.end(curve, start, before, point)
+                again = why == "symmetric" and apart > options.ds / 2
+            if point is not None and self.meets(curve, before, point, begins and before is start):
+                landed = self.landing(curve, before, point)
+                missed = landed is None or not is_inside(landed.place)
+                again = missed and apart > 2 * options.ds_min  # or it has been outside meanwhile
+                point = landed or point
+                why = f"with_{kind_beyond(curve.kind, point)}"
+            if again:
+                ds = apart / 2
+                continue
+            if point is None:
                 yield None, "lost"
                 return
-            why = self.end(curve, start, before, better)
-            if why == begins and before is start:
-                why = ""
-            if why == "symmetric" and apart > control.first / 2:
-                length = apart / 2
-                continue
-            if why in CODIMENSION_2:
-                landed = self.landing(curve, before, better, why)
-                missed = landed is None or not is_inside(landed.place)
-                if missed and apart > 2 * control.shortest:
-                    length = apart / 2  # or the curve has been outside meanwhile
-                    continue
-                better = landed or better
-            yield (None if why in ("neutral", "symmetric") else better), why
+            yield (None if why in ("neutral", "symmetric") else point), why
             if why:
                 return
-            past, before = before, better
+            past, before = before, point
         yield None, "points"
+
+    def meets(
+        self, curve: OrbitCurve, before: CurvePoint, here: CurvePoint, is_beginning: Any
+    ) -> bool:
+        """Return whether another bifurcation comes in between two points of a curve."""
+        if curve.kind == LINE or is_beginning:
+            return False
+        return margin(curve.kind, before) > 0 > margin(curve.kind, here)
 
     def at_edge(
         self, curve: OrbitCurve, before: CurvePoint, ahead: Node, edge: tuple[Array, float, Array]
@@ -296,7 +260,7 @@ class Tracer:
         None where that is not near the guess, or where the curve has come in there and turned.
         """
         row, value, guess = edge
-        if abs(row @ before.z - value) < EDGE and not leaves(before):
+        if abs(row @ before.z - value) < OPTIONS.edge and not leaves(before):
             return None
         apart = float(np.linalg.norm(ahead.z - before.z))
         solution = correct(curve.equations, guess, row, value)
@@ -313,37 +277,26 @@ class Tracer:
         family = curve.family
         if family.parts > 1:
             far, near = (self.asymmetry(family.parts // 2, point) for point in (before, here))
-            if np.max(np.abs(near)) < SYMMETRIC or far @ near < 0:
+            if np.max(np.abs(near)) < OPTIONS.symmetric or far @ near < 0:
                 return "symmetric"
         if curve.kind == LINE:
             row = section_row(self.scene)
-            endless = row is not None and here.z[row] > ENDLESS
-            return "far" if endless or np.max(np.abs(here.multipliers)) > FAR else ""
+            endless = row is not None and here.z[row] > OPTIONS.max_period
+            far = np.max(np.abs(here.multipliers)) > OPTIONS.max_multiplier
+            return "far" if endless or far else ""
         if before is not first and closes(first, before, here):
             return "closed"
-        why = meets(curve.kind, before, here)
-        if why:
-            return why
         if not self.is_proper(curve, here):
             return "neutral"
         return "unstable" if here.unstable else ""
 
-    def why_lost(self, curve: OrbitCurve, before: CurvePoint) -> str:
-        """Return why there is no further point after one."""
-        return "lost"
-
-    def crossings(self, point: CurvePoint) -> dict[str, float]:
-        """Return numbers, by kind of bifurcation, whose signs change along a line."""
-        return crossings(point.others)
-
-    def crossing(self, kind: str, before: CurvePoint, point: CurvePoint) -> Array:
-        """Return a guess (2 n + 2,) of where a bifurcation lies between two points of a line."""
-        a, b = self.crossings(before)[kind], self.crossings(point)[kind]
-        return between(before, point, a / (a - b))
+    def least_curve(self, count: int = 0) -> BifurcationCurve | None:
+        """Return the curve on which orbits end without a bifurcation, None where there is none."""
+        return None
 
     def is_proper(self, curve: OrbitCurve, point: CurvePoint) -> bool:
         """Return whether a solution of a curve's equations is what they stand for."""
-        return curve.kind != NEIMARK_SACKER or abs(point.critical.imag) >= REAL
+        return curve.kind != NEIMARK_SACKER or abs(point.critical.imag) >= OPTIONS.real
 
     def asymmetry(self, parts: int, here: CurvePoint) -> Array:
         """Return by how far (2 n,) an orbit does not close after fewer (half) periods."""
@@ -352,11 +305,9 @@ class Tracer:
         at = self.family(parts).period_map(here.z[:, None])
         return at.residual(np.array([0]), np.zeros((len(at.scale), 1)))[:, 0]
 
-    def landing(
-        self, curve: OrbitCurve, a: CurvePoint, b: CurvePoint, why: str
-    ) -> CurvePoint | None:
+    def landing(self, curve: OrbitCurve, a: CurvePoint, b: CurvePoint) -> CurvePoint | None:
         """Return the point between two others at which two bifurcations meet, if it is found."""
-        function, points = CODIMENSION_2[why], {0.0: a, 1.0: b}
+        points = {0.0: a, 1.0: b}
 
         def off(share: float) -> float:
             if share not in points:
@@ -365,12 +316,13 @@ class Tracer:
                 if solution is None:
                     raise NoOrbitError("no point of a curve between two others")
                 points[share] = self.rate(curve, solution, a.tangent)[0]
-                if abs(function(points[share])) < LANDED:
+                if abs(margin(curve.kind, points[share])) < OPTIONS.landed:
                     return 0.0
-            return function(points[share])
+            return margin(curve.kind, points[share])
 
         try:
-            share, how = brentq(off, 0, 1, maxiter=LANDINGS, full_output=True, disp=False)
+            most = OPTIONS.max_landings
+            share, how = brentq(off, 0, 1, maxiter=most, full_output=True, disp=False)
         except NoOrbitError:
             return None
         return points[share] if how.converged else None
@@ -378,13 +330,13 @@ class Tracer:
 
 def careful(kind: str, past: CurvePoint | None, here: CurvePoint) -> float:
     """Return the longest step from a point of a curve that multipliers allow."""
-    gap = meeting_gap(kind, here)
-    if gap > NEAR_MEETING:
+    gap = abs(margin(kind, here))
+    if gap > OPTIONS.near_meeting:
         return np.inf
     if past is None:
-        return CAREFUL[0]
-    change = abs(gap - meeting_gap(kind, past)) / float(np.linalg.norm(here.z - past.z))
-    return max(CAREFUL[1], CHANGE * gap / max(change, 1e-12))
+        return OPTIONS.careful[0]
+    change = abs(gap - abs(margin(kind, past))) / float(np.linalg.norm(here.z - past.z))
+    return max(OPTIONS.careful[1], OPTIONS.max_change * gap / max(change, 1e-12))
 
 
 def closes(first: CurvePoint, before: CurvePoint, here: CurvePoint) -> bool:
@@ -402,7 +354,7 @@ def crossing(before: Any, ahead: Any, n: int) -> tuple[Array, float, Array] | No
     for k in (0, 1):
         a, b = before.z[n + k], ahead.z[n + k]
         for value, outwards in ((0.0, -1), (1.0, 1)):
-            if (b - value) * outwards > EDGE:
+            if (b - value) * outwards > OPTIONS.edge:
                 share = (value - a) / (b - a)
                 if nearest is None or share < nearest[0]:
                     nearest = share, k, value
@@ -414,10 +366,10 @@ def crossing(before: Any, ahead: Any, n: int) -> tuple[Array, float, Array] | No
 
 def is_inside(place: Array) -> bool:
     """Return whether a place (2,) lies in the window."""
-    return bool(np.all((place > -EDGE) & (place < 1 + EDGE)))
+    return bool(np.all((place > -OPTIONS.edge) & (place < 1 + OPTIONS.edge)))
 
 
 def leaves(point: CurvePoint) -> bool:
     """Return whether a curve leaves the window at a point on its edge."""
-    place, out = point.place, point.tangent[-2:]
-    return bool(np.any(((place < EDGE) & (out < 0)) | ((place > 1 - EDGE) & (out > 0))))
+    place, out, edge = point.place, point.tangent[-2:], OPTIONS.edge
+    return bool(np.any(((place < edge) & (out < 0)) | ((place > 1 - edge) & (out > 0))))

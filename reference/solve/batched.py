@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,25 +23,53 @@ from .solution import (
     state_size,
 )
 
-FIRST_STEPS = 8
-"""Steps that a search for enough of them begins with."""
 
-HALVING = 4.0
-"""What the change from a coarser run is divided by to bound the finer run's error; order 8
-predicts 255 for half the steps, and 25 for two thirds."""
+class BatchOptions(NamedTuple):
+    """How many equal steps many trajectories are given.
 
-LEAST, FARTHEST = 1.5, 4.0
-"""By what numbers of steps grow in the search, at least, and at most where changes are
-`ASYMPTOTIC`; else they are doubled."""
+    Attributes
+    ----------
+    first_steps : int
+        Steps that a search for enough of them begins with.
+    halving : float
+        What the change from a coarser run is divided by to bound the finer run's error; order 8
+        predicts 255 for half the steps, and 25 for two thirds.
+    growth : tuple[float, float]
+        By what numbers of steps grow in the search, at least, and at most where changes are below
+        `asymptotic`; else they are doubled.
+    asymptotic : float
+        Relative change below which the order is trusted to foretell the next.
+    margin : float
+        What foretold steps are multiplied by.
+    max_steps : int
+        With which the search ends: chaos, instability.
+    point_growth : tuple[float, float]
+        Least and largest growth of the number of steps of a point that misses its tolerance.
+    settled : float
+        A change below this share of the range that stops falling is rounding, not the method.
+    block : int
+        Most points solved together in `solve_many`; about what the cache holds.
+    inexact : float
+        Relative change of coefficients by which their rounding is judged: several units, since
+        those of some may cancel those of others.
+    calls : int
+        Points whose arithmetic takes as long as NumPy's calls do, whatever their number.
+    """
 
-ASYMPTOTIC = 1e-3
-"""Relative change below which the order is trusted to foretell the next."""
+    first_steps: int = 8
+    halving: float = 4.0
+    growth: tuple[float, float] = (1.5, 4.0)
+    asymptotic: float = 1e-3
+    margin: float = 1.1
+    max_steps: int = 1 << 13
+    point_growth: tuple[float, float] = (1.25, 8.0)
+    settled: float = 1e-3
+    block: int = 2048
+    inexact: float = 4 * EPS
+    calls: int = 500
 
-MARGIN = 1.1
-"""What foretold steps are multiplied by."""
 
-MOST_STEPS = 1 << 13
-"""With which the search ends: chaos, instability."""
+OPTIONS = BatchOptions()
 
 
 Advance = Callable[[int], tuple[Array, Array]]
@@ -71,7 +99,7 @@ def converged_steps(
     """Steps two thirds of which, or fewer, leave the flow and its Jacobian unchanged.
 
     ``tolerance`` is relative to the size of the flow and ten times that to the largest
-    entry of the Jacobian; where it is never met, `MOST_STEPS` are returned.
+    entry of the Jacobian; where it is never met, `OPTIONS.max_steps` are returned.
     """
     advance = _advance(dynamics, parameters, state, start_time, end)
     return _converged(advance, tolerance)[0]
@@ -86,23 +114,23 @@ def _converged(
     all points. What a larger number of steps changes foretells, by the order 8, the number that
     is needed.
     """
-    steps = FIRST_STEPS
+    steps = OPTIONS.first_steps
     flow, jacobian = advance(steps)
     finer = 2 * steps
-    while finer < MOST_STEPS:
+    while finer < OPTIONS.max_steps:
         before, slopes_before, coarse, steps = flow, jacobian, steps, finer
         flow, jacobian = advance(steps)
         with np.errstate(all="ignore"):
             change = np.max(np.abs(flow - before) / (1 + np.abs(flow)))
             changes = np.max(np.abs(jacobian - slopes_before), axis=of)
             slope = np.max(changes / np.max(np.abs(jacobian), axis=of))
-        excess = np.maximum(change, slope / 10) / (HALVING * tolerance)
+        excess = np.maximum(change, slope / 10) / (OPTIONS.halving * tolerance)
         if excess < 1:
             return steps, flow, jacobian
-        far = FARTHEST if np.maximum(change, slope) < ASYMPTOTIC else 2.0
-        wanted = MARGIN * coarse * (excess ** (1 / 8) if np.isfinite(excess) else np.inf)
-        finer = int(np.ceil(np.clip(wanted, LEAST * steps, far * steps)))
-    return MOST_STEPS, flow, jacobian
+        far = OPTIONS.growth[1] if np.maximum(change, slope) < OPTIONS.asymptotic else 2.0
+        wanted = OPTIONS.margin * coarse * (excess ** (1 / 8) if np.isfinite(excess) else np.inf)
+        finer = int(np.ceil(np.clip(wanted, OPTIONS.growth[0] * steps, far * steps)))
+    return OPTIONS.max_steps, flow, jacobian
 
 
 def growths(
@@ -132,32 +160,15 @@ def growths(
     return np.maximum.accumulate(np.maximum(largest, 1.0))
 
 
-GROWTH = (1.25, 8.0)
-"""Least and largest growth of the number of steps of a point that misses its tolerance."""
-
-SETTLED = 1e-3
-"""A change below this share of the range that stops falling is rounding, not the method."""
-
-BLOCK = 2048
-"""Most points solved together in `solve_many`; about what the cache holds."""
-
-INEXACT = 4 * EPS
-"""Relative change of coefficients by which their rounding is judged: several units, since those of
-some may cancel those of others."""
-
-CALLS = 500
-"""Points whose arithmetic takes as long as NumPy's calls do, whatever their number."""
-
-
 def perturbed(dynamics: Dynamics, c: Any) -> Any:
-    """Return coefficients (...) each off by an `INEXACT` share of its terms, up or down.
+    """Return coefficients (...) each off by an `OPTIONS.inexact` share of its terms, up or down.
 
     Those of a continuum stay as they are: the place of a mass changes what its coordinates mean.
     """
     if dynamics.discretisation_coordinates:
         return c
-    each = [*dynamics.inexact_numbers(c, INEXACT)] or [
-        c._replace(**{name: getattr(c, name) * (1 + INEXACT)}) for name in c._fields
+    each = [*dynamics.inexact_numbers(c, OPTIONS.inexact)] or [
+        c._replace(**{name: getattr(c, name) * (1 + OPTIONS.inexact)}) for name in c._fields
     ]
     signs = np.random.default_rng(len(each)).choice([-1.0, 1.0], len(each))
     return type(c)(
@@ -296,9 +307,9 @@ def _solve_points(
     n, count = points.shape
     states = np.empty((n, count, len(times)))
     bound = np.full((n, count), np.inf)
-    wanted = np.full(count, max(2, 2 * FIRST_STEPS // len(times)))
+    wanted = np.full(count, max(2, 2 * OPTIONS.first_steps // len(times)))
     before = np.full(count, np.inf)
-    most = max(most_steps // len(times), 2 * FIRST_STEPS)
+    most = max(most_steps // len(times), 2 * OPTIONS.first_steps)
     work = 0
     pending = np.arange(count)
     answer, check = (derivatives(dynamics, one) for one in (c, perturbed(dynamics, c)))
@@ -317,9 +328,9 @@ def _solve_points(
                 change = floor_relative_to_largest(np.max(np.abs(fine - coarse), axis=2), size)
                 change[~np.isfinite(change)] = np.inf
                 relative = np.nan_to_num(np.max(change / size, axis=0), nan=np.inf)
-                growth = (relative / (HALVING * tolerance)) ** (1 / 8)
-                done = relative <= HALVING * tolerance
-                stuck = ~done & (relative < SETTLED) & (relative > before[block] / 2)
+                growth = (relative / (OPTIONS.halving * tolerance)) ** (1 / 8)
+                done = relative <= OPTIONS.halving * tolerance
+                stuck = ~done & (relative < OPTIONS.settled) & (relative > before[block] / 2)
                 last = done | stuck | (2 * half >= most)
                 rounding = np.zeros_like(size)
                 if np.any(last):
@@ -331,10 +342,10 @@ def _solve_points(
                         np.max(np.abs(off - coarse), axis=2), size
                     )
             states[:, block] = fine
-            bound[:, block] = np.where(done, change / HALVING, 2 * change)
+            bound[:, block] = np.where(done, change / OPTIONS.halving, 2 * change)
             bound[:, block] += np.where(np.isfinite(rounding), rounding, np.inf)
             before[block] = relative
-            wanted[block] = np.minimum(2 * half * np.clip(growth, *GROWTH), most)
+            wanted[block] = np.minimum(2 * half * np.clip(growth, *OPTIONS.point_growth), most)
             missed.append(block[~last])
         pending = np.concatenate(missed)
     bound = np.nan_to_num(bound + 8 * EPS * np.max(np.abs(states), axis=2), nan=np.inf)
@@ -347,7 +358,7 @@ def _blocks(points: Any, wanted: Any) -> Iterator[Any]:
     while points.size:
         steps = wanted[points]
         size = np.arange(1, points.size + 1)
-        rest = np.where(size < points.size, points.size - size + CALLS, 0)
-        best = int(size[np.argmin(steps * (size + CALLS) + steps[-1] * rest)])
-        yield points[: min(best, BLOCK)]
-        points = points[min(best, BLOCK) :]
+        rest = np.where(size < points.size, points.size - size + OPTIONS.calls, 0)
+        best = int(size[np.argmin(steps * (size + OPTIONS.calls) + steps[-1] * rest)])
+        yield points[: min(best, OPTIONS.block)]
+        points = points[min(best, OPTIONS.block) :]

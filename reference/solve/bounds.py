@@ -23,56 +23,74 @@ from ..errors import ParameterError
 from ..scene import Array, Dynamics
 from .rk8 import rk8_steps
 
-CHANGE = 2.0**-36
-"""Relative change of a parameter by which its influence is measured; rounding of the rates has
-the same condition, and is a ten-thousandth of it."""
 
-CONTINUOUS = 0.75
-"""Largest share of a change of the rates that half the change of a parameter makes, unless the
-parameter changes what coordinates mean: a mass that leaves the tip does."""
+class BoundOptions(NamedTuple):
+    """What a bound on the error of a run counts.
+
+    Attributes
+    ----------
+    change : float
+        Relative change of a parameter by which its influence is measured; rounding of the rates has
+        the same condition, and is a ten-thousandth of it.
+    continuous : float
+        Largest share of a change of the rates that half the change of a parameter makes, unless the
+        parameter changes what coordinates mean: a mass that leaves the tip does.
+    safety : float
+        What the growth of local errors to first order is multiplied by.
+    deviations : float
+        Standard deviations of what is random that a bound counts.
+    terms : float
+        Weight of a step's change in the sums that make a step and interpolate in it: those of
+        DOP853 hold larger terms that cancel.
+    gauss_terms : float
+        The same of Gauss's methods, whose weights are positive: nothing cancels.
+    degree : int
+        Of Taylor's series of a matrix of norm 1/2: it is off by 1e-17.
+    block : int
+        States of a continuum whose equations are evaluated together.
+    patterns : int
+        Draws of the rounding of a continuum's matrices, whose effects are squared and averaged.
+    sums : float
+        Standard deviation of an entry of these matrices, a sum, in half units of rounding, where it
+        is rounded anew in each state.
+    tables : float
+        The same of what is the same in all states, as their tables are, and
+        `Dynamics.inexact_numbers`.
+    still : float
+        Change over a run below which an entry is rounded in the same way in all of it.
+    steady : float
+        Change of the rates by each state within an interval, relative to what they are sums of,
+        below which their rounding is one and the same in all of it: at rest it pushes in one
+        direction.
+    steps : tuple[int, int]
+        Fewest and most steps of the solution within an interval that a run is compared with.
+    """
+
+    change: float = 2.0**-36
+    continuous: float = 0.75
+    safety: float = 2.0
+    deviations: float = 5.0
+    terms: float = 8.0
+    gauss_terms: float = 2.0
+    degree: int = 14
+    block: int = 32
+    patterns: int = 16
+    sums: float = 1.25
+    tables: float = 1.0
+    still: float = 8 * EPS
+    steady: float = float(np.sqrt(EPS))
+    steps: tuple[int, int] = (8, 256)
+
+
+OPTIONS = BoundOptions()
+
 
 GAUSS = 0.5 - np.sqrt(3) / 6, 0.5 + np.sqrt(3) / 6
 """Where J is taken in an interval."""
 
-SAFETY = 2.0
-"""What the growth of local errors to first order is multiplied by."""
-
-DEVIATIONS = 5.0
-"""Standard deviations of what is random that a bound counts."""
-
-TERMS = 8.0
-"""Weight of a step's change in the sums that make a step and interpolate in it: those of DOP853
-hold larger terms that cancel."""
-
-DEGREE = 14
-"""Of Taylor's series of a matrix of norm 1/2: it is off by 1e-17."""
 
 HALF_UNIT = EPS / 2
 """Largest relative error of a rounded number."""
-
-BLOCK = 32
-"""States of a continuum whose equations are evaluated together."""
-
-PATTERNS = 16
-"""Draws of the rounding of a continuum's matrices, whose effects are squared and averaged."""
-
-SUMS, TABLES = 1.25, 1.0
-"""Standard deviation of an entry of these matrices, a sum, in half units of rounding: of what is
-rounded anew in each state, and of what is the same in all of them, as its tables are; and of
-`Dynamics.inexact_numbers`, which are the same in all of them, too."""
-
-STILL = 8 * EPS
-"""Change over a run below which an entry is rounded in the same way in all of it."""
-
-STEADY = float(np.sqrt(EPS))
-"""Change of the rates by each state within an interval, relative to what they are sums of, below
-which their rounding is one and the same in all of it: at rest it pushes in one direction."""
-
-GAUSS_TERMS = 2.0
-"""The same as `TERMS` of Gauss's methods, whose weights are positive: nothing cancels."""
-
-FEWEST_STEPS, MOST_STEPS = 8, 256
-"""Steps of the solution within an interval that a run is compared with."""
 
 
 class Samples(NamedTuple):
@@ -126,7 +144,7 @@ def bounds_of(dynamics: Dynamics, parameters: Any, run: Samples, method: Array |
         On the largest error up to each node; infinite from where it overflows.
     """
     if method is not None and dynamics.continuum.has_waves:
-        return method + run.sizes[:, None] * HALF_UNIT * DEVIATIONS * np.sqrt(run.steps)
+        return method + run.sizes[:, None] * HALF_UNIT * OPTIONS.deviations * np.sqrt(run.steps)
     sizes, lengths = run.sizes[:, None], run.lengths
     n, count = len(sizes), len(lengths)
     ends = run.states / sizes
@@ -141,10 +159,10 @@ def bounds_of(dynamics: Dynamics, parameters: Any, run: Samples, method: Array |
             for part in (effects.changes, effects.tables, effects.directions)
         )
         moves = np.einsum("kij,jk->ik", np.abs(effects.slopes), np.abs(np.diff(run.states)))
-        still = np.all((moves <= STEADY * effects.noise)[n // 2 :], axis=0)
+        still = np.all((moves <= OPTIONS.steady * effects.noise)[n // 2 :], axis=0)
         if np.any(still):
             tables = np.concatenate([tables, noise * still], axis=1)
-        share = GAUSS_TERMS if dynamics.stiff else TERMS
+        share = OPTIONS.gauss_terms if dynamics.stiff else OPTIONS.terms
         terms = np.abs(ends[:, 1:]) + share * np.abs(effects.rates / sizes) * lengths / each
         if method is None:
             local, unsure = local_errors(dynamics.right_hand_side(parameters), run)
@@ -164,8 +182,8 @@ def bounds_of(dynamics: Dynamics, parameters: Any, run: Samples, method: Array |
             random = flow @ random @ flow.T + rates @ rates.T / each
             random += np.diag(each * terms[:, i] ** 2 + (unsure[:, i] / HALF_UNIT) ** 2)
             rounding = np.sum(np.abs(common), axis=1) + 2 * terms[:, i]
-            rounding += DEVIATIONS * np.sqrt(np.diag(random) + np.sum(fixed**2, axis=1))
-            bounds[:, i + 1] = SAFETY * np.abs(error) + HALF_UNIT * rounding
+            rounding += OPTIONS.deviations * np.sqrt(np.diag(random) + np.sum(fixed**2, axis=1))
+            bounds[:, i + 1] = OPTIONS.safety * np.abs(error) + HALF_UNIT * rounding
         bounds = np.nan_to_num(bounds * sizes, nan=np.inf, posinf=np.inf)
     bounds = np.maximum.accumulate(bounds, axis=1)
     return bounds if method is None else bounds + method
@@ -180,9 +198,9 @@ def local_errors(derivative: Callable[[Any, Any], Any], run: Samples) -> tuple[A
     starts, ends = run.states[:, :-1], run.states[:, 1:]
     exact = np.empty_like(ends)
     unsure = np.full_like(ends, np.inf)
-    pending, steps = np.arange(len(run.lengths)), FEWEST_STEPS
+    pending, steps = np.arange(len(run.lengths)), OPTIONS.steps[0]
     coarse = None
-    while pending.size and steps <= MOST_STEPS:
+    while pending.size and steps <= OPTIONS.steps[1]:
         times = run.nodes[pending], run.nodes[pending + 1]
         fine = rk8_steps(derivative, starts[:, pending], *times, steps)
         if coarse is not None:
@@ -209,7 +227,7 @@ def exponentials(matrices: Array, lengths: Array) -> tuple[Array, Array]:
     fractions = (lengths * 0.5**doublings)[:, None, None]
     scaled = matrices * fractions
     sums = np.broadcast_to(one, scaled.shape)
-    for power in range(DEGREE, 1, -1):
+    for power in range(OPTIONS.degree, 1, -1):
         sums = one + scaled @ sums / power
     flows, sums = one + scaled @ sums, sums * fractions
     for doubled in range(int(np.max(doublings))):
@@ -233,10 +251,10 @@ class Sensitivities(NamedTuple):
     inputs : array (2 n, m + 2 n + 1 + l, k)
         The same of the accelerations, and by the relative change of each state, of the time, and
         of each of the l `Dynamics.inexact_numbers`.
-    patterns : array (2 n, `PATTERNS`, k)
-        By the rounding of a continuum's matrices, all of it, drawn so many times and divided by
+    patterns : array (2 n, p, k)
+        By the rounding of a continuum's matrices, all of it, drawn p times and divided by
         the root of their number, anew in each state. Of other mechanisms there are none.
-    tables : array (2 n, `PATTERNS` or l, k)
+    tables : array (2 n, p or l, k)
         By rounding that is the same in all states: of these matrices, or of these numbers.
     """
 
@@ -250,7 +268,7 @@ class Sensitivities(NamedTuple):
     @property
     def noise(self) -> Array:
         """Largest effect (2 n, k) of rounding, relative to that of a number."""
-        drawn = np.sqrt(PATTERNS) / SUMS * self.patterns
+        drawn = np.sqrt(OPTIONS.patterns) / OPTIONS.sums * self.patterns
         return np.asarray(np.sum(np.abs(self.inputs), axis=1) + np.sum(np.abs(drawn), axis=1))
 
     @property
@@ -296,7 +314,7 @@ def in_blocks(
 
     The arrays within its equations are a thousand times as large as its states.
     """
-    block = BLOCK if dynamics.discretisation_coordinates else len(times)
+    block = OPTIONS.block if dynamics.discretisation_coordinates else len(times)
     parts = [np.s_[i : i + block] for i in range(0, len(times), block)]
     return np.concatenate([function(times[part], states[:, part]) for part in parts], axis=-1)
 
@@ -307,29 +325,29 @@ def sensitivities(
     """Return what changes the rates at times (k,) and states (2 n, k)."""
     derivative = dynamics.right_hand_side(parameters)
     slopes = slopes_of(dynamics, parameters, times, states)
-    c = list(changed(dynamics, parameters, CHANGE))
+    c = list(changed(dynamics, parameters, OPTIONS.change))
     last = len(c)
-    c += dynamics.inexact_numbers(c[0], CHANGE)
+    c += dynamics.inexact_numbers(c[0], OPTIONS.change)
     rates, off = changes_of_rates(dynamics, c, times, states)
-    moved, numbers = off[:, : last - 1], off[:, last - 1 :] / CHANGE
+    moved, numbers = off[:, : last - 1], off[:, last - 1 :] / OPTIONS.change
     products = [
         changes_of_rates(replace(dynamics, accelerations=one), c[:1], times, states)[0] - rates
-        for one in dynamics.inexact_accelerations(CHANGE)
+        for one in dynamics.inexact_accelerations(OPTIONS.change)
     ]
     size = np.max(np.abs(moved), axis=(0, -1))
     if np.any(size >= np.max(np.abs(rates))):  # what changes coordinates does not halve
-        c = list(changed(dynamics, parameters, CHANGE / 2))
+        c = list(changed(dynamics, parameters, OPTIONS.change / 2))
         halved = changes_of_rates(dynamics, c, times, states)[1]
-        moved = moved[:, np.max(np.abs(halved), axis=(0, -1)) <= CONTINUOUS * size]
-    changes = moved / CHANGE
-    later = derivative(times * (1 + CHANGE), states) - rates
+        moved = moved[:, np.max(np.abs(halved), axis=(0, -1)) <= OPTIONS.continuous * size]
+    changes = moved / OPTIONS.change
+    later = derivative(times * (1 + OPTIONS.change), states) - rates
     inputs = np.concatenate(
-        [changes, np.moveaxis(slopes, 0, -1) * states, later[:, None] / CHANGE, numbers]
-        + [one[:, None] / CHANGE for one in products],
+        [changes, np.moveaxis(slopes, 0, -1) * states, later[:, None] / OPTIONS.change, numbers]
+        + [one[:, None] / OPTIONS.change for one in products],
         axis=1,
     )
     inputs[: len(inputs) // 2] = 0.0  # the rate of a coordinate is a state, and copied
-    patterns, tables = inputs[:, :0], TABLES * numbers
+    patterns, tables = inputs[:, :0], OPTIONS.tables * numbers
     if dynamics.discretisation_coordinates or dynamics.eliminates:
         patterns, tables = inexact_matrices(dynamics, c[0], states, rates, slopes)
     return Sensitivities(slopes, rates, changes, inputs, patterns, tables)
@@ -366,28 +384,30 @@ def inexact_matrices(
 
     Returns
     -------
-    patterns, tables : array (2 n, `PATTERNS`, k)
+    patterns, tables : array (2 n, p, k)
         See `Sensitivities`; of either sign, drawn for each entry.
     """
     n, elastic = len(states) // 2, bool(dynamics.discretisation_coordinates)
     entries = dynamics.mass_matrix(states[:n], c)  # those that all points share are numbers
     rows = [[np.broadcast_to(one, states.shape[1:]) for one in row] for row in entries]
     mass = np.moveaxis(np.array(rows, dtype=float), -1, 0)
-    signs = np.triu(np.random.default_rng(n).choice([-1.0, 1.0], (2, PATTERNS, n, n)))
+    signs = np.triu(np.random.default_rng(n).choice([-1.0, 1.0], (2, OPTIONS.patterns, n, n)))
     signs += np.triu(signs, 1).swapaxes(-1, -2)  # as M and K, which are symmetric to the last bit
-    fresh = fixed = np.zeros((len(mass), n, PATTERNS))
+    fresh = fixed = np.zeros((len(mass), n, OPTIONS.patterns))
     for sign, matrix, vector in (
         (signs[0], mass, rates[n:]),
         *([(signs[1], mass @ slopes[:, n:, :n], states[:n])] if elastic else []),
     ):
         size = size_of_entries(matrix)
-        still = np.max(np.abs(matrix - matrix[0]), axis=0) <= STILL * np.max(size, axis=0)
-        fresh = fresh + np.einsum("pij,kij,jk->kip", sign, SUMS * size, vector)
-        same = np.where(still, SUMS, TABLES) * size
+        still = np.max(np.abs(matrix - matrix[0]), axis=0) <= OPTIONS.still * np.max(size, axis=0)
+        fresh = fresh + np.einsum("pij,kij,jk->kip", sign, OPTIONS.sums * size, vector)
+        same = np.where(still, OPTIONS.sums, OPTIONS.tables) * size
         fixed = fixed + np.einsum("pij,kij,jk->kip", sign, same, vector)
-    moved = np.linalg.solve(mass, np.concatenate([fresh, fixed], axis=2)) / np.sqrt(PATTERNS)
+    moved = np.linalg.solve(mass, np.concatenate([fresh, fixed], axis=2)) / np.sqrt(
+        OPTIONS.patterns
+    )
     moved = np.moveaxis(np.concatenate([np.zeros_like(moved), moved], axis=1), 0, -1)
-    return moved[:, :PATTERNS], moved[:, PATTERNS:]
+    return moved[:, : OPTIONS.patterns], moved[:, OPTIONS.patterns :]
 
 
 def size_of_entries(matrices: Array) -> Array:

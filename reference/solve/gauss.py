@@ -10,7 +10,7 @@ order 5 at most, and interpolate with order 3.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -18,21 +18,35 @@ from scipy.integrate import DenseOutput, OdeSolver
 
 from ..differences import by_complex_step
 
+
+class GaussOptions(NamedTuple):
+    """How Newton's method solves for the stages of a step.
+
+    Attributes
+    ----------
+    max_iterations : int
+        Iterations of a step; each gains a factor, for the Jacobian is that of a start.
+    jacobian_lifetime : int
+        Steps for which a Jacobian serves.
+    many_iterations : int
+        Iterations of a step after which the next one has a Jacobian of its own.
+    tolerance : float
+        Change of a state, in what it may be off, below which it is the last one.
+    caution : float
+        How much more than the last change promised the next one may be.
+    """
+
+    max_iterations: int = 15
+    jacobian_lifetime: int = 8
+    many_iterations: int = 8
+    tolerance: float = 0.01
+    caution: float = 10.0
+
+
+OPTIONS = GaussOptions()
+
 STAGES = 10
-ITERATIONS = 15
-"""Most Newton iterations of a step; each gains a factor, for the Jacobian is that of a start."""
 
-JACOBIAN_LIFETIME = 8
-"""Steps for which a Jacobian serves."""
-
-MANY_ITERATIONS = 8
-"""Iterations of a step after which the next one has a Jacobian of its own."""
-
-SETTLED = 0.01
-"""Change of a state, in what it may be off, below which it is the last one."""
-
-CAUTION = 10.0
-"""How much more than the last change promised the next one may be."""
 
 Rates = Callable[[Any, Any], Any]
 
@@ -132,7 +146,7 @@ class Gauss(OdeSolver):
         times = self.t + h * (1 + POINTS) / 2
         scale = (self.atol + self.rtol * np.abs(self.y))[:, None]
         slopes, before, last = guess, np.inf, np.inf
-        for self.iterations in range(1, ITERATIONS + 1):
+        for self.iterations in range(1, OPTIONS.max_iterations + 1):
             rates = self.rates(times, self.y[:, None] + h * slopes @ A.T)
             residual = (INVERSE[HALF] @ (rates - slopes).T)[..., None]
             moved = factors @ (residual[:, n:] + by_place @ residual[:, :n])
@@ -142,13 +156,15 @@ class Gauss(OdeSolver):
             size = np.max(np.abs(h * change) / scale)
             if not np.isfinite(size) or size > 2 * last:
                 return None
-            if size < SETTLED or (size < 1 and size > last / 2):
+            if size < OPTIONS.tolerance or (size < 1 and size > last / 2):
                 return slopes
             gain = size / last
-            if self.iterations > 1 and CAUTION * size * gain < SETTLED * (1 - gain):
+            if self.iterations > 1 and OPTIONS.caution * size * gain < OPTIONS.tolerance * (
+                1 - gain
+            ):
                 return slopes
             # changes of places and of rates take turns: the gain is that of two iterations
-            left = (ITERATIONS - self.iterations) / 2
+            left = (OPTIONS.max_iterations - self.iterations) / 2
             if self.iterations > 3 and size * (size / before) ** left > 1:
                 return None
             before, last = last, size
@@ -187,7 +203,10 @@ class Gauss(OdeSolver):
         at_end = abs(self.t + h - self.t_bound) <= 4 * np.spacing(abs(self.t_bound))
         self.t = self.t_bound if at_end else self.t + h
         self.count += 1
-        if self.count % JACOBIAN_LIFETIME == 0 or self.iterations >= MANY_ITERATIONS:
+        if (
+            self.count % OPTIONS.jacobian_lifetime == 0
+            or self.iterations >= OPTIONS.many_iterations
+        ):
             self.jacobian = None
         return True, None
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.integrate import DOP853, solve_ivp
@@ -25,38 +25,53 @@ from .solution import (
     sample_times,
 )
 
-TOLERANCE = 1e-13
-"""Relative tolerance of the answer, unless it is stiff."""
 
-LOOSE = 1e-8
-"""Relative tolerance of the run whose steps are the intervals in which errors are told, unless that
-of a stiff answer's check is larger."""
+class SolveOptions(NamedTuple):
+    """How one trajectory is solved.
 
-MOST_TIMES = 10_000
-"""Sample times that are nodes too; of others the bound is that of the next node."""
+    Attributes
+    ----------
+    tolerance : float
+        Relative tolerance of the answer, unless it is stiff.
+    loose_tolerance : float
+        Relative tolerance of the run whose steps are the intervals in which errors are told, unless
+        that of a stiff answer's check is larger.
+    max_times : int
+        Sample times that are nodes too; of others the bound is that of the next node.
+    safety : float
+        What the difference of a stiff answer from its check is multiplied by. A check at a larger
+        tolerance errs by more than the answer; one at a smaller tolerance by a part of what that
+        does: of Gauss's steps, of order 20 and chosen by an estimate of order 10, a third of it
+        makes a ninth.
+    min_steps : tuple[int, int, int]
+        Fewest steps of the answer, and of a check at a larger or a smaller tolerance: in a time so
+        short that no tolerance limits a step they would share their steps, and their errors.
+    first_steps : tuple[int, int, int]
+        First steps of stiff runs are such parts of them.
+    straight : float
+        Share of a state's size by which it may be off a straight line within an interval.
+    max_parts : int
+        Most parts that an interval is divided into for that.
+    min_quaternion_size : float
+        Smallest size of a quaternion's coordinate, in that of the largest, whose rounding it
+        shares.
+    """
 
-CAUTION = 2.0
-"""What the difference of a stiff answer from its check is multiplied by. A check at a larger
-tolerance errs by more than the answer; one at a smaller tolerance by a part of what that does: of
-Gauss's steps, of order 20 and chosen by an estimate of order 10, a third of it makes a ninth."""
+    tolerance: float = 1e-13
+    loose_tolerance: float = 1e-8
+    max_times: int = 10_000
+    safety: float = 2.0
+    min_steps: tuple[int, int, int] = (7, 3, 11)
+    first_steps: tuple[int, int, int] = (100, 37, 173)
+    straight: float = 0.1
+    max_parts: int = 8
+    min_quaternion_size: float = 1e-3
+
+
+OPTIONS = SolveOptions()
+
 
 ANSWER, COARSER, FINER = range(3)
-
-FEWEST = (7, 3, 11)
-"""Fewest steps of the answer, and of a check at a larger or a smaller tolerance: in a time so short
-that no tolerance limits a step they would share their steps, and their errors."""
-
-STRAIGHT = 0.1
-"""Share of a state's size by which it may be off a straight line within an interval."""
-
-MOST_PARTS = 8
-"""Most parts that an interval is divided into for that."""
-
-LEAST = 1e-3
-"""Smallest size of a quaternion's coordinate, in that of the largest, whose rounding it shares."""
-
-FIRST = (100, 37, 173)
-"""First steps of stiff runs are such parts of them."""
 
 
 def solve(
@@ -88,7 +103,7 @@ def solve(
         Start of the run [s].
     tolerances : (float, float)
         Relative tolerances of the answer and of the check of a stiff one, by default
-        `TOLERANCE`, or those of a stiff dynamics.
+        `OPTIONS.tolerance`, or those of a stiff dynamics.
 
     Returns
     -------
@@ -106,9 +121,9 @@ def solve(
         return Solution(times, state[:, None], bounds[:, 0], 0, 0, bounds)
     runs = Integration(dynamics, parameters, state, start_time, float(times[-1]))
     rtol, rtol_check = tolerances or tolerances_of(dynamics)
-    loose = max(LOOSE, rtol_check)
+    loose = max(OPTIONS.loose_tolerance, rtol_check)
     ends, scale, work = runs.rough(loose)
-    nodes = np.union1d(ends, times[:: 1 + len(times) // MOST_TIMES])
+    nodes = np.union1d(ends, times[:: 1 + len(times) // OPTIONS.max_times])
     points = gauss_points(nodes)
     marks = np.union1d(np.union1d(nodes, points), times)
     _, fine, steps = runs(rtol, rtol * scale, marks)
@@ -118,7 +133,7 @@ def solve(
     if dynamics.stiff:
         place = FINER if rtol_check < rtol else COARSER
         _, check, more = runs(rtol_check, rtol_check * scale, marks, place)
-        difference = CAUTION * np.abs(fine - check)
+        difference = OPTIONS.safety * np.abs(fine - check)
         if place == COARSER:
             difference = floor_relative_to_largest(difference, common[:, None])
         ahead = np.append(nodes[1:], nodes[-1])  # a difference may pass through zero at a node
@@ -170,7 +185,7 @@ def states_at(
     times = sample_times(times, 0.0)
     runs = Integration(dynamics, parameters, initial_states(state), 0.0, float(times[-1]))
     rtol, rtol_check = tolerances or tolerances_of(dynamics)
-    _, scale, _ = runs.rough(max(LOOSE, rtol_check))
+    _, scale, _ = runs.rough(max(OPTIONS.loose_tolerance, rtol_check))
     marks = np.union1d(times, runs.pieces)
     _, states, _ = runs(rtol, rtol * scale, marks)
     return np.asarray(states[:, np.searchsorted(marks, times)])
@@ -178,7 +193,7 @@ def states_at(
 
 def tolerances_of(dynamics: Dynamics) -> tuple[float, float]:
     """Return the relative tolerances of the answer and of the check of a stiff one."""
-    return dynamics.stiff or (TOLERANCE, 0.0)
+    return dynamics.stiff or (OPTIONS.tolerance, 0.0)
 
 
 @dataclass(frozen=True)
@@ -238,8 +253,8 @@ class Integration:
                     inside,
                     rtol=rtol,
                     atol=atol,
-                    max_step=(last - first) / FEWEST[place],
-                    first_step=(last - first) / FIRST[place] if stiff else None,
+                    max_step=(last - first) / OPTIONS.min_steps[place],
+                    first_step=(last - first) / OPTIONS.first_steps[place] if stiff else None,
                     dense_output=marks is None and stiff,
                 )
             if not piece.success or not np.all(np.isfinite(piece.y)):
@@ -272,7 +287,7 @@ def straightened(nodes: Array, path: Callable[[Array], Array]) -> Array:
         x = path(fine)
         bend = np.abs(x[:, 1::2] - (x[:, :-1:2] + x[:, 2::2]) / 2)
         size = np.max(np.abs(x), axis=1, keepdims=True)
-        if parts == MOST_PARTS or np.all(bend <= STRAIGHT * size):
+        if parts == OPTIONS.max_parts or np.all(bend <= OPTIONS.straight * size):
             return fine[::2]
         parts *= 2
 
@@ -288,7 +303,7 @@ def with_companions(dynamics: Dynamics, sizes: Array) -> Array:
     for one in dynamics.quaternions:
         for end in ("", "_dot"):
             rows = [names.index(name + end) for name in one.coordinates]
-            sizes[rows] = np.maximum(sizes[rows], LEAST * np.max(sizes[rows]))
+            sizes[rows] = np.maximum(sizes[rows], OPTIONS.min_quaternion_size * np.max(sizes[rows]))
     if not dynamics.continuum.has_waves:
         return sizes
     inner = {*dynamics.discretisation_coordinates}

@@ -30,7 +30,7 @@ from .motions import (
     outcome,
     period,
 )
-from .theory import connection, cycle_start
+from .theory import cycle_start, torque_limit
 
 DEFAULT = SpeedRegulator()
 CONSERVATIVE = DEFAULT.replace(torque=0.0, damping=0.0)
@@ -117,7 +117,12 @@ SCENE = Scene(
     rotations_per_period={"phi": 1},
     period=period,
     orbit=PeriodicOrbit(
-        orbit_guesses, "phi", orbit_quantities, ORBIT_UNITS, (), connection, cycle_start
+        orbit_guesses,
+        "phi",
+        orbit_quantities,
+        ORBIT_UNITS,
+        limit=("torque", torque_limit),
+        known=cycle_start,
     ),
     cases=CASES,
     placed=with_placements(CASES[0], "algebra", "trajectory"),

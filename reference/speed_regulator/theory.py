@@ -44,7 +44,7 @@ from scipy.optimize import brentq
 from ..cost import watched
 from ..errors import NoOrbitError
 from ..periodic import extremes
-from ..scene import Array
+from ..scene import Array, OrbitLimit
 from .equations import (
     Coefficients,
     SpeedRegulator,
@@ -305,7 +305,7 @@ def rotates(p: SpeedRegulator) -> bool:
 def connection(p: SpeedRegulator, state: Any, fine: bool) -> tuple[float, float, float]:
     """Return T [J] half a turn from a saddle (phi, phi'), on its two directions, and the least.
 
-    See `reference.scene.PeriodicOrbit`. NaN where the state is no saddle.
+    By fine tolerances, or coarse ones. NaN where the state is no saddle.
     """
     c, phi = coefficients(p), float(state[0])
     if static_stiffness(phi, c, math) >= 0:
@@ -336,11 +336,14 @@ class Threshold(NamedTuple):
     ----------
     kind : str
         ``homoclinic`` or ``saddle-node on the circle``.
+    saddle : str
+        Name of the equilibrium that has the homoclinic orbit.
     """
 
     torque: float
     error: float
     kind: str
+    saddle: str = ""
 
 
 ON_THE_CIRCLE = 1e-6
@@ -387,6 +390,13 @@ def least_torque(p: SpeedRegulator) -> Threshold:
             fine, rough = (orbit_of(p, name, accuracy) for accuracy in (True, False))
             if not math.isnan(fine):
                 error = math.inf if math.isnan(rough) else abs(fine - rough) + 1e-13 * fine
-                return Threshold(fine, error, "homoclinic")
+                return Threshold(fine, error, "homoclinic", name)
     last = max(saddle_node_torques(p).values(), default=0.0)
     return Threshold(last, ON_THE_CIRCLE * last, "saddle-node on the circle")
+
+
+def torque_limit(p: SpeedRegulator) -> OrbitLimit:
+    """Return the least torque of a rotation, and the saddle that it then ends on."""
+    limit = least_torque(p) if p.damping > 0 else Threshold(math.inf, math.inf, "none")
+    angle = found_equilibria(p.replace(torque=limit.torque))[limit.saddle] if limit.saddle else None
+    return OrbitLimit(limit.torque, limit.error, None if angle is None else {"phi": angle})

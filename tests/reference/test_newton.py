@@ -125,17 +125,6 @@ def test_long_corrections_are_shortened() -> None:
     assert np.all(roots.size > 400)
 
 
-def test_what_is_out_of_reach_is_given_up() -> None:
-    """The circle without a point, whose corrections do not shrink; one that is too far."""
-    circles = Circles()
-    start = np.full((2, 4), 0.13)
-    effort = Effort(15, within_reach=True)
-    roots = newton(circles, linearisation(circles, by_complex_step), start, effort)
-    assert roots.closed.tolist() == [True, False, True, False]
-    assert np.all(np.isinf(roots.size[[1, 3]]))
-    assert circles.asked[3] < 2 * 15
-
-
 def test_singular_and_infinite_systems_are_lost_alone() -> None:
     def residual(rows: Rows, x: Any) -> Any:
         kind = np.array([0.0, 1.0, 2.0])[rows]

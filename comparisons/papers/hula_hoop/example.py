@@ -151,23 +151,25 @@ def transients(session: Session, plate: bool = False) -> Numbers:
     p = grid(session, plate).replace(force_frequency=hertz, force_amplitude=motion.y.values[rows])
     places = np.stack([columns, rows], axis=1)
     points = Points(get_scene(SCENE), p, places, {}, REFERENCE, EXACT)
-    spacing = 1 / (motions.SAMPLES * hertz)
+    spacing = 1 / (motions.OPTIONS.samples * hertz)
     begin = np.zeros((4, len(hertz)))
     path = Flow(points, points.scene)(
-        np.arange(len(hertz)), begin, 0.0, spacing, TRANSIENT * motions.SAMPLES,
-        step_counts(points, spacing, motions.MOTION_STEPS),
+        np.arange(len(hertz)), begin, 0.0, spacing, TRANSIENT * motions.OPTIONS.samples,
+        step_counts(points, spacing, motions.OPTIONS.steps),
     )  # fmt: skip
     theta, speed = path[1] / (2 * np.pi), path[3]
     shares = {}
     for name, periods in (("passing", PASSING), ("lasting", LASTING)):
         there = np.zeros(len(hertz), dtype=bool)
         for start in range(TRANSIENT - periods):
-            part = slice(start * motions.SAMPLES, (start + periods) * motions.SAMPLES)
+            part = slice(
+                start * motions.OPTIONS.samples, (start + periods) * motions.OPTIONS.samples
+            )
             turns = theta[:, part.stop] - theta[:, part.start]
             one_way = np.all(np.sign(turns)[:, None] * speed[:, part] > 0, axis=1)
-            locked = np.abs(np.abs(turns) - periods) < motions.SLACK
+            locked = np.abs(np.abs(turns) - periods) < motions.OPTIONS.slack
             f_u = motions.strongest(speed[:, part], periods)
-            there |= locked & one_way & (np.abs(f_u - 2) < motions.NEAR)
+            there |= locked & one_way & (np.abs(f_u - 2) < motions.OPTIONS.near)
         shares[name] = float(np.mean(there))
     return {**shares, "count": len(hertz)}
 

@@ -17,6 +17,7 @@ class         W           reversal       f_u
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,9 +25,19 @@ from ....reference.hula_hoop.equations import HulaHoop, coefficients
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ..bounds import SAFETY, difference, last_harmonics, with_bounds
-from ..quantity import NO_VALUE, Flow, Points, QuantityValues, Variable, engine_setup
+from ..orbit_map import Ints
+from ..quantity import (
+    LONG_STEP_COUNTS,
+    NO_VALUE,
+    STEP_COUNTS,
+    Flow,
+    Points,
+    QuantityValues,
+    Variable,
+    engine_setup,
+)
 from .floquet import EXACT, STABILITY, approximate_floquet, least
-from .steps import FEW, MORE, Places, step_counts
+from .steps import step_counts
 
 MOTIONS = ("blue_o", "blue_plus", "cyan_o", "cyan_plus", "red_x")
 LABELS = (
@@ -56,51 +67,65 @@ MOTION_VARIABLES = with_bounds(
 )
 
 
-MOTION_STEPS = 12
-"""The same from rest, where no digits are asked for."""
-ENGINE_MOTION_STEPS = {1: 200, 2: 96, 3: 48, 4: 32, 5: 24, 6: 24}
-"""Of an engine from rest, by the order of its method: fewer than `STEPS_PER_PERIOD`."""
+class MotionOptions(NamedTuple):
+    """How motions from rest are followed, and told apart.
+
+    Attributes
+    ----------
+    steps : int
+        Of the reference in the shortest period: no digits are asked for.
+    engine_steps : tuple of int
+        Of an engine, by the order of its method from 1 on: fewer than `STEPS_PER_PERIOD`.
+    settling : float
+        Time constants of the slower damper that motions are given to settle. They may take twice as
+        long as it would: at 3 Hz, 60 N the rotation's own rate is half of that damper's.
+    settling_periods : tuple[int, int]
+        Least and most of it, in periods of the force.
+    samples : int
+        In a period of the force.
+    window : int
+        Periods of the force that are then watched.
+    off : float
+        Angle [rad] by which the start of the check is off.
+    finer : int
+        Samples of a sum of harmonics for each that it is made from.
+    settles : float
+        Largest share of the change from cycle to cycle that a quarter of the window may leave.
+    still : float
+        The change, by omega, below which it is rounding.
+    slack : float
+        Turns by which a rotation may miss one turn per period over the window.
+    near : float
+        How close f_u / omega must be to 2.
+    repeats : float
+        How closely a motion repeats, in the size of each state.
+    max_cycle : int
+        Most periods of the force after which it may.
+    stands : float
+        A theta' that never leaves its mean by more, by omega, is no oscillation.
+    """
+
+    steps: int = 12
+    engine_steps: tuple[int, ...] = (200, 96, 48, 32, 24, 24)
+    settling: float = 12.0
+    settling_periods: tuple[int, int] = (20, 2000)
+    samples: int = 24
+    window: int = 120
+    off: float = 1e-6
+    finer: int = 8
+    settles: float = 0.9
+    still: float = 1e-10
+    slack: float = 0.5
+    near: float = 0.02
+    repeats: float = 0.02
+    max_cycle: int = 20
+    stands: float = 1e-3
 
 
-SETTLING = 12.0
-"""Time constants of the slower damper that motions are given to settle. They may take twice as
-long as it would: at 3 Hz, 60 N the rotation's own rate is half of that damper's."""
-SAMPLES = 24
-"""In a period of the force, of a motion from rest."""
-
-SHORTEST, LONGEST = 20, 2000
-"""Least and most of it, in periods of the force."""
-
-WINDOW = 120
-"""Periods of the force that are then watched."""
-
-OFF = 1e-6
-"""Angle [rad] by which the start of the check is off."""
-
-FINER = 8
-"""Samples of a sum of harmonics for each that it is made from."""
-
-SETTLES, STILL = 0.9, 1e-10
-"""Largest share of the change from cycle to cycle that a quarter of the window may leave, and the
-change, by omega, below which it is rounding."""
-
-SLACK = 0.5
-"""Turns by which a rotation may miss one turn per period over the window."""
-
-NEAR = 0.02
-"""How close f_u / omega must be to 2."""
-
-REPEATS = 0.02
-"""How closely a motion repeats, in the size of each state."""
-
-LONGEST_CYCLE = 20
-"""Most periods of the force after which it may."""
-
-STANDS = 1e-3
-"""A theta' that never leaves its mean by more, by omega, is no oscillation."""
+OPTIONS = MotionOptions()
 
 
-def motion(points: Points, window: int = WINDOW) -> QuantityValues:
+def motion(points: Points, window: int = OPTIONS.window) -> QuantityValues:
     """Return what comes of the scene from rest, rod across, in the end.
 
     It is watched for `window` periods of the force.
@@ -109,16 +134,15 @@ def motion(points: Points, window: int = WINDOW) -> QuantityValues:
     if points.engine == REFERENCE and points.model != EXACT:
         return approximate_motion(points)
     flow = Flow(points, points.scene)
-    per_period = MOTION_STEPS
+    per_period = OPTIONS.steps
     if points.engine != REFERENCE:
-        per_period = ENGINE_MOTION_STEPS[
-            min(engine_setup(points).integrator.order, max(ENGINE_MOTION_STEPS))
-        ]
-    values, check = runs_from_rest(flow, ((0.0, 1), (OFF, 2)), per_period, window)
+        order = engine_setup(points).integrator.order
+        per_period = OPTIONS.engine_steps[min(order, len(OPTIONS.engine_steps)) - 1]
+    values, check = runs_from_rest(flow, ((0.0, 1), (OPTIONS.off, 2)), per_period, window)
     same = (values["motion"] == check["motion"]) & (values["label"] == check["label"])
     known = same & (values["periods"] > 0) & (points.engine == REFERENCE)
     cut = np.where(window % np.maximum(values["periods"], 1) == 0, 0.0, 1 / window)
-    turning = window * values["turns"] > SLACK  # else the least speed is of either sense
+    turning = window * values["turns"] > OPTIONS.slack  # else the least speed is of either sense
     off = {name: values.pop(f"{name}_off") for name in ("turns", "min_speed")}
     rest = {
         "turns": off["turns"],
@@ -137,7 +161,7 @@ def runs_from_rest(
     starts: Sequence[tuple[float, int]],
     per_period: float,
     window: int,
-    per_force: int = SAMPLES,
+    per_force: int = OPTIONS.samples,
 ) -> list[dict[str, Array]]:
     """Return the variables of motions from rest, robust left out, which go on together.
 
@@ -152,19 +176,22 @@ def runs_from_rest(
     begin[1] = np.repeat([theta for theta, _ in starts], len(points))
     spacing = period / per_force
 
-    def steps(spans: Array, allowed: Places) -> Places:
+    def steps(spans: Array, counts: Ints) -> Ints:
         """Return how many steps each start takes in spans (k,)."""
-        each = [step_counts(points, spans, per_period, coarser, allowed) for _, coarser in starts]
-        return np.concatenate(each)
+        return np.concatenate(
+            [step_counts(points, spans, per_period, coarser, counts) for _, coarser in starts]
+        )
 
-    settled = flow(every, begin, 0.0, np.tile(settling, number), 1, steps(settling, MORE))
+    settled = flow(
+        every, begin, 0.0, np.tile(settling, number), 1, steps(settling, LONG_STEP_COUNTS)
+    )
     watched = flow(
         every,
         settled[..., 0],
         np.tile(settling, number),
         np.tile(spacing, number),
         window * per_force,
-        steps(spacing, FEW),
+        steps(spacing, STEP_COUNTS),
     )
     samples = np.concatenate([settled, watched], axis=2)
     parts = np.split(samples, number, axis=1)
@@ -172,14 +199,18 @@ def runs_from_rest(
 
 
 def settling_time(p: HulaHoop, period: Array) -> Array:
-    """Return how long motions take to settle [s]: in `SETTLING` of the slower damper's times."""
+    """Return how long motions are given to settle [s], by the slower damper's time constant."""
     c = coefficients(p)
     rate = np.minimum(c.hinge_damping / c.inertia, c.damping / c.mass) / 2
     with np.errstate(divide="ignore"):
-        return np.clip(SETTLING / rate, SHORTEST * period, LONGEST * period)
+        return np.clip(
+            OPTIONS.settling / rate,
+            OPTIONS.settling_periods[0] * period,
+            OPTIONS.settling_periods[1] * period,
+        )
 
 
-def described(samples: Array, omega: Array, per_force: int = SAMPLES) -> dict[str, Array]:
+def described(samples: Array, omega: Array, per_force: int = OPTIONS.samples) -> dict[str, Array]:
     """Return the variables of motions, robust left out.
 
     Parameters
@@ -196,13 +227,13 @@ def described(samples: Array, omega: Array, per_force: int = SAMPLES) -> dict[st
     known = np.all(np.isfinite(samples), axis=(0, 2))
     with np.errstate(invalid="ignore"):
         turns = (theta[:, -1] - theta[:, 0]) / (2 * np.pi)
-        rotates = np.abs(np.abs(turns) - window) < SLACK
+        rotates = np.abs(np.abs(turns) - window) < OPTIONS.slack
         min_speed = least(np.where(turns[:, None] < 0, -speed, speed))
         f_u = strongest(speed[:, :-1], window)
         cycle, advance_per_cycle = repetition(samples[..., ::per_force], omega)
-        odd = np.abs(f_u - 2) >= NEAR
+        odd = np.abs(f_u - 2) >= OPTIONS.near
     motions = np.where(rotates, (min_speed < 0) + 2 * odd, MOTIONS.index("red_x"))
-    still = np.ptp(speed, axis=1) < STANDS
+    still = np.ptp(speed, axis=1) < OPTIONS.stands
     label = np.select(
         [rotates, still, cycle == 0, advance_per_cycle == 0],
         [LABELS.index(name) for name in ("rotator", "rest", "not_periodic", "libration")],
@@ -248,7 +279,7 @@ def unsettled(speed: Array, cycle: Array, per_force: int, lowest: Array) -> Arra
         count = (speed.shape[1] - 1) // size
         cycles = speed[rows, -1 - count * size : -1].reshape(len(rows), count, size)
         spectra = np.fft.rfft(cycles[:, -1], axis=1)
-        fine = np.tile(FINER * np.fft.irfft(spectra, FINER * size, axis=1), 2)
+        fine = np.tile(OPTIONS.finer * np.fft.irfft(spectra, OPTIONS.finer * size, axis=1), 2)
         last, ratio = last_harmonics(2 / size * np.abs(spectra))
         changes = np.max(np.abs(np.diff(cycles, axis=1)), axis=2)
         part = max(1, (count - 1) // 4)
@@ -256,9 +287,11 @@ def unsettled(speed: Array, cycle: Array, per_force: int, lowest: Array) -> Arra
             np.max(changes[:, end - part : end], axis=1) for end in (count - 1, count - 1 - part)
         )
         with np.errstate(divide="ignore", invalid="ignore"):
-            share = np.where(before > STILL, late / before, 0.0)
+            share = np.where(before > OPTIONS.still, late / before, 0.0)
         left = np.where(
-            share < SETTLES, late * (1 + part / (1 - np.minimum(share, SETTLES))), np.nan
+            share < OPTIONS.settles,
+            late * (1 + part / (1 - np.minimum(share, OPTIONS.settles))),
+            np.nan,
         )
         at, near = least(fine), least(fine, 4)
         off[rows] = (
@@ -275,7 +308,9 @@ def strongest(speed: Array, window: int) -> Array:
     """
     swing = speed - np.mean(speed, axis=1, keepdims=True)
     spectrum = np.abs(np.fft.rfft(swing * np.hanning(speed.shape[1] + 1)[:-1], axis=1))
-    return np.where(np.ptp(speed, axis=1) < STANDS, np.nan, np.argmax(spectrum, axis=1) / window)
+    return np.where(
+        np.ptp(speed, axis=1) < OPTIONS.stands, np.nan, np.argmax(spectrum, axis=1) / window
+    )
 
 
 def repetition(strobe: Array, omega: Array) -> tuple[Array, Array]:
@@ -292,14 +327,14 @@ def repetition(strobe: Array, omega: Array) -> tuple[Array, Array]:
     amplitude = np.where(amplitude > 0, amplitude, 1.0)
     size = np.stack([amplitude, np.ones_like(omega), omega * amplitude, omega])
     cycle, turns = np.zeros((2, len(omega)))
-    for periods in range(min(LONGEST_CYCLE, (later.shape[2] - 1) // 2), 0, -1):
+    for periods in range(min(OPTIONS.max_cycle, (later.shape[2] - 1) // 2), 0, -1):
         cycles = (later.shape[2] - 1) // periods
         end = cycles * periods
         own = np.rint((later[1, :, end] - later[1, :, 0]) / (2 * np.pi * cycles))
         folded = later[..., :end].reshape(4, len(omega), cycles, periods).copy()
         folded[1] -= 2 * np.pi * own[:, None, None] * np.arange(cycles)[:, None]
         spread = np.max(np.ptp(folded, axis=2), axis=2) / size
-        repeats = np.all(spread < REPEATS, axis=0)
+        repeats = np.all(spread < OPTIONS.repeats, axis=0)
         cycle, turns = np.where(repeats, periods, cycle), np.where(repeats, own, turns)
     return cycle, turns
 

@@ -5,21 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....reference.hula_hoop.equations import HulaHoop, coefficients
 from ....reference.scene import Array
-from ..quantity import Points
-
-Places = NDArray[np.int_]
+from ..orbit_map import Ints
+from ..quantity import STEP_COUNTS, Points
 
 MOST_STEPS_PER_FORCE = 8.0
 """No period counts as shorter than that of force or spring divided by this."""
-
-FEW = np.array(sorted({m << j for j in range(24) for m in (1, 3)}))
-"""Numbers of steps that are taken: few, so that points share them."""
-MORE = np.array(sorted({m << j for j in range(24) for m in (4, 5, 6, 7)}))
-"""The same for long spans."""
 
 
 def fastest_rate(p: HulaHoop) -> Any:
@@ -37,8 +30,8 @@ def fastest_rate(p: HulaHoop) -> Any:
 
 
 def step_counts(
-    points: Points, spans: Array, per_period: float, coarser: int = 1, allowed: Places = FEW
-) -> Places:
+    points: Points, spans: Array, per_period: float, coarser: int = 1, counts: Ints = STEP_COUNTS
+) -> Ints:
     """Return how many equal steps each point's span [s] is gone through in.
 
     Parameters
@@ -49,15 +42,10 @@ def step_counts(
         Steps in the shortest period, unless ``points.step`` tells the longest step.
     coarser : int
         By how much longer the steps may be.
-    allowed : int array
+    counts : int array
         Numbers to choose from.
-
-    Raises
-    ------
-    UsageError
-        If ``points.step`` is too short for them.
     """
-    longest = points.step or 2 * np.pi / (fastest_rate(points.parameters) * per_period)
-    points.refuse_step(spans / allowed[-1])
-    wanted = np.broadcast_to(spans / (coarser * longest), (len(points),))
-    return allowed[np.searchsorted(allowed, wanted * (1 - 1e-9))]
+    longest = 2 * np.pi / (fastest_rate(points.parameters) * per_period)
+    return points.step_counts(
+        np.broadcast_to(spans / coarser, (len(points),)), longest, counts=counts
+    )

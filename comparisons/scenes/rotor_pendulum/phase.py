@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
-from ....reference.differences import balanced_step
-from ....reference.newton import Effort
-from ....reference.orbits import Orbits, PeriodMap, period_advance, section_row
+from ....reference.orbits import Orbits
 from ....reference.rotor_pendulum import theory
 from ....reference.rotor_pendulum.equations import (
     RotorPendulum,
@@ -23,20 +20,13 @@ from ....reference.rotor_pendulum.phase import (
     mean_phase,
     orbit_guesses,
     uniform_rotation,
-    wrapped,
 )
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
-from ..bounds import (
-    SAFETY,
-    conditions,
-    difference,
-    eigenvalue_bounds,
-    rounding_displacement,
-    with_bounds,
-)
+from ..bounds import conditions, with_bounds
+from ..orbit_map import Ints, OrbitMap, OrbitNumber
 from ..quantity import Flow, Points, QuantityValues, Variable
-from .steps import NUDGE, Ints, columns, step_counts
+from .steps import NUDGE, columns, step_counts
 
 PHASES = ("synphase", "antiphase", "unstable", "none")
 SYNPHASE, ANTIPHASE, UNSTABLE, NONE = range(len(PHASES))
@@ -53,7 +43,7 @@ PHASE = with_bounds(
             "none: there is none",
             PHASES,
         ),
-        "robust": Variable("1", "1 where a perturbation and a halved step leave the class"),
+        "robust": Variable("1", "1 where a perturbation, or half the step, leaves the class"),
         "mean_speed": Variable("rad/s", "of both rotors"),
         "multiplier": Variable(
             "1", "leading Floquet multiplier's modulus, that of a shift left out"
@@ -61,7 +51,6 @@ PHASE = with_bounds(
     },
     *NUMBERS,
 )
-CLASSES = ("class", "robust")
 
 
 def _phase_class(phase: Any, stable: Any = True) -> Ints:
@@ -90,8 +79,7 @@ def phase(points: Points) -> QuantityValues:
     """Stable phase difference: by a theory, or of the periodic orbit that motions have."""
     if points.engine == REFERENCE and points.model in THEORIES:
         return _theoretical_phase(points, THEORIES[points.model])
-    flow = Flow(points, points.scene.variants.get(points.model, points.scene))
-    return closed_orbit_values(flow, orbits_of(flow))
+    return orbit_values(*orbits_of(points))
 
 
 def _theoretical_phase(
@@ -130,192 +118,79 @@ def _theoretical_phase(
     )
 
 
-STEPS_PER_TURN = {True: 32, False: 64}
-"""Steps in a turn, by whether the reference takes them (8th order) or an engine."""
+STEPS_PER_TURN = (64, 32)
+"""Steps in a turn, of an engine and of the reference (8th order)."""
 
 
 SAMPLES = 32
 """Samples of an orbit, from which its phase is averaged."""
 
 
-def steps_per_turn(points: Points) -> Ints:
-    """Return steps in a turn (k,)."""
-    (turns,) = columns(points, period(points.parameters))
-    return step_counts(points, turns, STEPS_PER_TURN, SAMPLES)
+def turning_map(points: Points) -> OrbitMap:
+    """Return the maps over a turn of the rotors.
 
-
-EFFORT = Effort(jacobians=8, chords=3, near=1e-3, within_reach=True)
-AGAIN = Effort(jacobians=1, chords=3, longest=1.0, contraction=np.inf)
-"""Near an orbit; the first correction may overshoot where the phase settles slowly."""
-
-FURTHEST = 2
-"""Columns and rows between a point without an orbit and the neighbour it is retried from."""
-
-
-def period_map(flow: Flow, which: Ints, states: Array, periods: Array, steps: Ints) -> PeriodMap:
-    """Return the period map of some points about a guess of each."""
-    scene = flow.points.scene
-
-    def advance(rows: Ints, starts: Array, spans: Array) -> Array:
-        return flow(which[rows], starts, 0.0, spans, 1, steps[rows])[..., 0]
-
-    return PeriodMap(
-        flow=advance,
-        states=states,
-        periods=periods,
-        scale=_scale(flow, which, periods),
-        advance=period_advance(scene),
-        section=section_row(scene),
-        order=1,
-        step=balanced_step(1, rounding=1e-12),
-    )
-
-
-def _scale(flow: Flow, which: Ints, periods: Array) -> Array:
-    """Return the size of each state (8, k): what the unbalance moves, a turn, and their rates.
-
-    Not that of the states themselves: without an installation angle the platform of an orbit
-    in synphase stands still.
+    The size of a state is what the unbalance moves, a turn, and their rates: without an
+    installation angle the platform of an orbit in synphase stands still.
     """
-    c = coefficients(flow.points.parameters)
-    shift = c.unbalance / c.mass
-    rows = (shift, 2 * np.pi, 2 * np.pi, c.unbalance / (c.end_mass * c.length))
-    size = np.array([np.broadcast_to(row, len(flow.points))[which] for row in rows])
-    return np.concatenate([size, 2 * np.pi / periods * size])
-
-
-def closed_orbits(flow: Flow, which: Ints, states: Array, periods: Array, steps: Ints) -> Orbits:
-    """Return the orbits of some points near a guess of each; their periods are near it too."""
-    orbits = period_map(flow, which, states, periods, steps).close(EFFORT)
-    with np.errstate(all="ignore"):
-        near = abs(np.log2(orbits.periods / periods)) < 1
-    return replace(orbits, closed=orbits.closed & near)
+    (turns,) = columns(points, period(points.parameters))
+    c = coefficients(points.parameters)
+    size = np.array(
+        columns(
+            points,
+            c.unbalance / c.mass,
+            2 * np.pi,
+            2 * np.pi,
+            c.unbalance / (c.end_mass * c.length),
+        )
+    )
+    return OrbitMap(
+        Flow(points, points.scene.variants.get(points.model, points.scene)),
+        turns,
+        np.concatenate([size, 2 * np.pi / turns * size]),
+        step_counts(points, turns, STEPS_PER_TURN, SAMPLES),
+    )
 
 
 BESIDE = (np.pi / 2, -np.pi / 2)
 """Tried beside the theory's phase [rad], which knows no ripple of the rotors."""
 
 
-def orbits_of(flow: Flow) -> Orbits:
-    """Return the orbits of the points.
-
-    From the theory's phase with the dampers; where there is such a phase but no orbit near it,
-    from others; then from the orbits of the nearest points that have one.
-    """
-    points, steps = flow.points, steps_per_turn(flow.points)
-    count = len(points)
-    p = points.parameters
+def phases_of_theory(maps: OrbitMap, known: Orbits) -> Iterator[tuple[Ints, Array]]:
+    """Yield starts: at the theory's phase with the dampers; where there is one, beside it."""
+    points = maps.flow.points
+    p, count = points.parameters, len(points)
     p = p.replace(platform_stiffness=np.broadcast_to(p.platform_stiffness, count).copy())
-    (turns,) = columns(points, period(p))
+    yield np.arange(count), np.array(np.broadcast_to(orbit_guesses(p)[0], (8, count)), dtype=float)
     (alpha,) = columns(points, balanced_phase(p))
-    starts = np.array(np.broadcast_to(orbit_guesses(p)[0], (8, count)), dtype=float)
-    orbits = closed_orbits(flow, np.arange(count), starts, turns, steps)
     for offset in BESIDE:
-        missing = _missing(flow, orbits)
-        missing = missing[np.isfinite(alpha[missing])]
-        if missing.size:
-            starts = uniform_rotation(p, np.nan_to_num(alpha) + offset)[:, missing]
-            more = closed_orbits(flow, missing, starts, turns[missing], steps[missing])
-            stable = more.closed & (leading_modulus(more) < 1)
-            orbits.put(missing[stable], more.at(stable))
-    missing, known = _missing(flow, orbits), np.flatnonzero(orbits.closed)
-    if missing.size and known.size:
-        apart = np.max(np.abs(points.places[missing][:, None] - points.places[known]), axis=2)
-        nearest = np.argmin(apart, axis=1)
-        close = apart[np.arange(len(missing)), nearest] <= FURTHEST
-        missing, near = missing[close], orbits.at(known[nearest[close]])
-        more = closed_orbits(flow, missing, near.states, near.periods, steps[missing])
-        orbits.put(missing[more.closed], more.at(more.closed))
-    return orbits
+        which = np.flatnonzero(~known.closed & np.isfinite(alpha))
+        yield which, uniform_rotation(p, np.nan_to_num(alpha) + offset)[:, which]
 
 
-def _missing(flow: Flow, orbits: Orbits) -> Ints:
-    """Return the points without an orbit at which the engine has not failed."""
-    return np.array(
-        [i for i in np.flatnonzero(~orbits.closed) if i not in flow.problems], dtype=int
+def orbits_of(points: Points) -> tuple[OrbitMap, Orbits]:
+    """Return the maps over a turn, and the synchronous orbits that are found."""
+    maps = turning_map(points)
+    return maps, maps.search(phases_of_theory)
+
+
+def orbit_values(maps: OrbitMap, orbits: Orbits) -> QuantityValues:
+    """Return the variables of synchronous orbits."""
+    values = maps.values(
+        orbits,
+        measured,
+        lambda numbers: _phase_class(numbers["phase_difference"], numbers["multiplier"] < 1),
+        NONE,
     )
+    return maps.flow.values(values)
 
 
-def _phases(flow: Flow, which: Ints, states: Array, periods: Array, steps: Ints) -> Array:
-    """Return phi_1 - phi_2 (k,), averaged over an orbit on the circle."""
-    path = flow(which, states, 0.0, periods / SAMPLES, SAMPLES, steps // SAMPLES)
-    return np.array([mean_phase(alpha) for alpha in path[1] - path[2]], dtype=float)
-
-
-MARGIN = 1e-4
-"""Distance of the leading multiplier's modulus from 1 that differences and steps may hide."""
-
-
-def closed_orbit_values(flow: Flow, orbits: Orbits) -> QuantityValues:
-    """Return the variables of the points' orbits."""
-    points = flow.points
-    steps = steps_per_turn(points)
-    values = {name: np.full(len(points), np.nan) for name in PHASE if name not in CLASSES}
-    kind = np.full(len(points), NONE)
-    robust = np.ones(len(points), dtype=int)
-    rows = np.flatnonzero(orbits.closed)
-    if rows.size:
-        some = orbits.at(rows)
-        alpha = _phases(flow, rows, some.states, some.periods, steps[rows])
-        moduli = leading_modulus(some)
-        values["phase_difference"][rows] = alpha
-        values["mean_speed"][rows] = 2 * np.pi / some.periods
-        values["multiplier"][rows] = moduli
-        kind[rows] = _phase_class(alpha, moduli < 1)
-        again, phases = _orbits_again(flow, rows, some, steps[rows])
-        seen = np.where(again.correction < NUDGE / 10, phases, np.nan)
-        robust[rows] = (_phase_class(seen, moduli < 1) == kind[rows]) & (abs(moduli - 1) > MARGIN)
-        if points.engine == REFERENCE:
-            for name, bound in _bounds(flow, rows, some, again, wrapped(phases - alpha)).items():
-                values[name][rows] = bound
-    return flow.values(values | {"class": kind, "robust": robust})
-
-
-def leading_modulus(orbits: Orbits) -> Array:
-    """Return the largest modulus (k,) of the multipliers beside that of a shift in time."""
-    multipliers = orbits.multipliers.T
-    multipliers[~orbits.closed] = np.inf
-    trivial = np.argmin(np.abs(multipliers - 1), axis=1)[:, None]
-    np.put_along_axis(multipliers, trivial, 0.0, axis=1)
-    return np.asarray(np.max(np.abs(multipliers), axis=1))
-
-
-def _orbits_again(flow: Flow, which: Ints, orbits: Orbits, steps: Ints) -> tuple[Orbits, Array]:
-    """Return orbits near perturbed starts with twice the steps, and their phases (k,)."""
-    about = period_map(flow, which, orbits.states, orbits.periods, 2 * steps)
-    starts = orbits.states + NUDGE * about.scale
-    starts[about.section] = 0.0
-    again = replace(about, states=starts).close(AGAIN, orbits.slopes)
-    if flow.points.engine == REFERENCE:
-        again = replace(again, slopes=_exact_slopes(flow, which, again, 2 * steps))
-    return again, _phases(flow, which, again.states, again.periods, 2 * steps)
-
-
-def _exact_slopes(flow: Flow, which: Ints, orbits: Orbits, steps: Ints) -> Array:
-    """Return the slopes at orbits of the reference by complex steps; 0 where they are lost."""
-    about = period_map(flow, which, orbits.states, orbits.periods, steps)
-    with np.errstate(all="ignore"):
-        slopes = replace(about, order=None).linearise(np.arange(len(which)), 0 * orbits.states)[1]
-    return np.where(np.all(np.isfinite(slopes), axis=(1, 2))[:, None, None], slopes, 0.0)
-
-
-def _bounds(
-    flow: Flow, which: Ints, orbits: Orbits, again: Orbits, shift: Array
-) -> dict[str, Array]:
-    """Return bounds on the numbers of orbits of the reference, by those of twice the steps.
-
-    ``shift`` is by how much their phases differ [rad].
-    """
-    other, speed = 2 * np.pi / again.periods, 2 * np.pi / orbits.periods
-    known = replace(again, closed=again.correction < NUDGE / 10)
-    with np.errstate(all="ignore"):
-        away = rounding_displacement(again.monodromy, again.closing)
-        off = np.max(np.abs(away), axis=0) + again.correction
-        growth = 1 + np.max(np.sum(np.abs(again.monodromy), axis=2), axis=1)
-        bounds = {
-            "phase_difference_bound": SAFETY * np.abs(shift) + 4 * np.pi * growth * off,
-            "mean_speed_bound": difference(speed, other) + 2 * off * speed,
-            "multiplier_bound": difference(leading_modulus(orbits), leading_modulus(known))
-            + eigenvalue_bounds(again.monodromy, growth * off),
-        }
-    return {name: np.where(known.closed, bound, np.nan) for name, bound in bounds.items()}
+def measured(maps: OrbitMap, which: Ints, orbits: Orbits, finer: int) -> dict[str, OrbitNumber]:
+    """Return what orbits are measured by: phi_1 - phi_2, averaged on the circle, and the speed."""
+    steps = finer * -(-maps.steps[which] // SAMPLES)
+    path = maps.flow(which, orbits.states, 0.0, orbits.periods / SAMPLES, SAMPLES, steps)
+    alpha, speed = path[1] - path[2], 2 * np.pi / orbits.periods
+    mean = np.array([mean_phase(one) for one in alpha], dtype=float)
+    return {
+        "phase_difference": OrbitNumber(mean, np.exp(1j * alpha), turn=2 * np.pi),
+        "mean_speed": OrbitNumber(speed, speed[:, None], unit=speed / 3),  # periods do not grow
+    }

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....reference.rotor_pendulum.equations import RotorPendulum, coefficients
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
+from ..orbit_map import Ints
 from ..quantity import Points
-
-Ints = NDArray[np.int_]
 
 NUDGE = 1e-3
 """Relative perturbation, of frequency ratios or of a start [rad, or size of the state], that
@@ -25,9 +22,9 @@ def columns(points: Points, *values: Any) -> list[Array]:
     return [np.array(np.broadcast_to(value, len(points)), dtype=float) for value in values]
 
 
-RESOLVED = {True: 4.0, False: 1.0}
-"""Longest step times the `fastest_rate`, that of a motion which no rotor drives. The 8th-order
-method damps it then, and is unstable from 5 on."""
+RESOLVED = (1.0, 4.0)
+"""Longest step times the `fastest_rate`, that of a motion which no rotor drives, of an engine and
+of the reference. The 8th-order method damps it then, and is unstable from 5 on."""
 
 
 def fastest_rate(p: RotorPendulum) -> Any:
@@ -46,27 +43,19 @@ def fastest_rate(p: RotorPendulum) -> Any:
     return np.maximum(np.maximum(vibration, motor), trace(c.damping, c.rod_damping))
 
 
-DOUBLINGS = 12
-"""Most of the least number of steps."""
-
-
-def step_counts(points: Points, spans: Array, least: Mapping[bool, int], shortest: int) -> Ints:
-    """Return the numbers of equal steps over spans (k,) [s]: a power of two times the least.
+def step_counts(points: Points, spans: Array, least: tuple[int, int], shortest: int) -> Ints:
+    """Return the numbers of equal steps over spans (k,) [s].
 
     Parameters
     ----------
     points : Points
     spans : array (k,)
-    least : mapping of bool to int
-        By whether the reference takes them or an engine.
+    least : (int, int)
+        Of an engine and of the reference.
     shortest : int
         The least where ``points.step`` tells the longest step.
     """
     reference = points.engine == REFERENCE
     (fastest,) = columns(points, fastest_rate(points.parameters))
-    longest, fewest = RESOLVED[reference] / np.maximum(fastest, 1e-300), least[reference]
-    if points.step is not None:
-        longest, fewest = np.full(len(points), points.step), shortest
-    points.refuse_step(spans / (fewest << DOUBLINGS))
-    doublings = np.ceil(np.log2(np.maximum(spans / longest / fewest, 1.0)) - 1e-9)
-    return fewest * 2 ** np.minimum(doublings, DOUBLINGS).astype(int)
+    fewest = least[reference] if points.step is None else shortest
+    return points.step_counts(spans, RESOLVED[reference] / np.maximum(fastest, 1e-300), fewest)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,8 +14,9 @@ from ....reference.rotor_pendulum.phase import mean_phase, phase_rate, wrapped
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ..bounds import difference, with_bounds
+from ..orbit_map import Ints
 from ..quantity import Flow, Points, QuantityValues, Variable
-from .steps import NUDGE, Ints, columns, step_counts
+from .steps import NUDGE, columns, step_counts
 
 OUTCOMES = ("synchronised", "not synchronised", "undecided")
 
@@ -33,23 +35,37 @@ SYNC = with_bounds(
 )
 
 
-SAMPLES_PER_TURN = 10
-START_UP = 10
-"""Turns that the rotors are given to start; `outcome` must watch 8/rate, 40 turns at least."""
+class SyncOptions(NamedTuple):
+    """How long runs from rest are followed.
 
-LOOKS = (1.05, 1.6, 2.4, 3.6, 5.4, 8.1)
-"""When a run is looked at, in times what must be watched: from rest the rotors may start
-beside the unstable phase. A run that is undecided then is left so."""
+    Attributes
+    ----------
+    samples : int
+        In a turn.
+    start_up : int
+        Turns that the rotors are given to start; `outcome` must watch 8/rate, 40 turns at least.
+    looks : tuple[float, ...]
+        When a run is looked at, in times what must be watched: from rest the rotors may start
+        beside the unstable phase. A run that is undecided then is left so.
+    max_turns : int
+        Where a run ends, undecided if it is so then: 16 s by default. Where the first look would
+        come later, a run of `chunk` turns only tells whether both rotors start.
+    chunk : int
+        Turns between two questions whether a run may end.
+    steps : (int, int)
+        Least steps from sample to sample, of an engine and of the reference.
+    """
 
-MOST_TURNS = 400
-"""Where a run ends, undecided if it is so then: 16 s by default. Where the first look would
-come later, a run of `CHUNK` turns only tells whether both rotors start."""
+    samples: int = 10
+    start_up: int = 10
+    looks: tuple[float, ...] = (1.05, 1.6, 2.4, 3.6, 5.4, 8.1)
+    max_turns: int = 400
+    chunk: int = 40
+    steps: tuple[int, int] = (4, 2)
 
-CHUNK = 40
-"""Turns between two questions whether a run may end."""
 
-ROUGH = {True: 2, False: 4}
-"""Least steps from sample to sample, by whether the reference takes them or an engine."""
+OPTIONS = SyncOptions()
+
 
 SEEN = ("phi_1", "phi_2", "phi_1_dot", "phi_2_dot")
 
@@ -90,24 +106,24 @@ class RunFromRest:
     @property
     def end(self) -> tuple[float, float]:
         """Phase difference [rad] and mean speed [rad/s] over the last turns."""
-        last = np.concatenate(self.seen, axis=1)[:, -SAMPLES_PER_TURN * CHUNK :]
+        last = np.concatenate(self.seen, axis=1)[:, -OPTIONS.samples * OPTIONS.chunk :]
         return mean_phase(last[0] - last[1]), float(np.mean(last[2:]))
 
 
 def sync(points: Points) -> QuantityValues:
     """What the start from rest ends in: synchronised, not, or undecided.
 
-    A run lasts until `mbcheck.reference.rotor_pendulum.outcome.outcome` decides, up to `LOOKS` of
-    the time that it must be watched for, or `MOST_TURNS`. A second run starts with rotor 1
+    A run lasts until `mbcheck.reference.rotor_pendulum.outcome.outcome` decides, up to the last of
+    the looks, or the most turns. A second run starts with rotor 1
     `NUDGE` ahead and takes half the steps' length; where it ends otherwise, or the first
     undecided, the class is not robust.
     """
     count = len(points)
     flow = Flow(points, points.scene.variants.get(points.model, points.scene))
-    spacing = columns(points, period(points.parameters))[0] / SAMPLES_PER_TURN
+    spacing = columns(points, period(points.parameters))[0] / OPTIONS.samples
     starts = np.zeros((8, 2 * count))
     starts[points.scene.coordinates.index("phi_1"), count:] = NUDGE
-    steps = step_counts(points, spacing, ROUGH, 1)
+    steps = step_counts(points, spacing, OPTIONS.steps, 1)
     runs = _run(flow, starts, np.tile(spacing, 2), np.concatenate([steps, 2 * steps]))
     ends = np.array([OUTCOMES.index(run.ends or "undecided") for run in runs])
     kind, other = ends[:count], ends[count:]
@@ -139,8 +155,10 @@ def _looks(points: Points) -> Array:
     with np.errstate(divide="ignore"):
         (watch,) = columns(points, 8 / phase_rate(p) / period(p))
     watch = np.where(watch > 0, np.maximum(watch, 40), np.inf)
-    looks = START_UP + np.outer(LOOKS, watch)
-    return np.where(looks[0] > MOST_TURNS, CHUNK, np.minimum(looks, MOST_TURNS))
+    looks = OPTIONS.start_up + np.outer(OPTIONS.looks, watch)
+    return np.where(
+        looks[0] > OPTIONS.max_turns, OPTIONS.chunk, np.minimum(looks, OPTIONS.max_turns)
+    )
 
 
 def _run(flow: Flow, states: Array, spacing: Array, steps: Ints) -> list[RunFromRest]:
@@ -171,12 +189,12 @@ def _run(flow: Flow, states: Array, spacing: Array, steps: Ints) -> list[RunFrom
         path = flow(
             active % count,
             states[:, active],
-            turns * SAMPLES_PER_TURN * spacing[active],
+            turns * OPTIONS.samples * spacing[active],
             spacing[active],
-            CHUNK * SAMPLES_PER_TURN,
+            OPTIONS.chunk * OPTIONS.samples,
             steps[active],
         )
-        turns += CHUNK
+        turns += OPTIONS.chunk
         states[:, active] = path[..., -1]
         for run, part in zip((runs[row] for row in active), path.swapaxes(0, 1), strict=True):
             run.seen.append(part[seen])

@@ -42,25 +42,54 @@ REGIMES = ("rest", "coexistence", "rotation", "none", "undecided")
 settle than was waited for."""
 
 TURN = 2 * np.pi
-SHIFT = 1e-3
-"""Of a perturbed torque (theory), and of a perturbed speed at the start of a run."""
 
 
-ESCAPE_FROM, ESCAPE_TO = 1e-4, 0.3
-"""Between these distances from a saddle [rad] the steps grow as the distance does."""
-ESCAPE_STEPS, TURN_STEPS = 64, 96
-CLEAR = 1e-6
-"""Energy left after a turn, over the largest on its way, that tells it from none."""
-BISECTIONS = 60
-NODES = (64, 256, 1024)
-"""Of the collocation of a limit cycle; what the last do not resolve, `theory` solves."""
-TOLERANCES = (1e-12, 1e-9)
-"""Of `theory` there: the second tells the error of the first."""
-MOST_ITERATIONS = 16
-FIRST_ROOM = 1.05
-"""Least kinetic energy of the first guess, over what the spring takes of its mean."""
-CLOSED, RESOLVED = 1e-10, 1e-11
-"""Relative change by Newton's last step, and highest harmonics of log T."""
+class CycleOptions(NamedTuple):
+    """How limit cycles are solved for over the crank angle.
+
+    Attributes
+    ----------
+    shift : float
+        Of a perturbed torque, and of a perturbed speed at the start of a run, relative.
+    escape : tuple[float, float]
+        Between these distances from a saddle [rad] the steps grow as the distance does.
+    escape_steps : int
+        Steps there.
+    turn_steps : int
+        Steps over the rest of a turn.
+    clear : float
+        Energy left after a turn, over the largest on its way, that tells it from none.
+    bisections : int
+        Of an arc on which a saddle lies.
+    nodes : tuple[int, ...]
+        Of the collocation of a limit cycle; what the last do not resolve, `theory` solves.
+    tolerances : tuple[float, float]
+        Of `theory` there: the second tells the error of the first.
+    max_iterations : int
+        Of Newton's method.
+    first_room : float
+        Least kinetic energy of the first guess, over what the spring takes of its mean.
+    tolerance : float
+        Relative change by Newton's last step.
+    resolved : float
+        Largest of the highest harmonics of log T, relative.
+    """
+
+    shift: float = 1e-3
+    escape: tuple[float, float] = (1e-4, 0.3)
+    escape_steps: int = 64
+    turn_steps: int = 96
+    clear: float = 1e-6
+    bisections: int = 60
+    nodes: tuple[int, ...] = (64, 256, 1024)
+    tolerances: tuple[float, float] = (1e-12, 1e-9)
+    max_iterations: int = 16
+    first_room: float = 1.05
+    tolerance: float = 1e-10
+    resolved: float = 1e-11
+
+
+OPTIONS = CycleOptions()
 
 
 class Turn(NamedTuple):
@@ -108,24 +137,28 @@ def from_saddle(saddle: Array, c: Coefficients, share: int) -> Turn:
     moment, damping = inertia(at, c), c.damping * at.y_phi**2
     softness = -static_stiffness(saddle, c)
     rate = 2 * softness / (damping + np.sqrt(damping**2 + 4 * moment * softness))
-    start = np.stack([moment * (rate * ESCAPE_FROM) ** 2 / 2, 0 * saddle, 0 * saddle])
+    start = np.stack([moment * (rate * OPTIONS.escape[0]) ** 2 / 2, 0 * saddle, 0 * saddle])
     slopes = rates(c)
 
     def stretched(stretch: Any, x: Any) -> Any:
-        away = ESCAPE_FROM * np.exp(stretch)
+        away = OPTIONS.escape[0] * np.exp(stretch)
         return away * slopes(saddle + away, x)
 
-    span = np.log(ESCAPE_TO / ESCAPE_FROM)
-    first = walked(stretched, start, 0.0, span, ESCAPE_STEPS // share)
+    span = np.log(OPTIONS.escape[1] / OPTIONS.escape[0])
+    first = walked(stretched, start, 0.0, span, OPTIONS.escape_steps // share)
     second = walked(
-        slopes, first[0], saddle + ESCAPE_TO, saddle + TURN - ESCAPE_TO, TURN_STEPS // share
+        slopes,
+        first[0],
+        saddle + OPTIONS.escape[1],
+        saddle + TURN - OPTIONS.escape[1],
+        OPTIONS.turn_steps // share,
     )
 
     def gathered(stretch: Any, x: Any) -> Any:
-        left = ESCAPE_TO * np.exp(-stretch)
+        left = OPTIONS.escape[1] * np.exp(-stretch)
         return left * slopes(saddle + TURN - left, x)
 
-    third = walked(gathered, second[0], 0.0, span, ESCAPE_STEPS // share)
+    third = walked(gathered, second[0], 0.0, span, OPTIONS.escape_steps // share)
     lowest = np.minimum(second[1], third[1])
     largest = np.maximum.reduce([first[2], second[2], third[2]])
     return Turn(third[0][0], lowest, largest, third[0][1], third[0][2])
@@ -164,7 +197,7 @@ def saddles_of(points: Points) -> tuple[Flags, NDArray[np.int_], Array]:
             below = static_torque(ends, c) < c.torque
             inside = below[0] != below[1]
             rows, c, ends = rows[inside], coefficients_at(c, inside), ends[:, inside]
-            for _ in range(BISECTIONS):
+            for _ in range(OPTIONS.bisections):
                 middle = np.mean(ends, axis=0)
                 lower = (static_torque(middle, c) < c.torque) == below[0, inside]
                 ends = np.where([lower, ~lower], middle, ends)
@@ -188,7 +221,7 @@ def theory_regimes(points: Points) -> NDArray[np.int_]:
         fine, rough = (from_saddle(angles, c, share) for share in (1, 2))
         error = np.maximum(abs(fine.energy - rough.energy), abs(fine.lowest - rough.lowest))
         clear = np.minimum(abs(fine.energy), abs(fine.lowest)) > np.maximum(
-            10 * error, CLEAR * fine.largest
+            10 * error, OPTIONS.clear * fine.largest
         )
     round_ = clear & (fine.energy > 0) & (fine.lowest > 0)
     turns[which[round_]] = True
@@ -209,7 +242,7 @@ def theory_regime(points: Points) -> QuantityValues:
     p = points.parameters
     others = [
         theory_regimes(replace(points, parameters=p.replace(torque=p.torque * factor)))
-        for factor in (1 - SHIFT, 1 + SHIFT)
+        for factor in (1 - OPTIONS.shift, 1 + OPTIONS.shift)
     ]
     robust = np.all([other == regime for other in others], axis=0)
     return QuantityValues({"regime": regime, "robust": robust.astype(int)})
@@ -232,7 +265,7 @@ def rotations(points: Points) -> LimitCycles:
     starts, means, multipliers, bounds = (np.full(len(points), np.nan) for _ in range(4))
     left = np.flatnonzero(np.isin(theory_regimes(points), (1, 2)))
     guess = np.broadcast_to(mean_speed(points.parameters), len(points))
-    for nodes in NODES:
+    for nodes in OPTIONS.nodes:
         c = coefficients_at(coefficients(points.parameters), left)
         speed, exponent, good = collocated(guess[left], c, nodes)
         done, speed = left[good], speed[good]
@@ -245,7 +278,7 @@ def rotations(points: Points) -> LimitCycles:
         left = left[~good]
     for i in map(int, left):
         with suppress(NoOrbitError):
-            cycle, rough = (theory.rotation(points.one(i), size) for size in TOLERANCES)
+            cycle, rough = (theory.rotation(points.one(i), size) for size in OPTIONS.tolerances)
             starts[i], means[i] = cycle.start_speed, cycle.mean_speed
             multipliers[i] = cycle.multiplier
             bounds[i] = difference(means[i], rough.mean_speed) + ROUNDING * cycle.sensitivity
@@ -269,12 +302,12 @@ def collocated(guess: Array, c: Coefficients, nodes: int) -> tuple[Array, Array,
     mean = np.mean(spring, axis=1, keepdims=True)
     room = np.max(spring, axis=1, keepdims=True) - mean
     level = np.mean(moment, axis=1, keepdims=True) * guess[:, None] ** 2 / 2
-    energy = np.maximum(level, FIRST_ROOM * room) + mean - spring
+    energy = np.maximum(level, OPTIONS.first_room * room) + mean - spring
     order = np.arange(nodes // 2 + 1)
     slope = np.where(order < nodes // 2, 1j * order, 0)
     done = np.zeros(len(guess), dtype=bool)
     with np.errstate(all="ignore"):
-        for _ in range(MOST_ITERATIONS):
+        for _ in range(OPTIONS.max_iterations):
             speed = np.sqrt(2 * energy / moment)
             residual = drive - damping * speed
             residual = residual - np.fft.irfft(slope * np.fft.rfft(energy), nodes)
@@ -283,11 +316,11 @@ def collocated(guess: Array, c: Coefficients, nodes: int) -> tuple[Array, Array,
             change = np.fft.rfft(total * residual) / (rate[:, :1].real / nodes + 1j * order)
             step = np.fft.irfft(change, nodes) / total
             energy = np.maximum(energy + step, energy / 10)
-            done = np.all(abs(step) < CLOSED * energy, axis=1)
+            done = np.all(abs(step) < OPTIONS.tolerance * energy, axis=1)
             if np.all(done):
                 break
         harmonics = abs(np.fft.rfft(np.log(energy), axis=1))
-        resolved = np.max(harmonics[:, -nodes // 8 :], axis=1) < RESOLVED * nodes
+        resolved = np.max(harmonics[:, -nodes // 8 :], axis=1) < OPTIONS.resolved * nodes
         speed = np.sqrt(2 * energy / moment)
         exponent = -TURN * np.mean(damping / (moment * speed), axis=1)
     return speed, exponent, done & resolved

@@ -25,9 +25,9 @@ from ....reference.speed_regulator.equations import (
 from ....reference.speed_regulator.motions import static_torque
 from ...engines.registry import REFERENCE
 from ..quantity import NO_VALUE, Flow, Points, QuantityValues, engine_setup
+from . import limit_cycles
 from .limit_cycles import (
     REGIMES,
-    SHIFT,
     TURN,
     Flags,
     regimes_of,
@@ -35,26 +35,53 @@ from .limit_cycles import (
     speed_values,
 )
 
-STEPS_PER_TURN = {1: 1024, 2: 256, 4: 64, 8: 32}
-"""By the order of the method, at the fastest speed of the turn."""
-SAMPLES = 32
-"""Per turn, between which the passing of phi = 0 is interpolated."""
-CHUNKS = 12
-"""Times the expected duration that is waited for turns."""
-FAST = 1.01
-"""Speed at the start over that of the guess."""
-TURNS_SEEN = 3
-MOST_ROUNDS = 60
-STEADY = 0.02
-"""Largest relative change of the speed still to come of a rotation that counts as settled."""
-SWING_SAMPLES = 12
-"""Of a released crank, each half a unit of its time from the next; a turn takes it several."""
-SWINGS = 6
-CLOSED_TURN = 1e-8
-"""Relative change of the speed still to come of a rotation that counts as passed."""
-MOST_JUMPS = 12
-STEEPER = 4.0
-"""How many times more or less than the theory's an engine's turn may gain with its speed."""
+
+class RunOptions(NamedTuple):
+    """How cranks are simulated.
+
+    Attributes
+    ----------
+    steps_per_turn : tuple of (int, int)
+        Orders of methods, and the steps of each at the fastest speed of the turn.
+    samples : int
+        Per turn, between which the passing of phi = 0 is interpolated.
+    chunks : int
+        Times the expected duration that is waited for turns.
+    fast : float
+        Speed at the start over that of the guess.
+    turns : int
+        Turns of a round.
+    max_rounds : int
+        Rounds until turns have settled.
+    steady : float
+        Largest relative change of the speed still to come of a rotation that counts as settled.
+    swing_samples : int
+        Of a released crank, each half a unit of its time from the next; a turn takes it several.
+    max_swings : int
+        Rounds of these samples.
+    tolerance : float
+        Relative change of the speed still to come of a rotation that counts as passed.
+    max_iterations : int
+        Of the secant method.
+    steeper : float
+        How many times more or less than the theory's an engine's turn may gain with its speed.
+    """
+
+    steps_per_turn: tuple[tuple[int, int], ...] = ((8, 32), (4, 64), (2, 256), (1, 1024))
+    samples: int = 32
+    chunks: int = 12
+    fast: float = 1.01
+    turns: int = 3
+    max_rounds: int = 60
+    steady: float = 0.02
+    swing_samples: int = 12
+    max_swings: int = 6
+    tolerance: float = 1e-8
+    max_iterations: int = 12
+    steeper: float = 4.0
+
+
+OPTIONS = RunOptions()
 
 
 @dataclass(frozen=True)
@@ -100,7 +127,7 @@ def runs(points: Points) -> Runs:
             order = min(setup.integrator.order, 8)
             if points.step is None:
                 longest[i] = setup.stable_step_bound
-    per_turn = STEPS_PER_TURN[max(known for known in STEPS_PER_TURN if known <= order)]
+    per_turn = next(steps for least, steps in OPTIONS.steps_per_turn if order >= least)
     return Runs(points, Flow(points, points.scene), longest, per_turn)
 
 
@@ -128,12 +155,12 @@ def turns_from(run: Runs, which: NDArray[np.int_], speed: Array, count: int) -> 
     c = coefficients_at(coefficients(run.points.parameters), which)
     spring = c.stiffness * (position(0.0, c).y - c.rest) ** 2
     fastest = np.sqrt(speed**2 + (spring + 2 * TURN * abs(c.torque)) / inertia(position(0, c), c))
-    spacing = TURN / fastest / SAMPLES
-    samples = (count + 1) * SAMPLES
+    spacing = TURN / fastest / OPTIONS.samples
+    samples = (count + 1) * OPTIONS.samples
     paths = [np.stack([0 * speed, speed])[:, :, None]]
     stopped, going = np.zeros(len(which), dtype=bool), np.ones(len(which), dtype=bool)
-    steps = max(1, run.per_turn // SAMPLES)
-    for rows in rounds(going, CHUNKS):
+    steps = max(1, run.per_turn // OPTIONS.samples)
+    for rows in rounds(going, OPTIONS.chunks):
         path = np.full((2, len(which), samples), np.nan)
         path[:, rows] = run(which[rows], paths[-1][:, rows, -1], spacing[rows], samples, steps)
         paths.append(path)
@@ -174,7 +201,7 @@ def settled(times: Array) -> Flags:
     before, now = np.moveaxis(abs(np.diff(speeds, axis=1))[:, -2:], 1, 0)
     with np.errstate(all="ignore"):
         ratio = np.where(before > now, now / before, 0.0)
-        return np.asarray(now / (1 - ratio) < STEADY * speeds[:, -1], dtype=bool)
+        return np.asarray(now / (1 - ratio) < OPTIONS.steady * speeds[:, -1], dtype=bool)
 
 
 def keeps_turning(run: Runs) -> tuple[Flags, Flags]:
@@ -189,11 +216,11 @@ def keeps_turning(run: Runs) -> tuple[Flags, Flags]:
     known = rotations(run.points).start_speed
     guesses = run.points.scene.orbit.guesses(p)
     guess = np.broadcast_to(np.maximum(guesses[1][1], guesses[3][1]), number)
-    speed = FAST * (1 + run.perturbation) * np.where(np.isfinite(known), known, guess)
+    speed = OPTIONS.fast * (1 + run.perturbation) * np.where(np.isfinite(known), known, guess)
     turns, slow, open_ = (np.zeros(number, dtype=bool) for _ in range(3))
     open_ |= driven
-    for rows in rounds(open_, MOST_ROUNDS):
-        passed = turns_from(run, rows, speed[rows], TURNS_SEEN)
+    for rows in rounds(open_, OPTIONS.max_rounds):
+        passed = turns_from(run, rows, speed[rows], OPTIONS.turns)
         arrived = np.isfinite(passed.speeds[:, -1])
         steady = arrived & settled(passed.times)
         turns[rows[steady]] = True
@@ -216,8 +243,8 @@ def can_rest(run: Runs) -> tuple[Flags, Flags]:
     unit = np.sqrt(c.inertia / np.maximum(abs(c.torque), c.stiffness * c.radius**2 + 1e-300))
     state = np.stack([hardest, forward * run.perturbation / unit])
     rests, open_ = np.zeros(number, dtype=bool), np.ones(number, dtype=bool)
-    for rows in rounds(open_, SWINGS):
-        path = run(rows, state[:, rows], unit[rows] / 2, SWING_SAMPLES, run.per_turn // 8)
+    for rows in rounds(open_, OPTIONS.max_swings):
+        path = run(rows, state[:, rows], unit[rows] / 2, OPTIONS.swing_samples, run.per_turn // 8)
         back = np.any(forward[rows, None] * path[1] < 0, axis=1)
         away = np.any(abs(path[0] - hardest[rows, None]) >= TURN, axis=1)
         rests[rows] = back & ~away
@@ -240,7 +267,7 @@ def simulated_regime(points: Points) -> QuantityValues:
     """Return the regime by runs, and whether perturbed ones with halved steps end in the same."""
     run = runs(points)
     regime = simulated_regimes(run)
-    other = simulated_regimes(replace(run, finer=2, perturbation=SHIFT))
+    other = simulated_regimes(replace(run, finer=2, perturbation=limit_cycles.OPTIONS.shift))
     return run.flow.values({"regime": regime, "robust": (other == regime).astype(int)})
 
 
@@ -251,17 +278,17 @@ def simulated_speed(points: Points) -> QuantityValues:
     slope = -(1 - known.multiplier) * np.maximum(known.multiplier, 0.5) ** 2
     before = np.full((2, len(points)), np.nan)
     open_ = np.isfinite(speed)
-    for rows in rounds(open_, MOST_JUMPS):
+    for rows in rounds(open_, OPTIONS.max_iterations):
         passed = turns_from(run, rows, speed[rows], 3)
         gain = passed.speeds[:, 3] - passed.speeds[:, 2]
-        done = abs(gain) < CLOSED_TURN * (1 - known.multiplier[rows]) * speed[rows]
+        done = abs(gain) < OPTIONS.tolerance * (1 - known.multiplier[rows]) * speed[rows]
         means[rows] = np.where(done, TURN / (passed.times[:, 3] - passed.times[:, 2]), np.nan)
         with np.errstate(all="ignore"):
             secant = (gain - before[1, rows]) / (speed[rows] - before[0, rows])
         steep = (
             np.isfinite(secant)
-            & (secant < slope[rows] / STEEPER)
-            & (secant > STEEPER * slope[rows])
+            & (secant < slope[rows] / OPTIONS.steeper)
+            & (secant > OPTIONS.steeper * slope[rows])
         )
         slope[rows] = np.where(steep, secant, slope[rows])
         before[:, rows] = speed[rows], gain

@@ -10,7 +10,7 @@ from mbcheck.comparisons.maps.request import axis_names
 from mbcheck.comparisons.scenes.hula_hoop import motion
 from mbcheck.comparisons.scenes.quantity import Points
 from mbcheck.comparisons.scenes.rotor_pendulum.steps import fastest_rate
-from mbcheck.comparisons.scenes.rotor_pendulum.synchronism import OUTCOMES, SAMPLES_PER_TURN, sync
+from mbcheck.comparisons.scenes.rotor_pendulum.synchronism import OPTIONS, OUTCOMES, sync
 from mbcheck.reference import get_scene
 from mbcheck.reference.rotor_pendulum.equations import period
 from mbcheck.tests.support.exact import orbits as exact
@@ -41,7 +41,7 @@ def hoops(count: int, spread: float, damping: float) -> Points:
     ("count", "spread", "damping", "window"),
     [
         pytest.param(10, 0.05, 4.0, 60, marks=pytest.mark.slow),
-        pytest.param(80, 0.15, 1.0, motion.WINDOW, marks=pytest.mark.campaign),
+        pytest.param(80, 0.15, 1.0, motion.OPTIONS.window, marks=pytest.mark.campaign),
     ],
 )
 def test_hoops_come_to_what_is_said(count: int, spread: float, damping: float, window: int) -> None:
@@ -108,7 +108,7 @@ def test_rotors_synchronise_as_is_said(count: int) -> None:
     """An eighth of the time longer than the map watched them, and with its numbers at its end."""
     points = rotors(count)
     found = sync(points).values
-    spacing = np.broadcast_to(period(points.parameters), count) / SAMPLES_PER_TURN
+    spacing = np.broadcast_to(period(points.parameters), count) / OPTIONS.samples
     ends = np.rint(found["duration"] / spacing).astype(int)
     steps = np.ceil(np.broadcast_to(fastest_rate(points.parameters), count) * spacing).astype(int)
     shares: dict[str, list[float]] = {"phase_difference": [], "mean_speed": []}

@@ -23,9 +23,7 @@ from mbcheck.comparisons.scenes.hula_hoop.motion import (
     LABELS,
     MOTION_VARIABLES,
     MOTIONS,
-    OFF,
-    SAMPLES,
-    WINDOW,
+    OPTIONS,
     described,
     motion,
 )
@@ -199,8 +197,8 @@ def test_undamped_resonance_is_no_crash() -> None:
 
 def window(theta: Any, y: Any, sign: int = 1) -> dict[str, Any]:
     """What `described` makes of theta(s) and y(s), s in periods of a 1 rad/s force."""
-    count = WINDOW * SAMPLES
-    phase = 2 * np.pi * np.arange(count + 1) / SAMPLES
+    count = OPTIONS.window * OPTIONS.samples
+    phase = 2 * np.pi * np.arange(count + 1) / OPTIONS.samples
     step = 1e-5
     rows = [
         y(phase),
@@ -318,7 +316,7 @@ def test_what_the_check_leads_elsewhere_is_not_robust(monkeypatch: pytest.Monkey
     assert found.values["robust"].tolist() == [1, 0, 0]
     assert found.values["motion"].tolist() == [0, 0, 4]
     assert np.isfinite(found.values["turns_bound"]).tolist() == [True, False, False]
-    assert asked == [(0.0, 1), (OFF, 2)]
+    assert asked == [(0.0, 1), (OPTIONS.off, 2)]
 
 
 @pytest.mark.slow

@@ -13,11 +13,11 @@ from mpmath import mp
 
 from mbcheck.comparisons.engines.registry import REFERENCE
 from mbcheck.comparisons.maps.request import quantities
-from mbcheck.comparisons.scenes.bounds import refined_steps
-from mbcheck.comparisons.scenes.hula_hoop.floquet import rotation_values, two_searches
-from mbcheck.comparisons.scenes.quantity import Flow, Points, QuantityValues
+from mbcheck.comparisons.scenes.hula_hoop.floquet import rotation_values
+from mbcheck.comparisons.scenes.hula_hoop.floquet import rotations as rotations_of
+from mbcheck.comparisons.scenes.quantity import Points, QuantityValues
 from mbcheck.comparisons.scenes.rotor_pendulum.maps import coupling
-from mbcheck.comparisons.scenes.rotor_pendulum.phase import closed_orbit_values, orbits_of
+from mbcheck.comparisons.scenes.rotor_pendulum.phase import orbit_values, orbits_of
 from mbcheck.comparisons.scenes.speed_regulator.limit_cycles import rotations, speed_values
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.orbits import period_advance, section_row
@@ -75,11 +75,11 @@ def true_orbits(
 
 def floquet_errors(count: int, seed: int, spread: float) -> tuple[QuantityValues, Truth]:
     points = drawn("hula_hoop", count, seed, spread)
-    flow, coarse, fine, steps = two_searches(points)
-    found = rotation_values(points, flow, coarse, fine, steps)
-    which, number = np.flatnonzero(fine.exists), 192
+    maps, orbits = rotations_of(points)
+    found = rotation_values(maps, orbits)
+    which, number = np.flatnonzero(orbits.closed), 192
     samples, period, multipliers = true_orbits(
-        points, which, fine.states[:, which], flow.period[which], number
+        points, which, orbits.states[:, which], maps.periods[which], number
     )
     phase = 2 * exact.PI * np.arange(number) / number
     swing = samples[:, 1] - phase
@@ -96,9 +96,8 @@ def floquet_errors(count: int, seed: int, spread: float) -> tuple[QuantityValues
 
 def phase_errors(count: int, seed: int, spread: float) -> tuple[QuantityValues, Truth]:
     points = drawn("rotor_pendulum", count, seed, spread)
-    flow = Flow(points, points.scene)
-    orbits = orbits_of(flow)
-    found, which = closed_orbit_values(flow, orbits), np.flatnonzero(orbits.closed)
+    maps, orbits = orbits_of(points)
+    found, which = orbit_values(maps, orbits), np.flatnonzero(orbits.closed)
     samples, period, multipliers = true_orbits(
         points, which, orbits.states[:, which], orbits.periods[which], 192
     )
@@ -183,6 +182,10 @@ BY_HAND = ("phase", 0.05), ("mean_speed", 0.05)
 MEDIAN = 150.0
 """Largest median of bound over error: of mean speeds, whose only error is rounding."""
 
+ROUNDED = 1e-11
+"""Median error below which numbers are exact to rounding: the bounds of multipliers are norms, 1e5
+times that."""
+
 
 @EXTENDED
 @pytest.mark.parametrize(
@@ -211,21 +214,20 @@ def test_drawn_points_keep_their_bounds(route: str, count: int, spread: float) -
         )
         assert len(pairs) > 0.9 * len(rows)
         assert shares.max() <= 1
-        assert count < 60 or median < MEDIAN
+        assert count < 60 or median < MEDIAN or np.median(pairs[:, 0]) < ROUNDED
 
 
 @pytest.mark.parametrize("steps", [16, 24, 48])
 def test_the_second_run_is_better_by_its_order(steps: int) -> None:
-    """What the bounds take for granted: a factor of 2; the method's order 8 has 25."""
+    """What the bounds take for granted: a factor of 2; the method's order 8 has 255."""
     scene = get_scene("hula_hoop")
     derivative, x = scene.right_hand_side(scene.parameters()), np.array([0.1, 0.2, 0.3, 4.0])
     truth = rk8_steps(derivative, x, 0.0, 0.2, 200)
     first, second = (
-        np.max(np.abs(rk8_steps(derivative, x, 0.0, 0.2, n) - truth))
-        for n in (steps, int(refined_steps(steps)))
+        np.max(np.abs(rk8_steps(derivative, x, 0.0, 0.2, n) - truth)) for n in (steps, 2 * steps)
     )
     assert second < first / 2
-    assert first < 1e-13 or second < first / 8
+    assert first < 1e-12 or second < first / 64
 
 
 def test_real_variables_have_bounds() -> None:

@@ -10,17 +10,15 @@ import pytest
 
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.queries.simulate import simulate
-from mbcheck.comparisons.scenes.quantity import NO_VALUE, Flow, Points, QuantityValues
+from mbcheck.comparisons.scenes.quantity import NO_VALUE, Points, QuantityValues
 from mbcheck.comparisons.scenes.rotor_pendulum import phase
 from mbcheck.comparisons.scenes.rotor_pendulum.maps import AXES, QUANTITIES
 from mbcheck.comparisons.scenes.rotor_pendulum.phase import (
     NONE,
     PHASES,
-    SAMPLES,
     SYNPHASE,
     UNSTABLE,
     orbits_of,
-    steps_per_turn,
 )
 from mbcheck.comparisons.scenes.rotor_pendulum.synchronism import OUTCOMES
 from mbcheck.reference.errors import ParameterError
@@ -148,9 +146,8 @@ def test_orbits_are_those_of_shooting() -> None:
 def test_orbits_close_and_balance_their_power() -> None:
     """An identity that no shooting knows: what motors and dampers do adds up to nothing."""
     where = grid(4, beta=0.0, model="exact")
-    flow = Flow(where, SCENE)
-    steps = steps_per_turn(where)
-    orbits = orbits_of(flow)
+    maps, orbits = orbits_of(where)
+    flow, steps = maps.flow, maps.steps
     rows = np.flatnonzero(orbits.closed)
     assert 7 < len(rows) < 16
     for i in rows:
@@ -220,7 +217,7 @@ def test_a_failing_engine_leaves_no_value(monkeypatch: pytest.MonkeyPatch) -> No
     stiff = at(CASE_2, n_x=0.01)
     where = points([CASE_2, stiff], "mujoco", None, step=1.3e-3)
     unstable = replace(where, method="RK4")
-    monkeypatch.setattr(phase, "step_counts", lambda where, *_: np.full(len(where), SAMPLES))
+    monkeypatch.setattr(phase, "step_counts", lambda where, *_: np.full(len(where), phase.SAMPLES))
     found = evaluate("phase", unstable)
     assert list(found.problems) == [1]
     assert found.values["class"][1] == NO_VALUE

@@ -14,7 +14,6 @@ from mbcheck.reference import get_scene
 from mbcheck.reference.continuation.bifurcations import (
     DOUBLING,
     FOLD,
-    HOMOCLINIC,
     LINE,
     NEIMARK_SACKER,
     BifurcationCurve,
@@ -23,9 +22,8 @@ from mbcheck.reference.continuation.bifurcations import (
     ParameterWindow,
     bialternate,
     bifurcation_function,
-    end_beyond,
     kind_beyond,
-    meets,
+    margin,
     reference_flow,
 )
 from mbcheck.reference.continuation.curve import correct, tangent_of
@@ -243,24 +241,22 @@ def test_a_closed_curve_is_seen_as_one() -> None:
 
 
 def test_which_curve_begins_where_two_bifurcations_meet() -> None:
-    assert kind_beyond("resonance_1_1", NEIMARK_SACKER) == FOLD
-    assert kind_beyond("resonance_1_2", NEIMARK_SACKER) == DOUBLING
-    assert kind_beyond("with_fold", FOLD) == NEIMARK_SACKER
-    assert kind_beyond("with_fold", DOUBLING) == FOLD
-    assert end_beyond("resonance_1_1", NEIMARK_SACKER) == "with_fold"
-    assert end_beyond("resonance_1_2", NEIMARK_SACKER) == "with_period_doubling"
-    assert end_beyond("with_fold", FOLD) == "resonance_1_1"
-    assert end_beyond("with_fold", HOMOCLINIC) == "with_fold"
-    assert end_beyond("with_period_doubling", DOUBLING) == "resonance_1_2"
-    assert end_beyond("with_fold", DOUBLING) == "with_period_doubling"
-    assert end_beyond("with_neimark_sacker", DOUBLING) == "with_period_doubling"
-    assert end_beyond("with_neimark_sacker", NEIMARK_SACKER) == "with_neimark_sacker"
+    def at(critical: complex, *others: complex) -> Any:
+        return SimpleNamespace(critical=critical, others=np.array(others))
 
-    def at(*others: complex) -> Any:
-        return SimpleNamespace(critical=-1.0, others=np.array(others))
-
-    assert meets(DOUBLING, at(0.9, 0.1), at(1.1, 0.1)) == "with_fold"
-    assert meets(DOUBLING, at(0.9, 0.1), at(0.95, 0.1)) is None
+    assert kind_beyond(NEIMARK_SACKER, at(1.0, 0.3)) == FOLD
+    assert kind_beyond(NEIMARK_SACKER, at(-1.0, 0.3)) == DOUBLING
+    assert kind_beyond(NEIMARK_SACKER, at(0.6 + 0.8j, 1.0, 0.3)) == FOLD
+    assert kind_beyond(NEIMARK_SACKER, at(0.6 + 0.8j, 0.8 + 0.6j, 0.8 - 0.6j)) == NEIMARK_SACKER
+    assert kind_beyond(FOLD, at(1.0, 1.0, 0.2)) == NEIMARK_SACKER
+    assert kind_beyond(FOLD, at(1.0, -1.0, 0.2)) == DOUBLING
+    assert kind_beyond(DOUBLING, at(-1.0, -1.0, 0.2)) == NEIMARK_SACKER
+    assert kind_beyond(DOUBLING, at(-1.0, 1.0, 0.2)) == FOLD
+    assert kind_beyond(DOUBLING, at(-1.0, 0.6 + 0.8j, 0.6 - 0.8j)) == NEIMARK_SACKER
+    assert margin(DOUBLING, at(-1.0, 0.9, 0.1)) == pytest.approx(0.1)
+    assert margin(DOUBLING, at(-1.0, 1.1, 0.1)) == pytest.approx(-0.1)
+    assert margin(NEIMARK_SACKER, at(0.6 + 0.8j, 0.1)) == pytest.approx(0.8)
+    assert margin(NEIMARK_SACKER, at(2.0, 0.1)) == pytest.approx(-0.5)
     assert BifurcationCurve(LINE, 1).distance(np.zeros(2)) == np.inf
 
 

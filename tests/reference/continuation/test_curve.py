@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mbcheck.reference.continuation.curve import (
-    Control,
+    ContinuationOptions,
     CurveEquations,
     Node,
     between,
@@ -32,8 +32,9 @@ def test_a_circle_is_followed_past_its_turning_points(rule: object, exact: bool)
     equations = CurveEquations(rule, *neighbour)  # type: ignore[arg-type]
     here = Node(np.array([1.0, 0.0]), np.array([0.0, 1.0]), np.empty(0))
     length, angle = 0.1, 0.0
+    options = ContinuationOptions(ds_max=0.1, turn=0.2, max_turn=0.32)
     for _ in range(100):
-        step = step_on(equations, here, length, Control())
+        step = step_on(equations, here, length, options=options)
         assert step is not None
         ahead, length = step
         assert abs(ahead.z @ ahead.z - 1) < 1e-8
@@ -59,10 +60,10 @@ def test_steps_lead_to_no_curve_near_by() -> None:
         None,
         Node(np.array([-2.0, 2.0]), np.array([1.0, -1.0]) / np.sqrt(2), np.empty(0)),
     )
-    control = Control(first=0.04, longest=0.35, turn=0.5)
-    length, count = control.first, 0
+    options = ContinuationOptions(ds=0.04, ds_max=0.35, turn=0.5)
+    length, count = options.ds, 0
     while here.z[0] < 2:
-        step = step_on(CurveEquations(bends), here, length, control, before)
+        step = step_on(CurveEquations(bends), here, length, before, options)
         assert step is not None
         before, (here, length) = here, step
         assert abs(here.z[1] - np.hypot(here.z[0], 0.01)) < 1e-8
@@ -84,7 +85,7 @@ def test_steps_end_where_the_equations_do() -> None:
     here = Node(np.array([0.5, np.sqrt(0.5)]), np.array([0.8, -0.6]), np.empty(0))
     length = 0.1
     for _ in range(200):
-        step = step_on(CurveEquations(ends), here, length, Control())
+        step = step_on(CurveEquations(ends), here, length)
         if step is None:
             break
         here, length = step

@@ -13,7 +13,6 @@ from mbcheck.reference import get_scene
 from mbcheck.reference.continuation.bifurcations import (
     BRANCH_POINT,
     FOLD,
-    HOMOCLINIC,
     NEIMARK_SACKER,
     ParameterWindow,
 )
@@ -121,7 +120,7 @@ def test_a_pitchfork_is_followed_to_where_a_hopf_curve_begins() -> None:
         assert min(abs(a), abs(a + b)) < 1e-9
     assert not places(network, window, FOLD)
     (pitchfork,) = (curve for curve in network.curves if curve.kind == BRANCH_POINT)
-    assert "with_fold" in pitchfork.ends
+    assert "with_neimark_sacker" in pitchfork.ends
 
 
 def test_folds_form_a_cusp() -> None:
@@ -157,13 +156,28 @@ def test_the_cranks_rest_ends_where_the_spring_gives_way() -> None:
             assert max(bounds) < 1e-10
 
 
-@pytest.mark.slow
 def test_the_rotation_ends_at_homoclinic_orbits() -> None:
+    """The curve begins where the least torque comes into the window."""
     scene = get_scene("speed_regulator")
-    network, window = followed(scene, ("damping", 2, 4), ("torque", 0.03, 0.13))
-    (curve,) = places(network, window, HOMOCLINIC)
-    assert sorted(curve[[0, -1], 0]) == pytest.approx([2, 4])
-    for damping, torque, *bounds in curve[len(curve) // 2 :: 99]:
+    window = ParameterWindow(("damping", "torque"), np.array([2.0, 0.06]), np.array([4.0, 0.13]))
+    curve = RestTracer(scene, window.parameters(scene.parameters()), window=window).least_curve(3)
+    assert curve is not None
+    assert curve.ends == ("window", "window")
+    places = np.array([window.low + (window.high - window.low) * p.place for p in curve.points])
+    assert places[0, 1] == pytest.approx(0.06)
+    assert places[1:, 0] == pytest.approx([3, 4])
+    for (damping, torque), point in zip(places, curve.points, strict=True):
         limit = least_torque(SpeedRegulator(damping=damping))
-        assert abs(torque - limit.torque) < max(bounds) + limit.error
-        assert max(bounds) < 1e-8
+        assert abs(torque - limit.torque) < 1e-12
+        assert limit.error <= point.bound[1] * 0.07 * 1.001 < 1e-8
+        assert abs(point.critical) > 1
+        assert not point.unstable
+
+
+@pytest.mark.slow
+def test_the_curve_of_homoclinic_orbits_ends_where_the_saddle_vanishes() -> None:
+    scene = get_scene("speed_regulator")
+    window = ParameterWindow(("damping", "torque"), np.array([48.0, 0.9]), np.array([60.0, 1.2]))
+    curve = RestTracer(scene, window.parameters(scene.parameters()), window=window).least_curve()
+    assert curve is not None
+    assert curve.ends == ("window", "with_fold")

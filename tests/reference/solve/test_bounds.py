@@ -17,9 +17,10 @@ import pytest
 
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.scene import Array
+from mbcheck.reference.solve import single
 from mbcheck.reference.solve.batched import solve_many
-from mbcheck.reference.solve.bounds import DEVIATIONS, HALF_UNIT, sensitivities, slopes_of
-from mbcheck.reference.solve.single import MOST_PARTS, solve, straightened
+from mbcheck.reference.solve.bounds import HALF_UNIT, OPTIONS, sensitivities, slopes_of
+from mbcheck.reference.solve.single import solve, straightened
 from mbcheck.tests.support.precise.beam import Beam
 from mbcheck.tests.support.precise.compare import compare, precision, system_of
 from mbcheck.tests.support.precise.figures import figures, median_margin
@@ -154,7 +155,7 @@ def test_accelerations_of_a_beam_are_rounded_as_its_bound_says() -> None:
         deviation = HALF_UNIT * np.linalg.norm(modes @ effects.directions[n + 1 :, :, 0], axis=1)
         shares.append(modes @ off[1:] / deviation)
     assert 0.3 < np.sqrt(np.mean(np.square(shares))) < 1.3
-    assert np.max(np.abs(shares)) < DEVIATIONS
+    assert np.max(np.abs(shares)) < OPTIONS.deviations
 
 
 @pytest.mark.parametrize(
@@ -184,7 +185,7 @@ def test_accelerations_of_a_body_are_rounded_as_its_bound_says(
         shares.extend(all_of_it)
         assert number not in corners or np.max(by_parameters) > 1e3
     assert 0.3 < np.sqrt(np.mean(np.square(shares))) < 1.3
-    assert np.max(shares) < DEVIATIONS
+    assert np.max(shares) < OPTIONS.deviations
 
 
 @pytest.mark.parametrize("number", [0, 1, 9])
@@ -195,7 +196,7 @@ def test_accelerations_of_a_body_at_rest_are_rounded_as_its_bound_says(number: i
     off = rounding_of(system_of(run, 200), scene.right_hand_side(run.parameters), np.zeros(1), x)
     effects = sensitivities(scene, run.parameters, np.zeros(1), x)
     deviation = HALF_UNIT * np.linalg.norm(effects.inputs[len(off) :, :, 0], axis=1)
-    assert np.all(np.abs(off) < DEVIATIONS * deviation)
+    assert np.all(np.abs(off) < OPTIONS.deviations * deviation)
 
 
 def test_rounding_at_rest_pushes_in_one_direction() -> None:
@@ -224,7 +225,10 @@ def test_states_are_looked_at_where_they_bend() -> None:
     fine = straightened(nodes, lambda t: np.array([t, np.cos(2 * t)]))
     assert set(nodes) < set(fine)
     assert np.max(np.diff(fine)) == 0.25  # in 0.5, a sixth of a period, it is 0.12 off
-    assert len(straightened(nodes, lambda t: np.array([np.cos(1e3 * t)]))) == 2 * MOST_PARTS + 1
+    assert (
+        len(straightened(nodes, lambda t: np.array([np.cos(1e3 * t)])))
+        == 2 * single.OPTIONS.max_parts + 1
+    )
 
 
 def test_bound_that_is_too_small_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -116,7 +116,7 @@ def test_solution_of_higher_precision_has_converged() -> None:
     np.testing.assert_array_equal(coarse, fine)
 
 
-@pytest.mark.parametrize("tolerance", [single.TOLERANCE, 1e-9, 1e-6])
+@pytest.mark.parametrize("tolerance", [single.OPTIONS.tolerance, 1e-9, 1e-6])
 def test_bound_holds_and_is_no_wild_guess(
     exact: tuple[HulaHoop, Array, Array], tolerance: float
 ) -> None:

@@ -23,11 +23,10 @@ from mbcheck.comparisons.checks.mistakes.shares import Effect, explain
 from mbcheck.comparisons.checks.verdict import Finding
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup
-from mbcheck.comparisons.scenes.rotor_pendulum.phase import leading_modulus
 from mbcheck.models.rotating_beam.mjcf import side
 from mbcheck.reference import get_scene
 from mbcheck.reference.linear import modes
-from mbcheck.reference.orbits import Orbit, trivial_multiplier
+from mbcheck.reference.orbits import Orbit, Orbits, trivial_multiplier
 from mbcheck.reference.rotating_beam import SCENE as BEAM
 from mbcheck.reference.scene import Array
 from mbcheck.tests.support.subjects import Subject, check_of
@@ -109,11 +108,17 @@ def test_the_trivial_multiplier_is_the_one_nearest_to_1() -> None:
     np.testing.assert_array_equal(trivial_multiplier(get_scene("speed_regulator"), values), [1, 2])
     assert trivial_multiplier(get_scene("hula_hoop"), values) is None
 
-    class Orbits:
-        multipliers = values
-        closed = np.array([True, True])
-
-    np.testing.assert_array_equal(leading_modulus(Orbits()), [1.01, 3.0])  # type: ignore[arg-type]
+    slopes = np.array([np.diag([*(column - 1), 0.0])[:3] for column in values.T])
+    orbits = Orbits(
+        states=np.zeros((3, 2)),
+        periods=np.ones(2),
+        closed=np.array([True, True]),
+        correction=np.zeros(2),
+        slopes=slopes,
+        scale=np.ones((3, 2)),
+        columns=np.array([3, 1, 2]),
+    )
+    np.testing.assert_allclose(orbits.leading, [1.01, 3.0])
 
 
 def in_words(name: str, x: Array, moved: Array) -> str:
