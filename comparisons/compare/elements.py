@@ -128,6 +128,7 @@ WORDS = {
     "tendon_actfrcrange": "actuatorfrcrange",
     "wrap_objid": "path",
     "wrap_prm": "coef",
+    "wrap_type": "path types",
     "pair_dim": "condim",
     "exclude_signature": "bodies",
     "key_mpos": "mocap pos",
@@ -300,6 +301,10 @@ class Compiled:
         limited = self.answer.get(f"model.{name.removesuffix('range')}limited")
         if limited is not None and name.endswith("range"):
             return [list(v) if on else ["no limit"] for v, on in zip(values, limited, strict=True)]
+        if name == "wrap_prm":  # of a geom the number of the site on whose side the tendon runs
+            sides = np.isin(self.types("wrap_type"), ("sphere", "cylinder")) & (values >= 0)
+            sites = labels["site"]
+            return [sites[int(v)] if on else v for v, on in zip(values, sides, strict=True)]
         if name == "body_mocapid":
             return values >= 0
         if name == "body_inertia":
