@@ -126,20 +126,6 @@ def test_points_have_an_inertia_that_no_check_sees_or_the_model_is_refused() -> 
     assert "no point masses" in str(TREE.why_not(tiny))
 
 
-@every_point
-def test_mujoco_accelerates_as_the_reference(p: RotorPendulum) -> None:
-    """In the scene's coordinates, with phi_2 from the tendon's sensor."""
-    model, data = opened(p)
-    joints = ("x", "phi_1", "theta_2", "phi_3")
-    dofs = [model.joint(name).dofadr[0] for name in joints]
-    for state in states():
-        place(model, data, p, state)
-        assert np.allclose(sensed(model, data), state, rtol=1e-14, atol=1e-14)
-        found = data.qacc[dofs]
-        found[2] += found[3]
-        assert distance(found, p, state) < 1e-10
-
-
 @pytest.mark.parametrize("placement", ["absolute", "relative"])
 def test_reaction_of_the_motor(placement: str) -> None:
     """Blocked at rest: the rod bears the torque of a motor that stands on it, or nothing."""

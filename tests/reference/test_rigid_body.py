@@ -1,4 +1,4 @@
-"""The rigid body's equations against Lagrange's, Euler's and Jacobi's."""
+"""The rigid body against Jacobi's functions, and what it conserves."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from scipy.special import ellipj, ellipkinc
 
-from mbcheck.reference.body.rotation import COORDINATES, RATES, ROTATION, body_inertia
-from mbcheck.reference.differences import by_complex_step
+from mbcheck.reference.body.rotation import COORDINATES, RATES, ROTATION
 from mbcheck.reference.errors import NoOrbitError, ParameterError, UnknownNameError
 from mbcheck.reference.rigid_body import (
     FREE,
@@ -25,46 +24,6 @@ from mbcheck.reference.scene import Array
 from mbcheck.reference.solve.single import solve
 
 RANDOM = np.random.default_rng(36)
-
-
-def lagrangian(q: Any, v: Any, p: RigidBody) -> Any:
-    """Return (3), written with matrices and by no formula of the reference."""
-    w, x, y, z = q
-    e = np.array([[-x, w, z, -y], [-y, -z, w, x], [-z, y, -x, w]])
-    g = np.array([[-x, w, -z, y], [-y, z, w, -x], [-z, -y, x, w]])
-    size, rotation = q @ q, g @ e.T / (q @ q)
-    omega, rho = 2 * e @ v / size, q @ v / size
-    tensor = body_inertia(p)
-    kinetic = omega @ tensor @ omega + np.trace(tensor) * rho * rho
-    return kinetic / 2 + p.mass * p.gravity @ rotation @ p.centre
-
-
-def test_they_are_lagranges() -> None:
-    c = coefficients(HEAVY)
-    for q, v in RANDOM.normal(size=(4, 2, 4)):
-
-        def slopes(q: Any, v: Any) -> Any:
-            """Return dL/dv: L is quadratic in v, so that differences are exact."""
-            ends = [(lagrangian(q, v + e, HEAVY), lagrangian(q, v - e, HEAVY)) for e in np.eye(4)]
-            return np.array([(a - b) / 2 for a, b in ends])
-
-        def both(places: Any, v: Any = v) -> Any:
-            """Return L and dL/dv at places (4, k)."""
-            columns = [np.append(lagrangian(q, v, HEAVY), slopes(q, v)) for q in places.T]
-            return np.array(columns).T
-
-        mass = np.array([slopes(q, v + e) - slopes(q, v) for e in np.eye(4)])
-        slopes_by_q = by_complex_step(both, q)[1]
-        by_q, momentum_by_q = slopes_by_q[0], slopes_by_q[1:]
-        right = by_q - momentum_by_q @ v
-        assert np.array(SCENE.mass_matrix(q, c)) == pytest.approx(mass, rel=1e-11, abs=1e-13)
-        assert SCENE.forces(0.0, q, v, c) == pytest.approx(right, rel=1e-10, abs=1e-11)
-        a = np.array(SCENE.accelerations(0.0, q, v, c))
-        assert np.array(SCENE.mass_matrix(q, c)) @ a == pytest.approx(
-            SCENE.forces(0.0, q, v, c), rel=1e-11
-        )
-        right = -lagrangian(q, 0 * v, HEAVY) + v @ np.array(SCENE.mass_matrix(q, c)) @ v / 2
-        assert SCENE.energy(q, v, c) == pytest.approx(right, rel=1e-12)
 
 
 def shown(p: RigidBody, state: Array, times: Array) -> tuple[Array, Array, Any]:

@@ -1,8 +1,6 @@
-"""The equations of motion, by a second route: SymPy, from positions and energies alone."""
+"""Linear response, modes, rest and schemes of hula_hoop."""
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,34 +15,6 @@ from mbcheck.reference.solve.schemes import SCHEMES, ScalarEquations, integrate
 from mbcheck.reference.solve.single import solve
 
 SCENE = get_scene("hula_hoop")
-GENERAL = HulaHoop(inertia_ratio=1.0, gravity_x=4.0, gravity_y=-9.0)
-
-
-def random_points(count: int = 40) -> list[tuple[float, Any, Any, HulaHoop]]:
-    """Return times, states and parameters over many orders of magnitude."""
-    random = np.random.default_rng(7)
-    points = []
-    for _ in range(count):
-        values = {
-            name: value * 10 ** random.uniform(-2, 2) for name, value in GENERAL.as_dict().items()
-        }
-        q, v = random.normal(size=2) * (0.1, 3), random.normal(size=2) * (1, 30)
-        points.append((random.uniform(0, 9), q, v, HulaHoop(**values)))
-    return points
-
-
-def test_power_is_the_rate_of_energy() -> None:
-    for t, q, v, p in random_points():
-        c = SCENE.coefficients(p)
-        assert SCENE.drive is not None
-        u = SCENE.drive(t, c, np)
-        a = np.array(SCENE.accelerations(u, q, v, c))
-        h = 1e-30
-        rate = SCENE.energy(q + 1j * h * v, v + 1j * h * a, c).imag / h
-        powers = SCENE.powers(u, q, v, c)
-        size = sum(map(abs, powers.values())) + abs(c.stiffness * q[0] * v[0])
-        size += abs(c.weight * v[0]) + abs(np.hypot(c.moment_x, c.moment_y) * v[1])
-        assert abs(rate - sum(powers.values())) < 1e-10 * (size + abs(rate))
 
 
 def test_the_linear_response_on_the_invariant_line_is_within_the_bound() -> None:

@@ -1,13 +1,11 @@
-"""The chain of rotating_beam: its equations by a second route, and what it converges to."""
+"""The chain of rotating_beam, and what it converges to."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
-import sympy as sp
 
 from mbcheck.reference.errors import UnknownNameError
 from mbcheck.reference.rotating_beam.chain import (
@@ -23,131 +21,6 @@ from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 
 STEADY = RotatingBeam(ramp_time=0.0)
 UNIT = time_unit(STEADY)
-PLACES = (0.1, 0.4, 0.5, 0.8, 1.0)
-
-
-@pytest.fixture(scope="module", params=["A", "B"])
-def derived(request: pytest.FixtureRequest) -> tuple[str, Callable[..., Any]]:
-    """Return scheme and (q, v, parameters, body and distance of the mass) -> M, f for n = 2.
-
-    From the positions of each body's centre in the inertial frame, free hub.
-    """
-    t = sp.Symbol("t")
-    names = "length, hub_radius, hub_inertia, line, bending, mass, g_x, g_y"
-    parameters = sp.symbols(names, positive=True)
-    length, radius, hub, line, bending, mass, *gravity = parameters
-    pull = sp.Matrix(gravity)
-    on = sp.symbols("on_hub, on_1, on_2, at")  # which body carries the mass, how far out
-    coordinates = [sp.Function(name)(t) for name in ("theta", "q_1", "q_2")]
-    theta, q_1, q_2 = coordinates
-    h = length / 2
-    b = request.param == "B"
-    sizes = (h, h / 2) if b else (h, h)
-    clamp = radius + (h / 2 if b else 0)
-
-    def along(angle: Any) -> Any:
-        return sp.Matrix([sp.cos(angle), sp.sin(angle)])
-
-    hinge = clamp * along(theta)
-    bodies = []
-    if b:
-        bodies.append((h / 2, (radius + h / 4) * along(theta), theta))
-    for size, angle in zip(sizes, (theta + q_1, theta + q_1 + q_2), strict=True):
-        bodies.append((size, hinge + size / 2 * along(angle), angle))
-        hinge = hinge + size * along(angle)
-    kinetic = hub * theta.diff(t) ** 2 / 2
-    for size, centre, angle in bodies:
-        kinetic += line * size * centre.diff(t).dot(centre.diff(t)) / 2
-        kinetic += line * size**3 / 12 * angle.diff(t) ** 2 / 2
-    first = clamp * along(theta)
-    second = first + h * along(theta + q_1)
-    spots = (
-        on[3] * along(theta),
-        first + on[3] * along(theta + q_1),
-        second + on[3] * along(theta + q_1 + q_2),
-    )
-    spot = sum((w * place for w, place in zip(on, spots, strict=False)), sp.zeros(2, 1))
-    kinetic += mass * spot.diff(t).dot(spot.diff(t)) / 2
-    potential = bending / h * ((1 if b else 2) * q_1**2 + q_2**2) / 2 - mass * pull.dot(spot)
-    potential -= sum(line * size * pull.dot(centre) for size, centre, _ in bodies)
-    lagrangian = kinetic - potential
-    rows = [lagrangian.diff(q.diff(t)).diff(t) - lagrangian.diff(q) for q in coordinates]
-    symbols = [sp.symbols(f"{letter}0:3") for letter in "avq"]
-    for order, new in zip((2, 1, 0), symbols, strict=True):
-        swap = dict(zip([q.diff(t, order) for q in coordinates], new, strict=True))
-        rows = [row.subs(swap) for row in rows]
-    a, v, q = symbols
-    matrix = sp.Matrix([[row.diff(item) for item in a] for row in rows])
-    rest = -sp.Matrix(rows).subs(dict.fromkeys(a, 0))
-    return request.param, sp.lambdify((*q, *v, *parameters, *on), (matrix, rest), cse=True)
-
-
-def carrier(p: RotatingBeam, scheme: str) -> tuple[float, float, float, float]:
-    """Which of hub and two rods carries the mass, and how far from its axis or hinge."""
-    d, h = p.mass_position * p.length, p.length / 2
-    start = h / 2 if scheme == "B" else 0.0
-    if d <= start:
-        return 1.0, 0.0, 0.0, p.hub_radius + d
-    if d <= start + h:
-        return 0.0, 1.0, 0.0, d - start
-    return 0.0, 0.0, 1.0, d - start - h
-
-
-@pytest.mark.parametrize("place", PLACES)
-def test_equations_are_those_of_lagrange(
-    derived: tuple[str, Callable[..., Any]], place: float
-) -> None:
-    scheme, exact = derived
-    random = np.random.default_rng(5)
-    scene = chain_scene(2, scheme)
-    for _ in range(10):
-        p = RotatingBeam(
-            length=random.uniform(1, 9),
-            hub_radius=random.uniform(0, 3),
-            hub_inertia=random.uniform(0.1, 9),
-            density=random.uniform(1e3, 9e3),
-            mass=random.uniform(0, 3),
-            mass_position=place,
-            drive="torque",
-            gravity_x=random.normal(),
-            gravity_y=9 * random.normal(),
-        )
-        q, v = random.normal(size=(2, 3))
-        line, bending = p.density * p.area, p.youngs_modulus * p.second_moment
-        physical = p.length, p.hub_radius, p.hub_inertia, line, bending, p.mass
-        gravity = p.gravity_x, p.gravity_y
-        mass, rest = exact(*q, *v, *physical, *gravity, *carrier(p, scheme))
-        mass, rest = np.array(mass, dtype=float), np.array(rest, dtype=float)[:, 0]
-        c = scene.coefficients(p)
-        np.testing.assert_allclose(scene.mass_matrix(q, c), mass, rtol=1e-11, atol=1e-11)
-        np.testing.assert_allclose(scene.forces(0.0, q, v, c), rest, rtol=1e-9)
-        torque = np.array([0.7, 0, 0])
-        np.testing.assert_allclose(
-            scene.accelerations(0.7, q, v, c), np.linalg.solve(mass, rest + torque), rtol=1e-9
-        )
-        c = scene.coefficients(p.replace(drive="prescribed"))  # theta'' = 0.7
-        free = np.linalg.solve(mass[1:, 1:], rest[1:] - 0.7 * mass[1:, 0])
-        np.testing.assert_allclose(scene.accelerations(0.7, q, v, c), [0.7, *free], rtol=1e-9)
-
-
-@pytest.mark.parametrize("scheme", ["A", "B"])
-@pytest.mark.parametrize("drive", ["prescribed", "torque"])
-@pytest.mark.parametrize("n", [2, 7, 16])
-def test_the_power_is_what_the_energy_gains(n: int, drive: str, scheme: str) -> None:
-    random = np.random.default_rng(n)
-    scene = chain_scene(n, scheme)
-    for place in PLACES:
-        p = RotatingBeam(hub_radius=1.3, mass=0.7, mass_position=place, drive=drive, gravity_y=5.0)
-        c = scene.coefficients(p)
-        q, v = random.normal(size=(2, n + 1)) / np.sqrt(n)
-        mass, a = scene.mass_matrix(q, c), scene.accelerations(0.7, q, v, c)
-        np.testing.assert_allclose(mass, mass.T)
-        assert np.all(np.linalg.eigvalsh(mass) > 0)
-        h = 1e-30
-        rate = scene.energy(q + 1j * h * v, v + 1j * h * a, c).imag / h
-        free = scene.mass_matrix(q, scene.coefficients(p.replace(drive="torque")))
-        traffic = np.sum(np.abs(free @ a * v))
-        assert scene.powers(0.7, q, v, c)["hub"] == pytest.approx(rate, abs=1e-11 * traffic)
 
 
 def test_points_at_once_and_complex_ones() -> None:

@@ -1,10 +1,9 @@
-"""speed_regulator: equations by two other routes, rest and rotation."""
+"""speed_regulator: kinematics, rest and rotation."""
 
 from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -24,8 +23,6 @@ from mbcheck.reference.speed_regulator.equations import (
     SpeedRegulator,
     assembled,
     coefficients,
-    inertia,
-    inertia_slope,
     position,
 )
 from mbcheck.reference.speed_regulator.motions import (
@@ -44,9 +41,6 @@ DEFAULT = SpeedRegulator()
 
 
 least_torque = functools.cache(theory.least_torque)
-
-
-REACTIONS = ("reaction_a_x", "reaction_a_y", "reaction_b_x", "reaction_b_y")
 
 
 def random_parameters(count: int = 40) -> list[SpeedRegulator]:
@@ -77,149 +71,7 @@ def random_points() -> list[tuple[float, float, SpeedRegulator]]:
 # --- Lagrange --------------------------------------------------------------------------------
 
 
-def test_power_is_the_rate_of_energy() -> None:
-    probe = 1e-30
-    for phi, speed, p in random_points():
-        c = coefficients(p)
-        acceleration = SCENE.accelerations(0.0, [phi], [speed], c)[0]
-        changed = SCENE.energy([phi + 1j * probe * speed], [speed + 1j * probe * acceleration], c)
-        powers = SCENE.powers(0.0, [phi], [speed], c)
-        at = position(phi, c)
-        spring = c.stiffness * abs(at.y_phi * (at.y - c.rest) * speed)
-        size = sum(map(abs, powers.values())) + spring + abs(inertia_slope(at, c) * speed**3)
-        assert changed.imag / probe == pytest.approx(sum(powers.values()), abs=1e-12 * size)
-        assert powers["damper"] <= 0
-
-
 # --- Newton and Euler: (11)-(16) -------------------------------------------------------------
-
-
-def printed_vectors(phi: float, p: SpeedRegulator) -> tuple[Array, Array]:
-    """Return {A_1}, {A_2} of (12), from (7) and (10)."""
-    r, l = p.crank_radius, p.rod_length
-    b = math.asin(r * math.cos(phi) / l)
-    s, c, sin_b, cos_b = math.sin(phi), math.cos(phi), math.sin(b), math.cos(b)
-    t = r * s / (l * cos_b)
-    u = r / l * c / cos_b - t**2 * sin_b / cos_b
-    a_1 = [
-        1,
-        -r * s + l / 2 * t * cos_b,
-        r * c - l / 2 * t * sin_b,
-        t,
-        r * c - l * t * sin_b,
-    ]
-    a_2 = [
-        0,
-        -r * c + l / 2 * t**2 * sin_b + l / 2 * u * cos_b,
-        -r * s + l / 2 * t**2 * cos_b - l / 2 * u * sin_b,
-        u,
-        -r * s + l * t**2 * cos_b - l * u * sin_b,
-    ]
-    return np.array(a_1), np.array(a_2)
-
-
-def masses(p: SpeedRegulator, rod_inertia: float = 1 / 12) -> Array:
-    """Return [m] of (13), J_C in units of m_b l^2."""
-    j_c = rod_inertia * p.rod_mass * p.rod_length**2
-    return np.array([p.flywheel_inertia, p.rod_mass, p.rod_mass, j_c, p.slider_mass])
-
-
-def reaction_matrix(phi: float, p: SpeedRegulator, sign: int = -1) -> Array:
-    """Return [N] of (14); as printed with ``sign=1``, from the free bodies of (13) with -1."""
-    r, l = p.crank_radius, p.rod_length
-    b = math.asin(r * math.cos(phi) / l)
-    x, y = l / 2 * math.cos(b), sign * l / 2 * math.sin(b)
-    return np.array(
-        [
-            [-r * math.sin(phi), r * math.cos(phi), 0, 0],
-            [-1, 0, 1, 0],
-            [0, -1, 0, 1],
-            [x, y, x, y],
-            [0, 0, 0, -1],
-        ]
-    )
-
-
-def newton_euler(
-    phi: float, speed: float, p: SpeedRegulator, rod_inertia: float = 1 / 12, sign: int = -1
-) -> Array:
-    """Return phi'' and X_A, Y_A, X_B, Y_B: (14) with all rows, solved as one linear system."""
-    a_1, a_2 = printed_vectors(phi, p)
-    m = masses(p, rod_inertia)
-    b = math.asin(p.crank_radius * math.cos(phi) / p.rod_length)
-    y = p.crank_radius * math.sin(phi) - p.rod_length * math.cos(b)
-    load = p.damping * a_1[4] * speed + p.stiffness * (y - p.spring_rest)
-    external = np.array([p.torque, 0, 0, 0, -load])
-    system = np.column_stack([m * a_1, -reaction_matrix(phi, p, sign)])
-    return np.asarray(np.linalg.solve(system, external - m * a_2 * speed**2), dtype=float)
-
-
-def test_accelerations_and_reactions_are_those_of_newton_and_euler() -> None:
-    for phi, speed, p in random_points():
-        c = coefficients(p)
-        exact = newton_euler(phi, speed, p)
-        found = SCENE.outputs(np.array([phi]), np.array([speed]), c)
-        reactions = [found[name] for name in REACTIONS]
-        at = position(phi, c)
-        loads = c.stiffness * (abs(at.y) + abs(c.rest)) + c.damping * abs(found["y_dot"])
-        size = np.max(np.abs(exact[1:])) + loads
-        np.testing.assert_allclose(reactions, exact[1:], rtol=1e-12, atol=3e-12 * size)
-        solved = SCENE.accelerations(0.0, [phi], [speed], c)[0]
-        atol = 1e-12 * size * c.radius / inertia(at, c)
-        assert solved == pytest.approx(exact[0], rel=1e-12, abs=atol)
-
-
-def test_14_needs_minus_signs_and_16_says_so() -> None:
-    for phi, _, p in random_points():
-        a_1, _ = printed_vectors(phi, p)
-        size = p.rod_length
-        np.testing.assert_allclose(a_1 @ reaction_matrix(phi, p), 0, atol=1e-13 * size)
-        assert np.max(np.abs(a_1 @ reaction_matrix(phi, p, sign=1))) > 1e-6 * size
-    exact, printed = (newton_euler(0.3, 5.0, DEFAULT, sign=sign)[0] for sign in (-1, 1))
-    assert abs(printed - exact) > 0.01 * abs(exact)
-
-
-def test_18_lacks_a_factor_2() -> None:
-    for phi, _, p in random_points():
-        c = coefficients(p)
-        at = position(phi, c)
-        a_1, a_2 = printed_vectors(phi, p)
-        m = masses(p)
-        slope = inertia(position(phi + 1e-30j, c), c).imag / 1e-30
-        size = inertia(at, c)
-        assert a_1 @ (m * a_1) == pytest.approx(size, rel=1e-13)
-        assert 2 * a_1 @ (m * a_2) == pytest.approx(slope, rel=1e-12, abs=1e-13 * size)
-        assert inertia_slope(at, c) == pytest.approx(slope, rel=1e-12, abs=1e-13 * size)
-
-
-FAULTS: dict[str, Callable[[float, float], float]] = {
-    "lost factor 2 in J'": lambda phi, speed: float(
-        SCENE.accelerations(0.0, [phi], [speed], coefficients(DEFAULT))[0]
-        + inertia_slope(position(phi, coefficients(DEFAULT)), coefficients(DEFAULT))
-        * speed**2
-        / (4 * inertia(position(phi, coefficients(DEFAULT)), coefficients(DEFAULT)))
-    ),
-    "J_C = m_b l^2/3": lambda phi, speed: float(newton_euler(phi, speed, DEFAULT, 1 / 3)[0]),
-    "y_0 = -(l + r)": lambda phi, speed: float(
-        newton_euler(phi, speed, DEFAULT.replace(spring_rest=-1.5))[0]
-    ),
-    "0.1 % on the rod's length": lambda phi, speed: float(
-        newton_euler(phi, speed, DEFAULT.replace(rod_length=1.25125))[0]
-    ),
-    "no damper": lambda phi, speed: float(
-        newton_euler(phi, speed, DEFAULT.replace(damping=0.0))[0]
-    ),
-}
-
-
-@pytest.mark.parametrize("fault", FAULTS)
-def test_faults_show_in_the_accelerations(fault: str) -> None:
-    random = np.random.default_rng(5)
-    points = np.column_stack([random.uniform(-np.pi, np.pi, 16), random.uniform(-5, 5, 16)])
-    c = coefficients(DEFAULT)
-    exact = np.array([SCENE.accelerations(0.0, [q], [v], c)[0] for q, v in points])
-    wrong = np.array([FAULTS[fault](*point) for point in points])
-    assert np.max(np.abs(wrong - exact)) > 1e-4 * np.max(np.abs(exact))  # algebra: 1e-10
 
 
 # --- Kinematics ------------------------------------------------------------------------------
