@@ -2,7 +2,7 @@
 
 `check`, `simulate`, `orbit`, `frequencies` and `reproduce` return, typed, what the command line
 prints; `compute_map`, `read_map` and `compare_maps` are for maps, `tradeoff` is for what accuracy
-costs, `judge_trajectory` for runs of other simulators.
+costs, `judge_trajectory` for runs of other simulators, `compare` for two readings of a model.
 `check_engine` is `check` of an engine that is given as an object. `budget` limits the time of all
 that is called within it.
 `Engine`, `Method`, `Option`, `ModelDescription`, `System`, `Motion`, `Unsupported`, `EngineError`,
@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .comparisons.check.request import check, check_engine
+    from .comparisons.compare.comparison import compare
     from .comparisons.engines.protocol import (
         Engine,
         EngineError,
@@ -59,6 +60,7 @@ PLACES = {
     "budget": ("reference.cost", "within"),
     "check": ("comparisons.check.request", "check"),
     "check_engine": ("comparisons.check.request", "check_engine"),
+    "compare": ("comparisons.compare.comparison", "compare"),
     "compare_maps": ("comparisons.maps.compare", "compare"),
     "compute_map": ("comparisons.maps.run", "compute_map"),
     "frequencies": ("comparisons.queries.frequencies", "frequencies"),
@@ -89,6 +91,7 @@ __all__ = [
     "budget",
     "check",
     "check_engine",
+    "compare",
     "compare_maps",
     "compute_map",
     "frequencies",

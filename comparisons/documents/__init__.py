@@ -42,6 +42,10 @@ DOCUMENTS: Mapping[str, tuple[str, str]] = {
         "tradeoff.model.TradeoffModelDocument",
         "Which step and integrator an MJCF file needs.",
     ),
+    "compare": (
+        "compare.comparison.Comparison",
+        "What two readings of one model differ in.",
+    ),
     "diff": ("diff.changes.Diff", "What changed between two runs of checks."),
     "inspect": (
         "inspect.inspection.InspectDocument",

@@ -12,7 +12,6 @@ from ..reports.sections import Section, print_sections
 from ..reports.text import STYLES, print_line, print_table
 from ..reports.words import number, plural
 from .batch import Inspections, omissions
-from .difference import ModelDifference
 from .inspection import Inspection
 from .mujoco.facts import BodyFacts, JointFacts
 from .mujoco.model import ENGINE
@@ -284,18 +283,6 @@ def closures_section(inspection: Inspection, full: bool) -> Iterator[Section]:
     more = [f"... {len(rows) - most} more, with --full"] if len(rows) > most else []
     if rows:
         yield Section("", heads, rows[:most], more, digits=4)
-
-
-def print_difference(console: Console, result: ModelDifference) -> None:
-    """Print what differs between two models."""
-    if not result:
-        print_line(console, "nothing differs", STYLES["pass"])
-    if result.rows:
-        print_table(console, ["what", "before", "now"], result.rows)
-    for word, listed in (("new", result.new), ("gone", result.gone)):
-        for one in listed:
-            text = f"{word}: {one.severity} {one.rule} {one.element}: {one.message}"
-            print_line(console, text, STYLES.get(VERDICTS[one.severity], ""))
 
 
 def print_rule(console: Console, name: str) -> None:

@@ -71,8 +71,6 @@ class InspectRun(InspectRequest):
         The least severity that makes exit code 1.
     annotations : bool or None
         Print annotations for GitHub; by default where GITHUB_ACTIONS is true.
-    diff : bool
-        Compare two models, OLD.xml NEW.xml; exit code 1 if their physics differs.
     fix : bool
         Leave out attributes without which the file compiles to the same to the last bit.
     dry_run : bool
@@ -89,7 +87,6 @@ class InspectRun(InspectRequest):
     budget: Annotated[float | None, OptionMark("SECONDS")] = None
     fail_on: Annotated[FailOn, OptionMark()] = "error"
     annotations: Annotated[bool | None, OptionMark()] = None
-    diff: Annotated[bool, OptionMark()] = False
     fix: Annotated[bool, OptionMark()] = False
     dry_run: Annotated[bool, OptionMark()] = False
     explain: Annotated[str | None, OptionMark("RULE")] = None

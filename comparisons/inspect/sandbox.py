@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from math import inf
 from time import monotonic
@@ -15,11 +14,10 @@ from rich.console import Console
 
 from ...reference.errors import EngineError, MbcheckError, UsageError
 from ..engines.isolation import MEMORY, Worker, await_call, tell, within_limits
-from .batch import FAIL_ON, Inspections
-from .console import print_difference, print_inspection
-from .difference import model_difference
+from .batch import Inspections
+from .console import print_inspection
 from .fixes import neutral_edit
-from .inspection import Inspection, inspect_in_parts, whole_inspection
+from .inspection import Inspection, inspect_in_parts
 from .request import InspectRun
 
 T = TypeVar("T")
@@ -157,14 +155,6 @@ def fix(run: InspectRun) -> tuple[str, str, bool]:
     if not run.dry_run:
         edit.write()
     return edit.diff, edit.summary, bool(edit.attributes)
-
-
-def compare_models(run: InspectRun, screen: Screen) -> tuple[str, bool]:
-    """Return a table of differences, and whether fields differ or a new finding fails."""
-    result = model_difference(*(whole_inspection(replace(run, path=file)) for file in run.models))
-    text = text_on(screen, partial(print_difference, result=result))
-    fails = any(one.severity in FAIL_ON[run.fail_on] for one in result.new)
-    return text, bool(result.rows) or fails
 
 
 # Many files -----------------------------------------------------------------------------------

@@ -42,7 +42,6 @@ if TYPE_CHECKING:
         "mbcheck inspect model.xml --full --about-rotation theta=10",
         "mbcheck inspect robots/ 'scenes/*.xml' --fail-on warning --sarif found.sarif",
         "mbcheck inspect model.xml --strict --ignore 'unused_*'",
-        "mbcheck inspect --diff old.xml new.xml",
         "mbcheck inspect model.xml --fix --dry-run",
         "mbcheck inspect --explain step_limit",
     )
@@ -82,7 +81,7 @@ def inspect(
         raise UsageError("--dry-run is for --fix")
     items: list[ReportItem] = []
     with annotated(lambda: items, run.annotations, to_stdout(*files)):
-        return inspect_two(run, files) if run.diff else inspect_all(run, files, items)
+        return inspect_all(run, files, items)
 
 
 class Documents(NamedTuple):
@@ -173,25 +172,6 @@ def fix_files(run: InspectRun, files: Sequence[str]) -> int:
             for line in summary.split("\n"):
                 click.echo(printable(line), err=True)
     return code
-
-
-def inspect_two(run: InspectRun, documents: Documents) -> int:
-    """Print what differs between two models; return the exit code."""
-    from ..reports.text import in_encoding
-    from .sandbox import compare_models
-
-    if run.fix:
-        raise UsageError("--fix is of files: leave out --diff")
-    if len(run.models) != 2:
-        raise UsageError("--diff compares two models: OLD.xml NEW.xml")
-    refuse_single(run)
-    if any(documents):
-        raise UsageError("--diff prints a table, and writes no document")
-    screen = console()
-    with sandboxed(run) as sandbox:
-        text, fails = sandbox.run(partial(compare_models, run, as_screen(screen)), alone=True)
-    screen.file.write(in_encoding(text, screen))
-    return int(fails)
 
 
 def refuse_single(run: InspectRun) -> None:

@@ -62,6 +62,7 @@ NOT_READ = ("nowhere", "/", ".", "a\0b", LONG, MIRROR)
 BASES = {
     "boundary": "boundary hula_hoop --x force_frequency=1:2 --y force_amplitude=5:9",
     "check": "check hula_hoop --kind algebra",
+    "compare": "compare nowhere.xml nowhere.xml",
     "compare-maps": "compare-maps nowhere.nc nowhere.nc",
     "diff": "diff nowhere.json nowhere.json",
     "export": "export hula_hoop -o -",

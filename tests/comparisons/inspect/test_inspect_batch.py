@@ -237,28 +237,3 @@ def test_lines_of_an_included_file(tmp_path: Path) -> None:
     (folder / "whole.xml").write_text('<mujoco>\n<include file="angle_unit.xml"/>\n</mujoco>')
     done = invoke("inspect", f"{folder}/whole.xml", "--lines", "--no-modes")
     assert done.stdout.startswith(f"{folder}/angle_unit.xml:9: warning angle_unit")
-
-
-# Two models ---------------------------------------------------------------------------------
-
-
-def test_two_models_are_compared(tmp_path: Path) -> None:
-    """Options, joints, frequencies, limits and findings; nothing, where nothing differs."""
-    written(tmp_path).rename("old.xml")
-    assert invoke("inspect", "--diff", "old.xml", "old.xml").stdout == "nothing differs\n"
-    written(tmp_path, *MISTAKES["step_limit"][0], ('stiffness="5"', 'stiffness="7"')).rename(
-        "new.xml"
-    )
-    done = invoke("inspect", "--diff", "old.xml", "new.xml")
-    assert done.exit_code == 1
-    lines = {tuple(line.split()) for line in done.stdout.splitlines()}
-    assert ("joint", "swing", "stiffness", "5", "7") in lines
-    assert ("option", "timestep", "0.000976562", "2") in lines
-    assert "mode 1 [rad/s]" in done.stdout
-    assert "largest stable step, RK4 [s]" in done.stdout
-    assert "new: error step_limit option: " in done.stdout
-    done = invoke("inspect", "--diff", "new.xml", "old.xml")
-    assert done.exit_code == 1
-    assert "gone: error step_limit" in done.stdout
-    for words in (("old.xml",), ("old.xml", "new.xml", "--json", "a.json")):
-        assert invoke("inspect", "--diff", *words).exit_code == 2

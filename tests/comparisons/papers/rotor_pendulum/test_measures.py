@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.checks.kinds.boundary import engine_point
+from mbcheck.comparisons.checks.boundary import engine_point
 from mbcheck.comparisons.engines.registry import REFERENCE
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.papers.assess import assess

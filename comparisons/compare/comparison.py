@@ -1,0 +1,431 @@
+"""`compare`: what two readings of a model differ in, and the edit that closes the gap."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ...reference.errors import UsageError
+from ..documents import document
+from ..documents.fields import HIDDEN, documented
+from ..reports.item import ReportItem
+from ..reports.words import number
+from .elements import (
+    ENUMERATIONS,
+    REFERENCES,
+    Attribute,
+    Compiled,
+    Element,
+    Match,
+    equal,
+    matched,
+)
+from .gaps import Gap, gaps_between
+from .reading import Edit, Operand, Reading
+from .states import Layout, Side, layout, states_of
+
+EQUAL = 1e-9
+"""Share by which numbers of two files may differ in rounding."""
+
+SIX_DIGITS = 1e-5
+"""The same of a file that was written with six digits, as MuJoCo writes them, beside one with more:
+half a unit of the sixth digit, and what follows from several such numbers."""
+
+SINGLE = 1e-6
+"""The same of fields that MuJoCo keeps in numbers of 32 bits."""
+
+SHOWN = 6
+"""Numbers of an attribute that are shown at the most."""
+
+NEUTRAL: Mapping[str, Mapping[str, float]] = {
+    "geom": {"geom_contype": 0, "geom_conaffinity": 0},
+    "equality": {"eq_active0": 0},
+    "actuator": {"actuator_gear": 0},
+    "tendon": {
+        "tendon_stiffness": 0, "tendon_damping": 0, "tendon_frictionloss": 0, "tendon_limited": 0,
+    },
+}  # fmt: skip
+"""Kind of element -> values of its fields with which it does nothing."""
+
+DERIVED = {"range": "limited", "ctrlrange": "ctrllimited", "forcerange": "forcelimited",
+           "actrange": "actlimited", "actfrcrange": "actfrclimited"}  # fmt: skip
+"""End of a field -> that of the field that says whether it counts."""
+
+WITH = {"body_inertia": "body_iquat"}
+"""Field -> another that says in which frame it is."""
+
+
+@dataclass(frozen=True)
+class Difference:
+    """An attribute in which two compiled models differ.
+
+    Attributes
+    ----------
+    element : str
+        which element, as A names it
+    attribute : str
+        which attribute, as MJCF spells it; empty if the whole element is lost or new
+    before : str
+        its value in A
+    after : str
+        its value in B
+    effect : float or None
+        by how much accelerations change with this edit of A alone, relative to the largest; null
+        if it cannot be tried
+    edits : list of Edit
+        What makes A's model like B's in this.
+    """
+
+    element: str
+    attribute: str
+    before: str
+    after: str
+    effect: float | None = None
+    edits: Sequence[Edit] = field(default=(), metadata=HIDDEN)
+
+    @property
+    @documented
+    def sentence(self) -> str:
+        """What became of it, in words."""
+        if not self.attribute:
+            return f"{self.element} {'lost' if self.after == 'lost' else 'is new'}"
+        if self.after in ("0", "none", "no limit"):
+            return f"{self.element}: {self.attribute} {self.before} dropped"
+        return f"{self.element}: {self.attribute} {self.before} read as {self.after}"
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What two readings of one model differ in.
+
+    Attributes
+    ----------
+    a : str
+        the first model, and who reads it
+    b : str
+        the second
+    renamed : sequence of str
+        elements that have another name, or another place in the order, in B
+    differences : sequence of Difference
+        what was compiled differently, the largest effect first
+    gaps : sequence of Gap
+        what they do differently at states
+    left : sequence of Gap
+        what is still different after A is edited by all differences
+    states : sequence of str
+        names of the states; none if they have no states in common
+    why_no_states : str
+        why not
+    rounded : int
+        number of attributes that differ by the digits of a text alone
+    not_compared : sequence of str
+        fields that are in one release of MuJoCo alone
+    """
+
+    a: str
+    b: str
+    versions: Mapping[str, str]
+    renamed: Sequence[str]
+    differences: Sequence[Difference]
+    gaps: Sequence[Gap]
+    left: Sequence[Gap]
+    states: Sequence[str]
+    why_no_states: str
+    rounded: int
+    not_compared: Sequence[str]
+
+    @property
+    @documented
+    def closed(self) -> bool | None:
+        """Whether the edits close the gap to rounding; null if there is no gap."""
+        return not self.left if self.gaps else None
+
+    @property
+    def exit_code(self) -> int:
+        """1 if anything differs."""
+        return int(bool(self.differences or self.gaps or self.left))
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the ``compare`` document of docs/json.md."""
+        return document("compare", self)
+
+    def items(self) -> list[ReportItem]:
+        """Return an item for each difference, and one for what they do not explain."""
+        file = self.a.rpartition("@")[0] or self.a
+        items = [
+            ReportItem(
+                id=f"{one.element} {one.attribute}".strip(), rule="compare", suite=self.b,
+                outcome="failure", severity="error", message=one.sentence, file=file,
+                numbers={"before": one.before, "after": one.after, "effect": one.effect},
+            )
+            for one in self.differences
+        ]  # fmt: skip
+        items += [
+            ReportItem(
+                id=f"{gap.quantity} {gap.element}", rule="compare", suite=self.b, outcome="failure",
+                severity="error", message=f"{gap.sentence}, and no edit explains it", file=file,
+            )
+            for gap in self.left
+        ]  # fmt: skip
+        return items or [ReportItem("compare", "compare", self.b, "pass", None, "", file=file)]
+
+
+def compare(a: str, b: str, install: bool = False) -> Comparison:
+    """Compare two readings of one model.
+
+    Parameters
+    ----------
+    a, b : str
+        ``FILE``, or ``FILE@READER``: ``mujoco``, ``mujoco==3.3.7``, or a path of a Python that has
+        MuJoCo and NumPy.
+    install : bool
+        Make an environment for a release that is not there, in the user's cache.
+
+    Raises
+    ------
+    UsageError
+        If a file cannot be read, or there is no such reader.
+    EngineError
+        If a process that reads a file ends, or does not answer in time.
+    """
+    operands = [Operand.parse(text) for text in (a, b)]
+    for one in operands:
+        if one.is_engine:
+            raise UsageError(f"{one.reader} is no reader: mujoco, mujoco==VERSION or a Python")
+    with ExitStack() as stack:
+        first, second = (stack.enter_context(Reading(one, one.python(install))) for one in operands)
+        return compared(first, second, (a, b))
+
+
+def compared(first: Reading, second: Reading, names: tuple[str, str]) -> Comparison:
+    """Return what two readings differ in."""
+    one, other = first.model, second.model
+    match = matched(one, other)
+    share = SIX_DIGITS if written_in_six_digits(first) != written_in_six_digits(second) else EQUAL
+    small = list(differences_of(one, other, match, EQUAL))
+    differences = small if share == EQUAL else list(differences_of(one, other, match, share))
+    named = {(d.element, d.attribute) for d in differences}
+    rounding = [d for d in small if (d.element, d.attribute) not in named]
+    rows = layout(one, other, match)
+    gaps, left, names_of_states = list[Gap](), list[Gap](), list[str]()
+    if isinstance(rows, Layout):
+        states = states_of(first)
+        names_of_states = list(states)
+        trial = Trial(first, second, match, rows, [e for d in rounding for e in d.edits])
+        gaps = trial.gaps(())
+        differences = [trial.measured(one) for one in differences]
+        differences.sort(key=lambda d: -1.0 if d.effect is None else d.effect, reverse=True)
+        left = trial.gaps([e for d in differences for e in d.edits]) if gaps else []
+    return Comparison(
+        a=names[0],
+        b=names[1],
+        versions={"a": one.version, "b": other.version},
+        renamed=list(renamed(one, other, match)),
+        differences=differences,
+        gaps=gaps,
+        left=left,
+        states=names_of_states,
+        why_no_states="" if isinstance(rows, Layout) else rows,
+        rounded=len(rounding),
+        not_compared=sorted(physical_names(one) ^ physical_names(other)),
+    )
+
+
+def physical_names(model: Compiled) -> set[str]:
+    """Return the fields and options of a release."""
+    options = {key for key in model.answer if key.startswith("opt.")}
+    return {*model.fields, *options}
+
+
+# What was compiled ---------------------------------------------------------------------------
+
+
+def differences_of(
+    one: Compiled, other: Compiled, match: Match, share: float
+) -> Iterator[Difference]:
+    """Yield the attributes that differ by more than a share of their size."""
+    common = set(one.answer) & set(other.answer)
+    for mine, theirs in [(option_element(one), option_element(other)), *match.pairs]:
+        for name in dict.fromkeys((*mine.attributes, *theirs.attributes)):
+            pair = [side.attributes.get(name, Attribute(["none"])) for side in (mine, theirs)]
+            fields = [field_key(key) for attribute in pair for key in attribute.rows]
+            if not common.issuperset(fields):
+                continue
+            single = any(one.answer[key].dtype == np.float32 for key in fields)
+            if not equal(pair[0].values, pair[1].values, max(share, SINGLE if single else 0.0)):
+                cells = cells_of(pair[0].values, pair[1].values)
+                edits = list(edits_of(one, other, pair))
+                yield Difference(mine.label, name, *cells, edits=edits)
+    for element, word in [(e, "lost") for e in match.gone] + [(e, "new") for e in match.new]:
+        edits = list(neutral(one, element)) if word == "lost" else []
+        yield Difference(element.label, "", "", word, edits=edits)
+
+
+def field_key(name: str) -> str:
+    """Return the key of a field in the answer of `probe`."""
+    return name if name.startswith("opt.") else f"model.{name}"
+
+
+def option_element(model: Compiled) -> Element:
+    """Return the options of a model as one element, its flags by their names."""
+    attributes = {}
+    for key, value in model.answer.items():
+        group, _, name = key.partition(".")
+        if group != "opt" or name.startswith("o_"):
+            continue
+        words = {"integrator": "mjtIntegrator", "cone": "mjtCone", "solver": "mjtSolver",
+                 "jacobian": "mjtJacobian"}  # fmt: skip
+        values: list[Any] = np.ravel(value).tolist()
+        if name in words:
+            values = [model.word(words[name], int(value))]
+        for flags, enumeration in (
+            ("disableflags", "mjtDisableBit"),
+            ("enableflags", "mjtEnableBit"),
+        ):
+            if name == flags:
+                numbers = model.answer[f"numbers.{enumeration}"]
+                values = [w for w, n in zip(model.answer[f"words.{enumeration}"].tolist(), numbers,
+                                            strict=True) if w and int(value) & int(n)]  # fmt: skip
+        attributes[name] = Attribute(values, {key: None})
+    return Element("option", 0, "option", attributes)
+
+
+def edits_of(one: Compiled, other: Compiled, pair: Sequence[Attribute]) -> Iterator[Edit]:
+    """Yield what gives A's element the values of B's; references to elements are left alone."""
+    for name, rows in pair[0].rows.items():
+        if name.startswith("opt."):
+            yield name, None, np.asarray(other.answer[name]).tolist()
+            continue
+        if name in ENUMERATIONS and len(pair[1].values) == len(rows):
+            words = one.answer[f"words.{ENUMERATIONS[name]}"].tolist()
+            numbers = one.answer[f"numbers.{ENUMERATIONS[name]}"].tolist()
+            if set(pair[1].values) <= set(words):
+                values = [numbers[words.index(word)] for word in pair[1].values]
+                yield f"model.{name}", rows.tolist(), values
+            continue
+        if name in REFERENCES or name not in pair[1].rows:
+            continue
+        theirs = pair[1].rows[name]
+        switch = next((name.removesuffix(end) + on for end, on in DERIVED.items()
+                       if name.endswith(f"_{end}")), None)  # fmt: skip
+        for own in (name, WITH.get(name), switch):
+            if own and f"model.{own}" in one.answer:
+                yield f"model.{own}", rows.tolist(), other.field(own)[theirs].tolist()
+
+
+def neutral(model: Compiled, element: Element) -> Iterator[Edit]:
+    """Yield what leaves an element without effect."""
+    for name, value in NEUTRAL.get(element.kind, {}).items():
+        shape = model.field(name)[[element.number]].shape
+        yield f"model.{name}", [element.number], np.full(shape, value).tolist()
+
+
+def renamed(one: Compiled, other: Compiled, match: Match) -> Iterator[str]:
+    """Yield elements that have another name in B, and kinds of which the order is another."""
+    for mine, theirs in match.pairs:
+        names = one.names[mine.kind][mine.number], other.names[theirs.kind][theirs.number]
+        if names[0] != names[1]:
+            yield f"{mine.label} is {other.labels[theirs.kind][theirs.number]} in B"
+    for kind in one.labels:
+        order = [b.number for a, b in match.pairs if a.kind == kind]
+        if order != sorted(order):
+            yield f"the order of {kind} elements is another"
+
+
+def cells_of(before: Sequence[Any], after: Sequence[Any]) -> tuple[str, str]:
+    """Return two lists of values in words, in so many digits that they differ."""
+    for digits in (6, 12, 17):
+        cells = tuple(
+            " ".join(number(float(v), digits) if isinstance(v, int | float) else str(v) for v in vs)
+            or "none"
+            for vs in shortened(before, after)
+        )
+        if cells[0] != cells[1]:
+            break
+    return cells[0], cells[1]
+
+
+def shortened(before: Sequence[Any], after: Sequence[Any]) -> tuple[Sequence[Any], Sequence[Any]]:
+    """Return the values that differ where there are many, else all up to the last that differs."""
+    if len(before) != len(after):
+        return before[:SHOWN], after[:SHOWN]
+    apart = [i for i, (x, y) in enumerate(zip(before, after, strict=True)) if x != y]
+    last = apart[-1] + 1 if apart else 1
+    if last > SHOWN:
+        return [before[i] for i in apart[:SHOWN]], [after[i] for i in apart[:SHOWN]]
+    return before[:last], after[:last]
+
+
+def written_in_six_digits(reading: Reading) -> bool:
+    """Return whether no number of a file has more than six digits, some have, as MuJoCo writes."""
+    with open(reading.operand.file, encoding="utf-8", errors="replace") as file:
+        text = re.sub(r"<!--.*?-->", "", file.read(), flags=re.DOTALL)
+    numbers = re.findall(r"(?<![\w.])-?(\d*\.?\d+)(?:e[-+]?\d+)?(?![\w.])", text)
+    digits = [len(one.replace(".", "").lstrip("0")) for one in numbers]
+    return max(digits, default=0) == 6
+
+
+# What they do --------------------------------------------------------------------------------
+
+
+class Trial:
+    """States at which A, with edits, is compared with B.
+
+    Parameters
+    ----------
+    first, second : Reading
+    match : Match
+    rows : Layout
+    always : sequence of Edit
+        Of A, which are made always: what differs by the digits of a text.
+    """
+
+    def __init__(
+        self, first: Reading, second: Reading, match: Match, rows: Layout, always: Sequence[Edit]
+    ) -> None:
+        self.first, self.rows, self.always = first, rows, always
+        self.states = states_of(first)
+        self.sides = [side_of(first.model, 0, match, rows), side_of(second.model, 1, match, rows)]
+        theirs = [rows.translated(state, second.model) for state in self.states.values()]
+        self.other = [self.sides[1].in_order(one) for one in second.at(theirs)]
+        self.own = self.answers(())
+
+    def answers(self, edits: Sequence[Edit]) -> list[dict[str, Any]]:
+        """Return what A does with edits."""
+        found = self.first.at(list(self.states.values()), [*self.always, *edits])
+        return [self.sides[0].in_order(one) for one in found]
+
+    def gaps(self, edits: Sequence[Edit]) -> list[Gap]:
+        """Return in what A, with edits, and B differ beyond rounding."""
+        own = self.answers(edits) if edits else self.own
+        labels = {kind: list(one.values()) for kind, one in self.sides[0].labels.items()}
+        labels["joint"] = self.rows.labels
+        return gaps_between(own, self.other, list(self.states), labels)
+
+    def measured(self, difference: Difference) -> Difference:
+        """Return a difference with its effect on accelerations."""
+        if not difference.edits:
+            return difference
+        changed = self.answers(difference.edits)
+        sizes = [max(abs(a["qacc"]).max(initial=0.0), 1e-300) for a in self.own]
+        effect = max(
+            abs(b["qacc"] - a["qacc"]).max(initial=0.0) / size
+            for a, b, size in zip(self.own, changed, sizes, strict=True)
+        )
+        return Difference(
+            difference.element, difference.attribute, difference.before, difference.after,
+            float(effect), difference.edits,
+        )  # fmt: skip
+
+
+def side_of(model: Compiled, side: int, match: Match, rows: Layout) -> Side:
+    """Return what of a model stands where; ``side`` is 0 for A and 1 for B."""
+    labels: dict[str, dict[int, str]] = {kind: {} for kind in model.labels}
+    for pair in match.pairs:
+        labels[pair[0].kind][pair[side].number] = pair[0].label
+    return Side(model, labels, {name: both[side] for name, both in rows.rows.items()})

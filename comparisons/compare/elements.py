@@ -1,0 +1,481 @@
+"""The elements of a compiled model, their physical attributes in MJCF's words, and who is who.
+
+All arrays of ``MjModel`` count but those that are drawn, that index others, or that follow from
+the rest. What two files write differently and MuJoCo simulates alike has one form here: tensors in
+the place of principal axes, rotations in that of quaternions, names in that of numbers.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+from scipy.spatial.transform import Rotation
+
+Values = Sequence[Any]
+"""Numbers or words of an attribute."""
+
+KINDS: Mapping[str, str] = {
+    "body": "body_parentid",
+    "joint": "jnt_bodyid",
+    "geom": "geom_bodyid",
+    "site": "site_bodyid",
+    "mesh": "",
+    "hfield": "",
+    "flex": "",
+    "tendon": "",
+    "equality": "eq_type",
+    "actuator": "actuator_trnid",
+    "sensor": "sensor_objid",
+    "key": "",
+    "pair": "pair_geom2",
+    "exclude": "exclude_signature",
+}
+"""Kind of element -> the field by which those without a name are told apart; parents first."""
+
+ROWS: Mapping[str, tuple[str, str]] = {
+    **{{"joint": "jnt", "equality": "eq"}.get(kind, kind): (kind, "") for kind in KINDS},
+    "dof": ("joint", "jnt_dofadr"),
+    "qpos0": ("joint", "jnt_qposadr"),
+    "qpos_spring": ("joint", "jnt_qposadr"),
+    "wrap": ("tendon", "tendon_adr"),
+    "mesh_vert": ("mesh", "mesh_vertadr"),
+    "hfield_data": ("hfield", "hfield_adr"),
+}
+"""Field, or its first word -> the kind of element of its rows, and the field of their addresses."""
+
+COLUMNS = {"key_qpos": "qpos0", "key_qvel": "dof", "key_ctrl": "actuator"}
+"""Field of keyframes -> one of `ROWS` that says whose its columns are."""
+
+ENUMERATIONS = {
+    "jnt_type": "mjtJoint",
+    "geom_type": "mjtGeom",
+    "site_type": "mjtGeom",
+    "eq_type": "mjtEq",
+    "eq_objtype": "mjtObj",
+    "actuator_trntype": "mjtTrn",
+    "actuator_dyntype": "mjtDyn",
+    "actuator_gaintype": "mjtGain",
+    "actuator_biastype": "mjtBias",
+    "sensor_type": "mjtSensor",
+    "sensor_objtype": "mjtObj",
+    "sensor_reftype": "mjtObj",
+    "wrap_type": "mjtWrap",
+}
+"""Field -> the enumeration of its numbers."""
+
+REFERENCES = {
+    "body_parentid": "body",
+    "jnt_bodyid": "body",
+    "geom_bodyid": "body",
+    "site_bodyid": "body",
+    "pair_geom1": "geom",
+    "pair_geom2": "geom",
+    "geom_dataid": "geom_type",
+    "eq_obj1id": "eq_objtype",
+    "eq_obj2id": "eq_objtype",
+    "actuator_trnid": "actuator_trntype",
+    "sensor_objid": "sensor_objtype",
+    "sensor_refid": "sensor_reftype",
+    "wrap_objid": "wrap_type",
+}
+"""Field of numbers of elements -> their kind, or the field of their kinds."""
+
+REFERRED = {
+    "jointinparent": "joint",
+    "slidercrank": "site",
+    "sphere": "geom",
+    "cylinder": "geom",
+    "xbody": "body",
+    "sdf": "mesh",
+}
+"""Kind of a reference -> that of the element that it is to, where that is another word."""
+
+SIZES = {"plane": 0, "sphere": 1, "capsule": 2, "cylinder": 2}
+"""Type of a geom or site -> how many of its three sizes count, where not all do."""
+
+WORDS = {
+    "jnt_solref": "solreflimit",
+    "jnt_solimp": "solimplimit",
+    "jnt_actfrcrange": "actuatorfrcrange",
+    "jnt_actgravcomp": "actuatorgravcomp",
+    "dof_solref": "solreffriction",
+    "dof_solimp": "solimpfriction",
+    "qpos0": "ref",
+    "qpos_spring": "springref",
+    "body_parentid": "parent",
+    "body_ipos": "inertial pos",
+    "jnt_bodyid": "body",
+    "geom_bodyid": "body",
+    "site_bodyid": "body",
+    "geom_dataid": "mesh",
+    "geom_fluid": "fluidcoef",
+    "eq_active0": "active",
+    "eq_obj1id": "first element",
+    "eq_obj2id": "second element",
+    "actuator_trnid": "target",
+    "actuator_trntype": "transmission",
+    "tendon_lengthspring": "springlength",
+    "tendon_solref_lim": "solreflimit",
+    "tendon_solimp_lim": "solimplimit",
+    "tendon_solref_fri": "solreffriction",
+    "tendon_solimp_fri": "solimpfriction",
+    "tendon_actfrcrange": "actuatorfrcrange",
+    "wrap_objid": "path",
+    "wrap_prm": "coef",
+    "wrap_type": "path types",
+    "pair_dim": "condim",
+    "exclude_signature": "bodies",
+    "key_mpos": "mocap pos",
+    "key_mquat": "mocap quat",
+}
+"""Field -> the attribute of MJCF, where that is another word than the field's own."""
+
+EQUALITY_DATA = {"connect": "anchor", "weld": "relpose", "joint": "polycoef", "tendon": "polycoef"}
+"""Type of an equality -> what its numbers are."""
+
+CONTACT = (
+    "condim", "friction", "solref", "solimp", "solmix", "margin", "gap", "priority", "adhesion",
+    "surfacevel",
+)  # fmt: skip
+"""Attributes that do nothing on a geom that touches nothing."""
+
+NOT_PHYSICAL = re.compile(
+    r"^_|^(cam|light|mat|tex|text|tuple|numeric|skin|bvh|oct|name|tree|ten|flexedge|efm0|efmC|[BDM])_"
+    r"|^map|^names|^paths|^dof_(bodyid|jntid|parentid|length)$|^body_(contype|conaffinity|margin)$"
+    r"|^(mesh|hfield)_(?!vert$|data$|size$)|_(iquat|group|rgba|matid|castshadow|user|width|flatskin"
+    r"|texcoord|objtype|reftype|rootid|weldid|treeid|treenum|actuatorid|sameframe|simple|simplenum"
+    r"|subtreemass|invweight0|M0|Madr|acc0|length0|aabb|rbound|needstage|datatype|ctrlspec|plugin"
+    r"|lengthrange)$|limited$|^pair_signature$|(adr|num)$"
+)
+"""Fields that are drawn, that index others, or that follow from the rest."""
+
+
+@dataclass(frozen=True)
+class Attribute:
+    """A physical attribute of an element.
+
+    Attributes
+    ----------
+    values : sequence of float or str
+        In a form in which equal physics is equal.
+    rows : mapping of str to array
+        Fields of the compiled model that hold it, and their rows.
+    """
+
+    values: Values
+    rows: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Element:
+    """An element of a compiled model; ``label`` names it in reports: ``joint elbow``."""
+
+    kind: str
+    number: int
+    label: str
+    attributes: Mapping[str, Attribute]
+
+
+class Compiled:
+    """A compiled model as `probe` tells it.
+
+    Parameters
+    ----------
+    answer : mapping of str to array
+    """
+
+    def __init__(self, answer: Mapping[str, Any]) -> None:
+        self.answer = answer
+        self.version = str(answer["version"])
+        self.names: dict[str, list[str]] = {
+            kind: answer[f"names.{kind}"].tolist() for kind in KINDS
+        }
+
+    def field(self, name: str) -> Any:
+        """Return a field of ``MjModel``, or a number of its elements."""
+        return self.answer[f"model.{name}"]
+
+    @cached_property
+    def fields(self) -> list[str]:
+        """Physical fields, those of joints before those of their degrees of freedom."""
+        names = [key.partition(".")[2] for key in self.answer if key.startswith("model.")]
+        physical = [
+            name
+            for name in names
+            if np.ndim(self.field(name)) and not NOT_PHYSICAL.search(name) and name != "names"
+        ]
+        return sorted(physical, key=lambda name: (name.startswith("dof_"), name))
+
+    def word(self, enumeration: str, number: int) -> str:
+        """Return the word for a number of an enumeration."""
+        numbers = self.answer[f"numbers.{enumeration}"].tolist()
+        words: list[str] = self.answer[f"words.{enumeration}"].tolist()
+        return words[numbers.index(number)] if number in numbers else f"number {number}"
+
+    @cached_property
+    def labels(self) -> dict[str, list[str]]:
+        """Names of all elements by their kinds, with words for those that have none."""
+        labels: dict[str, list[str]] = {}
+        for kind, owner in KINDS.items():
+            labels[kind], seen = [], dict[str, int]()
+            for i, name in enumerate(self.names[kind]):
+                if not name:
+                    of = " and ".join(self.described(labels, owner, i)) if owner else "the model"
+                    seen[of] = seen.get(of, 0) + 1
+                    name = f"{seen[of]} of {of}"
+                labels[kind].append(f"{kind} {name}")
+        return labels
+
+    def described(self, labels: Mapping[str, Sequence[str]], name: str, row: int) -> list[str]:
+        """Return a type, or the elements that a field refers to, in words."""
+        values = np.ravel(self.field(name)[row]).astype(int)
+        if name in ENUMERATIONS:
+            return [self.word(ENUMERATIONS[name], int(values[0]))]
+        if name == "exclude_signature":
+            values = np.array(divmod(values[0], 1 << 16))
+        kind = REFERENCES.get(name, "body")
+        if kind in ENUMERATIONS:
+            kind = self.word(ENUMERATIONS[kind], int(self.field(kind)[row]))
+        if name.startswith("eq_obj"):
+            of = self.word("mjtEq", int(self.field("eq_type")[row]))
+            kind = of if of in ("joint", "tendon") else kind
+        listed = labels.get(REFERRED.get(kind, kind), [])
+        words = [listed[i] if 0 <= i < len(listed) else f"number {i}" for i in values.tolist()]
+        words = [word for word in words if word != "number -1"]
+        return sorted(words) if name == "exclude_signature" else words
+
+    def elements(self, kind: str, labels: Mapping[str, Sequence[str]]) -> list[Element]:
+        """Return the elements of a kind; references name others by ``labels``."""
+        tables: list[dict[str, Attribute]] = [{} for _ in self.labels[kind]]
+        for name in self.fields:
+            own, address = ROWS.get(name) or ROWS.get(name.partition("_")[0]) or ("", "")
+            if own == kind and tables:
+                starts = self.field(address) if address else np.arange(len(tables))
+                values = self.comparable(name, labels)
+                rows = np.split(np.arange(len(values)), starts[1:])
+                for table, mine in zip(tables, rows, strict=True):
+                    self.add(table, name, mine, values, labels)
+        named = zip(self.labels[kind], tables, strict=True)
+        return [Element(kind, i, label, folded(t, kind)) for i, (label, t) in enumerate(named)]
+
+    def add(
+        self,
+        table: dict[str, Attribute],
+        name: str,
+        rows: Any,
+        values: Any,
+        labels: Mapping[str, Sequence[str]],
+    ) -> None:
+        """Add the rows of a field to the attributes of an element."""
+        attribute = WORDS.get(name) or name.partition("_")[2]
+        if name == "eq_data":
+            attribute = EQUALITY_DATA.get(
+                self.described(labels, "eq_type", int(rows[0]))[0], "data"
+            )
+        if name in COLUMNS:
+            kind, address = ROWS[COLUMNS[name]]
+            starts = self.field(address) if address else np.arange(len(labels[kind]))
+            pieces = np.split(values[rows].T, starts[1:])
+            for label, piece in zip(labels[kind], pieces, strict=False):
+                table[f"{attribute} of {label}"] = Attribute(np.ravel(piece).tolist())
+            return
+        known = table.get(attribute)
+        attribute = name if known else attribute
+        found = [values[row] for row in rows]
+        if attribute == "polycoef":
+            found = [values[row][:5] for row in rows]
+        flat = [one for value in found for one in np.ravel(np.asarray(value)).tolist()]
+        table[attribute] = Attribute(flat, {name: rows})
+
+    def comparable(self, name: str, labels: Mapping[str, Sequence[str]]) -> Any:
+        """Return a field in a form in which equal physics is equal."""
+        values = self.field(name)
+        if name in ENUMERATIONS or name in REFERENCES or name == "exclude_signature":
+            return [self.described(labels, name, row) for row in range(len(values))]
+        limited = self.answer.get(f"model.{name.removesuffix('range')}limited")
+        if limited is not None and name.endswith("range"):
+            return [list(v) if on else ["no limit"] for v, on in zip(values, limited, strict=True)]
+        if name == "wrap_prm":  # of a geom the number of the site on whose side the tendon runs
+            sides = np.isin(self.types("wrap_type"), ("sphere", "cylinder")) & (values >= 0)
+            sites = labels["site"]
+            return [sites[int(v)] if on else v for v, on in zip(values, sides, strict=True)]
+        if name == "body_mocapid":
+            return values >= 0
+        if name == "body_inertia":
+            axes = rotations(self.field("body_iquat"))
+            return axes * values[:, None] @ axes.transpose(0, 2, 1)
+        if name in ("geom_size", "site_size"):
+            kinds = self.types(name.replace("size", "type"))
+            return values * np.less.outer(np.arange(3), [SIZES.get(kind, 3) for kind in kinds]).T
+        if name in ("geom_quat", "site_quat"):
+            return self.axes(name)
+        return rotations(values) if name.endswith("_quat") else values
+
+    def types(self, name: str) -> list[str]:
+        """Return the words of a field of types."""
+        return [self.word(ENUMERATIONS[name], int(one)) for one in self.field(name)]
+
+    def axes(self, name: str) -> Any:
+        """Return the orientation of geoms: of what is round its axis, of a sphere nothing."""
+        axes, kinds = rotations(self.field(name)), self.types(name.replace("quat", "type"))
+        lines = np.where(np.array(kinds) == "sphere", 0.0, 1.0)[:, None] * axes[:, :, 2]
+        round_ = np.isin(kinds, ("sphere", "capsule", "cylinder"))
+        both = lines[:, :, None] * lines[:, None]
+        return np.where(round_[:, None, None], both, axes)
+
+
+def rotations(quaternions: Any) -> Any:
+    """Return rotation matrices (n, 3, 3) of MuJoCo's quaternions (n, 4), which have two signs."""
+    quaternions = np.asarray(quaternions, dtype=float).reshape(-1, 4)
+    if not len(quaternions):
+        return np.zeros((0, 3, 3))
+    return Rotation.from_quat(quaternions[:, [1, 2, 3, 0]]).as_matrix()
+
+
+def folded(table: dict[str, Attribute], kind: str) -> dict[str, Attribute]:
+    """Return the attributes of an element, without those that do nothing on it."""
+    if kind == "geom" and not any(table["contype"].values + table["conaffinity"].values):  # type: ignore[operator]
+        return {name: one for name, one in table.items() if name not in CONTACT}
+    if kind == "joint" and table["type"].values == ["free"]:
+        return {name: one for name, one in table.items() if name != "ref"}  # as of its body
+    if kind == "actuator":
+        gain, bias = table["gainprm"].values, table["biasprm"].values
+        if table["gaintype"].values == ["fixed"] and gain[0] and bias[1] == -gain[0]:
+            rows = {**table.pop("gainprm").rows, **table.pop("biasprm").rows}
+            table["kp"], table["kv"] = Attribute([gain[0]], rows), Attribute([-bias[2]], rows)
+    return table
+
+
+# Which element of one model is which of the other --------------------------------------------
+
+
+@dataclass(frozen=True)
+class Match:
+    """Pairs of elements of two models, and those that have no partner."""
+
+    pairs: Sequence[tuple[Element, Element]]
+    gone: Sequence[Element]
+    new: Sequence[Element]
+
+
+def matched(one: Compiled, other: Compiled) -> Match:
+    """Return which elements of two models are the same.
+
+    By name; those without a partner of their name by their place (parent, or what they refer to)
+    and by how many of their attributes are equal.
+    """
+    labels = {kind: list(listed) for kind, listed in other.labels.items()}
+    found: dict[str, dict[int, int]] = {}
+    for kind in KINDS:
+        found[kind] = dict(pairs_by_name(one.names[kind], other.names[kind]))
+        rename(labels, one, kind, found[kind])
+        mine = one.elements(kind, one.labels)
+        for numbers in levels(one) if kind == "body" else [range(len(mine))]:
+            theirs = other.elements(kind, labels)
+            for rest in leftover_groups(mine, theirs, numbers, found[kind]):
+                found[kind] |= dict(assigned(mine, theirs, *rest))
+            rename(labels, one, kind, found[kind])
+    pairs, gone, new = list[tuple[Element, Element]](), list[Element](), list[Element]()
+    for kind, partners in found.items():
+        mine, theirs = one.elements(kind, one.labels), other.elements(kind, labels)
+        pairs += [(mine[i], theirs[j]) for i, j in sorted(partners.items())]
+        gone += [element for element in mine if element.number not in partners]
+        new += [element for element in theirs if element.number not in partners.values()]
+    return Match(pairs, gone, new)
+
+
+def rename(
+    labels: Mapping[str, list[str]], one: Compiled, kind: str, found: Mapping[int, int]
+) -> None:
+    """Give elements the labels of their partners."""
+    for i, j in found.items():
+        labels[kind][j] = one.labels[kind][i]
+
+
+def levels(model: Compiled) -> list[list[int]]:
+    """Return the numbers of bodies, those at each depth of the tree in turn."""
+    depth = [0]
+    for parent in model.field("body_parentid")[1:].tolist():
+        depth.append(depth[parent] + 1)
+    return [[i for i, own in enumerate(depth) if own == d] for d in range(max(depth) + 1)]
+
+
+def pairs_by_name(mine: Sequence[str], theirs: Sequence[str]) -> Iterator[tuple[int, int]]:
+    """Yield the numbers of elements that have the same name."""
+    for i, name in enumerate(mine):
+        if name and theirs.count(name) == mine.count(name) == 1:
+            yield i, theirs.index(name)
+
+
+def leftover_groups(
+    mine: Sequence[Element],
+    theirs: Sequence[Element],
+    numbers: Sequence[int],
+    found: Mapping[int, int],
+) -> Iterator[tuple[list[int], list[int]]]:
+    """Yield the numbers of those without a partner that stand at the same place, then of all."""
+    for by_place in (True, False):
+        taken = set(found.values())
+        places: dict[Any, tuple[list[int], list[int]]] = {}
+        for i in numbers:
+            if i not in found:
+                places.setdefault(place_of(mine[i]) if by_place else (), ([], []))[0].append(i)
+        for j, element in enumerate(theirs):
+            if j not in taken:
+                places.setdefault(place_of(element) if by_place else (), ([], []))[1].append(j)
+        yield from ((a, b) for a, b in places.values() if a and b)
+
+
+def place_of(element: Element) -> tuple[str, ...]:
+    """Return where an element stands: its type, its body, or what it refers to."""
+    names = ("parent", "body", "type", "transmission", "target", "first element", "bodies", "objid")
+    return tuple(
+        str(value)
+        for name in names
+        if name in element.attributes
+        for value in element.attributes[name].values
+    )
+
+
+def assigned(
+    mine: Sequence[Element], theirs: Sequence[Element], left: list[int], right: list[int]
+) -> Iterator[tuple[int, int]]:
+    """Yield pairs of numbers so that as few attributes as possible differ, in order if equal."""
+    costs = [
+        [difference_count(mine[i], theirs[j]) + 1e-6 * abs(a - b) for b, j in enumerate(right)]
+        for a, i in enumerate(left)
+    ]
+    for a, b in zip(*linear_sum_assignment(np.array(costs)), strict=True):
+        yield left[a], right[b]
+
+
+def difference_count(one: Element, other: Element) -> float:
+    """Return the number of attributes that differ, in six digits."""
+    names = set(one.attributes) | set(other.attributes)
+    return float(sum(not alike(one, other, name, 1e-5) for name in names))
+
+
+def alike(one: Element, other: Element, name: str, share: float) -> bool:
+    """Return whether an attribute of two elements is equal to a share of its largest number."""
+    if name not in one.attributes or name not in other.attributes:
+        return False
+    return equal(one.attributes[name].values, other.attributes[name].values, share)
+
+
+def equal(one: Values, other: Values, share: float) -> bool:
+    """Return whether numbers or words are equal, numbers to a share of the largest of them."""
+    if len(one) != len(other):
+        return False
+    if any(isinstance(value, str) for value in (*one, *other)):
+        return list(one) == list(other)
+    first, second = np.array(one, dtype=float), np.array(other, dtype=float)
+    size = max(abs(first).max(initial=0.0), abs(second).max(initial=0.0))
+    same = (first == second) | (np.isnan(first) & np.isnan(second))
+    with np.errstate(invalid="ignore"):
+        return bool(np.all(same | (abs(first - second) <= share * size)))

@@ -1,0 +1,216 @@
+"""In what two models differ at the same states, beyond what rounding explains."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..documents.fields import documented
+from ..reports.words import number
+
+EPS = float(np.finfo(float).eps)
+
+OPERATIONS = 64
+"""Roundings along the way to a quantity, in each of its terms: MuJoCo's sums over trees and
+quaternions take some tens of them."""
+
+QUANTITIES: Mapping[str, tuple[str, str]] = {
+    "xpos": ("position", "body"),
+    "xmat": ("orientation", "body"),
+    "mass": ("mass matrix", "joint"),
+    "gravity": ("force of gravity", "joint"),
+    "bias": ("bias force", "joint"),
+    "spring": ("spring force", "joint"),
+    "damper": ("damper force", "joint"),
+    "gravcomp": ("gravity compensation", "joint"),
+    "fluid": ("fluid force", "joint"),
+    "ten_length": ("length", "tendon"),
+    "ten_velocity": ("velocity", "tendon"),
+    "actuator_length": ("length", "actuator"),
+    "actuator_force": ("force", "actuator"),
+    "actuator": ("force of actuators", "joint"),
+    "qacc_smooth": ("acceleration without constraints", "joint"),
+    "qacc": ("acceleration", "joint"),
+    "step_euler": ("step of Euler", "joint"),
+    "step_rk4": ("step of RK4", "joint"),
+    "step_implicit": ("step of implicit", "joint"),
+    "step_implicitfast": ("step of implicitfast", "joint"),
+}
+"""Quantity of `probe.at_state` -> its name, and whose it is; causes before effects."""
+
+
+ROWS = {
+    "pos": "position",
+    "aref": "reference acceleration",
+    "frictionloss": "friction loss",
+    "inverse_inertia": "regularised inverse inertia",
+}
+"""Number of a row of a constraint -> its name."""
+
+COLLISION = 1e-6
+"""Tolerance of MuJoCo's collision of convex shapes, ``ccd_tolerance`` [m]."""
+
+CONTACT = {
+    "depth": (slice(0, 1), COLLISION),
+    "dimension": (slice(1, 2), 0.5),
+    "margin": (slice(2, 3), COLLISION),
+    "friction": (slice(15, 20), 1e-12),
+    "solref": (slice(20, 22), 1e-12),
+    "solimp": (slice(22, 27), 1e-12),
+}
+"""Quantity of a contact -> where it stands among its numbers, and its tolerance."""
+
+TINY = 1e-300
+
+
+@dataclass(frozen=True)
+class Gap:
+    """A quantity that differs, where it differs most.
+
+    Attributes
+    ----------
+    quantity : str
+        which quantity
+    element : str
+        the element of A that it belongs to
+    state : str
+        the state in which it differs most
+    a : float
+        its value of A (SI)
+    b : float
+        its value of B (SI)
+    tolerance : float
+        what rounding explains (SI)
+    """
+
+    quantity: str
+    element: str
+    state: str
+    a: float
+    b: float
+    tolerance: float
+
+    @property
+    @documented
+    def sentence(self) -> str:
+        """The difference in words."""
+        return (
+            f"{self.element}: {self.quantity} {number(self.a)} and {number(self.b)}, {self.state}"
+        )
+
+
+def gaps_between(
+    own: Sequence[Mapping[str, Any]],
+    other: Sequence[Mapping[str, Any]],
+    states: Sequence[str],
+    labels: Mapping[str, Sequence[str]],
+) -> list[Gap]:
+    """Return the largest gap of each quantity, in units of its tolerance.
+
+    Parameters
+    ----------
+    own, other : sequence of mapping of str to array
+        What A and B do at each state, in the order of A.
+    states : sequence of str
+        Names of the states.
+    labels : mapping of str to sequence of str
+        Labels of bodies, tendons and actuators, and of each degree of freedom (``joint``).
+    """
+    worst: dict[str, tuple[float, Gap]] = {}
+    for a, b, state in zip(own, other, states, strict=True):
+        for ratio, gap in (*array_gaps(a, b, state, labels), *row_gaps(a, b, state)):
+            if ratio > worst[gap.quantity][0] if gap.quantity in worst else ratio > 1:
+                worst[gap.quantity] = ratio, gap
+    order = [name for name, _ in QUANTITIES.values()]
+    return sorted(
+        (gap for _, gap in worst.values()),
+        key=lambda gap: order.index(gap.quantity) if gap.quantity in order else -1,
+    )
+
+
+def array_gaps(
+    a: Mapping[str, Any], b: Mapping[str, Any], state: str, labels: Mapping[str, Sequence[str]]
+) -> Iterator[tuple[float, Gap]]:
+    """Yield the largest difference of each quantity over its tolerance, and where it is."""
+    for key, tolerance in tolerances(a, b):
+        name, kind = QUANTITIES[key]
+        limit = np.broadcast_to(tolerance, a[key].shape)
+        if limit.size:
+            ratio = abs(a[key] - b[key]) / np.maximum(limit, TINY)
+            at = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
+            label = labels[kind][int(at[0]) % len(labels[kind])]
+            values = (float(values[at]) for values in (a[key], b[key], limit))
+            yield float(ratio[at]), Gap(name, label, state, *values)
+
+
+def row_gaps(a: Mapping[str, Any], b: Mapping[str, Any], state: str) -> Iterator[tuple[float, Gap]]:
+    """Yield differences of rows of constraints and of contacts, over their tolerances."""
+    unit = OPERATIONS * EPS
+    for key in dict.fromkeys((*a["rows"], *b["rows"])):
+        kind, label, _ = key
+        what = f"{kind.replace('_', ' of ')} row"
+        one, other = a["rows"].get(key), b["rows"].get(key)
+        if one is None or other is None:
+            yield (
+                np.inf,
+                Gap(what, label, state, float(one is not None), float(other is not None), 0.0),
+            )
+            continue
+        scale = max(1.0, abs(one["pos"]), abs(one["jacobian"]).max(initial=0.0))
+        limits = {
+            "pos": unit * scale,
+            "aref": unit * (abs(one["aref"]) + one["stiffness"] * scale),
+            "frictionloss": unit * one["frictionloss"],
+            "inverse_inertia": unit * one["inverse_inertia"] * max(1.0, len(one["jacobian"])),
+        }
+        for name, limit in limits.items():
+            ratio = abs(one[name] - other[name]) / max(limit, TINY)
+            yield ratio, Gap(f"{what}, {ROWS[name]}", label, state, one[name], other[name], limit)
+    for pair in dict.fromkeys((*a["contacts"], *b["contacts"])):
+        one, other = a["contacts"].get(pair), b["contacts"].get(pair)
+        if one is None or other is None:
+            yield (
+                np.inf,
+                Gap(
+                    "contact", pair[0], state, float(one is not None), float(other is not None), 0.0
+                ),
+            )
+            continue
+        for name, (columns, limit) in CONTACT.items():
+            apart = abs(one[columns] - other[columns])
+            at = int(np.argmax(apart))
+            values = float(one[columns][at]), float(other[columns][at])
+            yield float(apart[at]) / limit, Gap(f"contact, {name}", pair[0], state, *values, limit)
+
+
+def tolerances(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Yield the quantities that both have, and how far rounding may part them.
+
+    Sums round by the largest of their terms; accelerations lose as many digits as the mass matrix
+    has a condition number. What constraints do is known as far as two runs of the solver agree.
+    """
+    unit, n = OPERATIONS * EPS, len(a["bias"])
+    common = [key for key in QUANTITIES if key in a and key in b]
+    size = {key: max(abs(side[key]).max(initial=0.0) for side in (a, b)) for key in common}
+    force = sum(
+        size[key] for key in ("bias", "spring", "damper", "actuator", "fluid") if key in size
+    )
+    condition = np.linalg.cond(a["mass"]) if n else 1.0
+    own = {
+        "xmat": 1.0,
+        **{key: force for key in ("bias", "gravity", "actuator", "damper", "spring", "fluid")},
+    }
+    for key in size:
+        if a[key].shape != b[key].shape:
+            continue
+        tolerance: Any = unit * own.get(key, size[key])
+        if key in ("qacc_smooth", "qacc") or key.startswith("step_"):
+            floor = max(abs(a["qacc_floor"]).max(initial=0), abs(b["qacc_floor"]).max(initial=0))
+            smooth = unit * condition * max(size["qacc_smooth"], size["qacc"])
+            tolerance = smooth + (4 * floor if key != "qacc_smooth" else 0.0)
+        if key.startswith("step_"):
+            tolerance = tolerance + unit * size[key]  # a step is shorter than 1 s
+        yield key, tolerance

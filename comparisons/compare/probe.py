@@ -1,0 +1,233 @@
+"""Compile a model and evaluate it, in a Python that has only MuJoCo and NumPy.
+
+``python probe.py FOLDER`` reads one request in JSON from each line of standard input, writes its
+answer to FOLDER/answer.npz, and prints the line ``ok`` or ``error: REASON``. Other installations of
+Python run it, down to MuJoCo 3.2, so it imports nothing of mbcheck.
+"""
+
+from __future__ import annotations
+
+import copy
+import json
+import sys
+import warnings
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+import mujoco
+import numpy as np
+
+KINDS = (
+    "body", "joint", "geom", "site", "mesh", "hfield", "flex", "tendon", "equality", "actuator",
+    "sensor", "key", "pair", "exclude",
+)  # fmt: skip
+"""Kinds of elements, as MuJoCo names its objects."""
+
+ENUMERATIONS = (
+    "mjtJoint", "mjtGeom", "mjtEq", "mjtTrn", "mjtDyn", "mjtGain", "mjtBias", "mjtSensor", "mjtObj",
+    "mjtWrap", "mjtIntegrator", "mjtSolver", "mjtCone", "mjtJacobian", "mjtDisableBit",
+    "mjtEnableBit", "mjtConstraint",
+)  # fmt: skip
+
+FORCES = ("spring", "damper", "gravcomp", "fluid", "passive", "actuator")
+"""Generalised forces ``qfrc_...``, as far as a release tells them apart."""
+
+PARTS = (
+    "xpos", "xmat", "ten_length", "ten_velocity", "actuator_length", "actuator_force", "act_dot",
+    "qacc_smooth",
+)  # fmt: skip
+
+INTEGRATORS = ("euler", "rk4", "implicit", "implicitfast")
+
+SETTLED = 30
+"""Most times that the solver goes on until its answer stays the same."""
+
+COLD, WARM = 0.0, 1.0
+"""Accelerations that the solver starts from: none, or the unconstrained ones. How far its answers
+lie apart is how well it solves."""
+
+Answer = dict[str, Any]
+
+
+def compiled(model: Any) -> Answer:
+    """Return a model as arrays: its fields, options, names, and the enumerations of its release."""
+    answer: Answer = {"version": mujoco.__version__}
+    for group, owner in (("model", model), ("opt", model.opt), ("stat", model.stat)):
+        for name in dir(owner):
+            value = None if name.startswith("_") else getattr(owner, name)
+            if isinstance(value, (np.ndarray, int, float)):
+                answer[f"{group}.{name}"] = np.asarray(value)
+    for kind in KINDS:
+        number = int(getattr(mujoco.mjtObj, "mjOBJ_" + kind.upper()))
+        short = {"joint": "jnt", "equality": "eq"}.get(kind, kind)
+        count = len(getattr(model, f"name_{short}adr", ()))
+        names = [mujoco.mj_id2name(model, number, i) or "" for i in range(count)]
+        answer[f"names.{kind}"] = np.array(names, dtype=str)
+    for name in ENUMERATIONS:
+        members = getattr(mujoco, name).__members__
+        answer[f"words.{name}"] = np.array([word.partition("_")[2].lower() for word in members])
+        answer[f"numbers.{name}"] = np.array([int(member) for member in members.values()])
+    return answer
+
+
+def edited(model: Any, edits: Iterable[tuple[str, int | None, Any]], derive: bool) -> Any:
+    """Return a copy of a model with fields, or rows of them, set to values."""
+    copied = copy.deepcopy(model)
+    for field, row, value in edits:
+        group, _, name = field.partition(".")
+        owner = copied if group == "model" else getattr(copied, group)
+        old = getattr(owner, name)
+        if np.ndim(old) == 0:
+            setattr(owner, name, type(old)(value))
+        else:
+            old[slice(None) if row is None else row] = value
+    if derive:
+        mujoco.mj_setConst(copied, mujoco.MjData(copied))
+    return copied
+
+
+def put(data: Any, state: Mapping[str, Any]) -> None:
+    """Put data into a state."""
+    for name, value in state.items():
+        getattr(data, name)[:] = value
+
+
+def solved(model: Any, state: Mapping[str, Any], start: float) -> Any:
+    """Return data at a state, constraints solved until nothing changes."""
+    data = mujoco.MjData(model)
+    put(data, state)
+    mujoco.mj_forward(model, data)
+    data.qacc_warmstart[:] = start * data.qacc_smooth
+    last = np.full(model.nv, np.nan)
+    for _ in range(SETTLED):
+        mujoco.mj_forward(model, data)
+        if np.array_equal(data.qacc, last):
+            break
+        last = data.qacc.copy()
+        data.qacc_warmstart[:] = last
+    return data
+
+
+def evaluated(model: Any, states: Sequence[Mapping[str, Any]]) -> Iterator[Answer]:
+    """Yield what a model does at states."""
+    newton = int(mujoco.mjtSolver.mjSOL_NEWTON)
+    settings = [("opt.tolerance", None, 0.0), ("opt.solver", None, newton)]
+    exact = edited(model, [*settings, ("opt.iterations", None, 100)], False)
+    integrators = {
+        name: int(getattr(mujoco.mjtIntegrator, f"mjINT_{name.upper()}")) for name in INTEGRATORS
+    }
+    for state in states:
+        answer = smooth(model, state)
+        data = solved(exact, state, COLD)
+        answer["qacc"] = data.qacc.copy()
+        answer["qacc_floor"] = abs(data.qacc - solved(exact, state, WARM).qacc)
+        answer.update(constraint_rows(exact, data))
+        answer.update(contacts(data))
+        for name, number in integrators.items():
+            exact.opt.integrator = number
+            stepped = mujoco.MjData(exact)
+            put(stepped, state)
+            stepped.qacc_warmstart[:] = answer["qacc"]
+            mujoco.mj_step(exact, stepped)
+            answer[f"step_{name}"] = np.concatenate([stepped.qpos, stepped.qvel])
+        yield answer
+
+
+def smooth(model: Any, state: Mapping[str, Any]) -> Answer:
+    """Return what a model does at a state without constraints, and as its file says."""
+    data = mujoco.MjData(model)
+    put(data, {"qpos": state["qpos"]})
+    mujoco.mj_forward(model, data)
+    answer: Answer = {"gravity": data.qfrc_bias.copy()}
+    put(data, state)
+    mujoco.mj_forward(model, data)
+    mass, unit = np.zeros((model.nv, model.nv)), np.eye(model.nv)
+    for i in range(model.nv):
+        mujoco.mj_mulM(model, data, mass[i], unit[i])
+    answer.update(mass=mass, bias=data.qfrc_bias, own_qacc=data.qacc)
+    names = [f"qfrc_{name}" for name in FORCES]
+    for name in (*PARTS, *names):
+        if hasattr(data, name):
+            answer[name.removeprefix("qfrc_")] = getattr(data, name)
+    return {name: np.array(value, dtype=float) for name, value in answer.items()}
+
+
+def constraint_rows(model: Any, data: Any) -> Answer:
+    """Return the rows of constraints at a state: type, element, and numbers of each."""
+    jacobian, unit = np.zeros((data.nefc, model.nv)), np.eye(model.nv)
+    for i in range(model.nv if data.nefc else 0):
+        column = np.zeros(data.nefc)
+        mujoco.mj_mulJacVec(model, data, column, unit[i])
+        jacobian[:, i] = column
+    return {
+        "row_type": data.efc_type.copy(),
+        "row_id": data.efc_id.copy(),
+        "row_pos": data.efc_pos.copy(),
+        "row_inverse_inertia": 1 / data.efc_D,
+        "row_aref": data.efc_aref.copy(),
+        "row_frictionloss": data.efc_frictionloss.copy(),
+        "row_stiffness": data.efc_KBIP.reshape(-1, 4)[:, 0].copy(),
+        "row_jacobian": jacobian,
+    }
+
+
+def contacts(data: Any) -> Answer:
+    """Return the contacts at a state."""
+    every = [data.contact[i] for i in range(data.ncon)]
+    rows = [
+        np.concatenate(
+            [
+                [one.dist, one.dim, one.includemargin],
+                one.pos,
+                one.frame,
+                one.friction,
+                one.solref,
+                one.solimp,
+            ]
+        )
+        for one in every
+    ]
+    return {
+        "contact_geoms": np.array([[one.geom1, one.geom2] for one in every]).reshape(-1, 2),
+        "contact_numbers": np.array(rows).reshape(len(every), 27),
+    }
+
+
+def touching(model: Any, states: Sequence[Mapping[str, Any]]) -> Answer:
+    """Return which geoms touch at each state, and the depth of the shallowest contact [m]."""
+    data, geoms = mujoco.MjData(model), np.zeros((len(states), model.ngeom), dtype=bool)
+    shallowest = np.full(len(states), np.inf)
+    for i, state in enumerate(states):
+        put(data, state)
+        mujoco.mj_fwdPosition(model, data)
+        for contact in (data.contact[k] for k in range(data.ncon)):
+            geoms[i, [contact.geom1, contact.geom2]] = True
+            shallowest[i] = min(shallowest[i], abs(contact.dist))
+    return {"geoms": geoms, "shallowest": shallowest}
+
+
+def main() -> None:
+    """Answer requests until there are none left."""
+    model = None
+    for line in sys.stdin:
+        asked = json.loads(line)
+        try:
+            if "file" in asked:
+                model = mujoco.MjModel.from_xml_path(asked["file"])
+                answer = compiled(model)
+            elif "touching" in asked:
+                answer = touching(model, asked["touching"])
+            else:
+                own = edited(model, asked["edits"], bool(asked["edits"]))
+                every = enumerate(evaluated(own, asked["states"]))
+                answer = {f"{i}.{key}": value for i, one in every for key, value in one.items()}
+            np.savez(f"{sys.argv[1]}/answer.npz", **answer)
+        except Exception as error:
+            print("error:", " ".join(f"{error}".split()) or type(error).__name__, flush=True)
+        else:
+            print("ok", flush=True)
+
+
+if __name__ == "__main__":
+    warnings.simplefilter("ignore")
+    main()

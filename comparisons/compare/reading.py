@@ -1,0 +1,187 @@
+"""What is compared: a file as MuJoCo reads it, of this or of another installation, or an engine."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from threading import Timer
+from typing import Any, Self
+
+import numpy as np
+
+from ...reference.errors import EngineError, UsageError
+from .elements import Compiled
+
+PROBE = Path(__file__).with_name("probe.py")
+
+PATIENCE = 300.0
+"""Time [s] after which a process that answers nothing is ended."""
+
+RELEASE = "mujoco=="
+
+Edit = tuple[str, list[int] | None, Any]
+"""A field of a compiled model, its rows or None for all of it, and their values."""
+
+State = Mapping[str, list[float]]
+"""``qpos``, ``qvel``, ``act`` and ``ctrl`` of MuJoCo's data."""
+
+Answer = dict[str, Any]
+"""What a model does at one state: quantity -> array, as `probe.at_state` names them."""
+
+
+@dataclass(frozen=True)
+class Operand:
+    """A file, and who reads it: ``mujoco``, a release, a Python, or an engine."""
+
+    file: str
+    reader: str
+
+    @classmethod
+    def parse(cls, text: str) -> Self:
+        """Return an operand from ``FILE`` or ``FILE@READER``."""
+        file, at, reader = text.rpartition("@")
+        if not at or os.path.exists(text):
+            return cls(text, "mujoco")
+        return cls(file, reader)
+
+    @property
+    def is_engine(self) -> bool:
+        """Whether an engine of mbcheck's reads the file, and no installation of MuJoCo."""
+        return not (
+            self.reader == "mujoco" or self.reader.startswith(RELEASE) or os.sep in self.reader
+        )
+
+    def python(self, install: bool) -> str:
+        """Return the Python whose MuJoCo reads the file.
+
+        Raises
+        ------
+        UsageError
+            If there is none.
+        """
+        if self.reader == "mujoco":
+            return sys.executable
+        if self.reader.startswith(RELEASE):
+            return installed(self.reader.removeprefix(RELEASE), install)
+        if not os.access(self.reader, os.X_OK) or os.path.isdir(self.reader):
+            raise UsageError(f"{self.reader} is no Python that can be run")
+        return self.reader
+
+
+def installed(version: str, install: bool) -> str:
+    """Return the Python of an environment that has a release of MuJoCo and NumPy alone.
+
+    Raises
+    ------
+    UsageError
+        If there is none and none may be installed, or installing it failed.
+    """
+    cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    folder = cache / "mbcheck" / f"mujoco-{version}"
+    python = folder / ("Scripts" if os.name == "nt" else "bin") / "python"
+    commands = (
+        [sys.executable, "-m", "venv", str(folder)],
+        [str(python), "-m", "pip", "install", "--quiet", f"mujoco=={version}", "numpy"],
+    )
+    if (folder / "complete").exists():
+        return str(python)
+    if not install:
+        typed = " && ".join(" ".join(command) for command in commands)
+        raise UsageError(
+            f"mujoco {version} is not installed: add --install, or give another Python, which you "
+            f"make by: {typed}"
+        )
+    for command in commands:
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode:
+            last = (done.stderr.strip() or "no message").splitlines()[-1]
+            raise UsageError(f"mujoco {version} cannot be installed: {last}")
+    (folder / "complete").touch()
+    return str(python)
+
+
+class Reading:
+    """A file that MuJoCo has read, in a process of its own.
+
+    Parameters
+    ----------
+    operand : Operand
+    python : str
+        The Python whose MuJoCo reads it.
+
+    Raises
+    ------
+    UsageError
+        If the file cannot be read or compiled.
+    EngineError
+        If the process ends, or does not answer in time.
+    """
+
+    def __init__(self, operand: Operand, python: str) -> None:
+        self.operand = operand
+        self.folder = tempfile.TemporaryDirectory(prefix="mbcheck-")
+        command = [python, "-I", str(PROBE), self.folder.name]
+        self.process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+            text=True, cwd=self.folder.name,
+        )  # fmt: skip
+        if not os.path.isfile(operand.file):
+            self.close()
+            raise UsageError(f"cannot read {operand.file}: no such file")
+        try:
+            self.model = Compiled(self.ask(file=os.path.abspath(operand.file)))
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """End the process."""
+        self.process.kill()
+        self.process.communicate()
+        self.folder.cleanup()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def ask(self, **request: Any) -> Answer:
+        """Return the answer to a request, see `probe.main`."""
+        assert self.process.stdin is not None
+        assert self.process.stdout is not None
+        timer = Timer(PATIENCE, self.process.kill)
+        timer.start()
+        try:
+            self.process.stdin.write(json.dumps(request) + "\n")
+            self.process.stdin.flush()
+            line = self.process.stdout.readline().strip()
+            while line and line != "ok" and not line.startswith("error:"):
+                line = self.process.stdout.readline().strip()  # what MuJoCo prints
+        except OSError:
+            line = ""
+        finally:
+            timer.cancel()
+        file = self.operand.file
+        if not line:
+            raise EngineError("exit", f"the process that reads {file} ended without an answer")
+        if line != "ok":
+            words = line.removeprefix("error:").strip()
+            raise UsageError(f"{self.operand.reader} cannot compile {file}: {words}")
+        with np.load(Path(self.folder.name) / "answer.npz", allow_pickle=False) as answer:
+            return dict(answer)
+
+    def at(self, states: Sequence[State], edits: Sequence[Edit] = ()) -> list[Answer]:
+        """Return what the model does at states, with some of its fields set to other values."""
+        every = self.ask(states=list(states), edits=list(edits))
+        answers: list[Answer] = [{} for _ in states]
+        for key, value in every.items():
+            number, _, name = key.partition(".")
+            answers[int(number)][name] = value
+        return answers

@@ -1,0 +1,274 @@
+"""States at which two models are compared, and what of one model is what of the other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .elements import Compiled, Match
+from .reading import Reading, State
+
+SEED = 1
+
+ANGLE, LENGTH = 1.0, 0.3
+"""Half of the range in which joints without limits are put [rad, m]."""
+
+BEYOND = 1e-3
+"""Share of its range by which a joint stands beyond its limit."""
+
+DRAWS, AT_LIMITS, TOUCHING = 4, 6, 3
+"""States that are drawn at random, of joints at their limits, and with contacts."""
+
+BEYOND_RANGE = 3.0
+"""Controls of one state, over those of a random one: ranges of controls and forces cut them."""
+
+TRIED = 200
+"""States in which contacts are looked for."""
+
+ROUNDING_DEPTH = 1e-7
+"""Depth of a contact [m] from which on rounding does not decide whether it is there."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Which rows of vectors of A are those of B.
+
+    Attributes
+    ----------
+    rows : mapping of str to (array of int, array of int)
+        Of ``qpos``, ``qvel``, ``act`` and ``ctrl``, the rows of A and of B.
+    labels : list of str
+        The joints of A at these rows of ``qvel``.
+    """
+
+    rows: Mapping[str, tuple[Any, Any]]
+    labels: list[str]
+
+    def translated(self, state: State, other: Compiled) -> State:
+        """Return the state of A as one of B; what A does not have is as B opens."""
+        own: dict[str, Any] = empty_state(other)
+        for name, (mine, theirs) in self.rows.items():
+            own[name] = np.array(own[name])
+            own[name][theirs] = np.array(state[name])[mine]
+        return {name: np.asarray(value).tolist() for name, value in own.items()}
+
+
+def layout(one: Compiled, other: Compiled, match: Match) -> Layout | str:
+    """Return which rows are the same, or why no state of A is one of B."""
+    apart = [e.label for e in (*match.gone, *match.new) if e.kind == "joint"]
+    apart += [
+        a.label
+        for a, b in match.pairs
+        if a.kind == "joint" and a.attributes["type"].values != b.attributes["type"].values
+    ]
+    if apart:
+        return f"their states are not the same: {', '.join(apart[:4])}"
+    rows: dict[str, list[tuple[int, int]]] = {"qpos": [], "qvel": [], "act": [], "ctrl": []}
+    labels: list[str] = []
+    for a, b in match.pairs:
+        if a.kind == "joint":
+            for name, address, count in (
+                ("qpos", "jnt_qposadr", "nq"),
+                ("qvel", "jnt_dofadr", "nv"),
+            ):
+                pair = list(zip(span(one, address, count, a.number),
+                                span(other, address, count, b.number), strict=True))  # fmt: skip
+                rows[name] += pair
+                labels += [a.label] * len(pair) if name == "qvel" else []
+        if a.kind == "actuator":
+            pair = [control_of(model, e.number) for model, e in ((one, a), (other, b))]
+            rows["ctrl"].append((pair[0], pair[1]))
+            starts = [int(m.field("actuator_actadr")[e.number]) for m, e in ((one, a), (other, b))]
+            if min(starts) >= 0:
+                rows["act"].append((starts[0], starts[1]))
+    arrays = {name: np.array(pairs, dtype=int).reshape(-1, 2).T for name, pairs in rows.items()}
+    return Layout({name: (pair[0], pair[1]) for name, pair in arrays.items()}, labels)
+
+
+def span(model: Compiled, address: str, count: str, number: int) -> range:
+    """Return the rows of an element in a vector."""
+    starts = [*model.field(address).tolist(), int(model.field(count))]
+    return range(starts[number], starts[number + 1])
+
+
+def control_of(model: Compiled, number: int) -> int:
+    """Return the row of an actuator's control."""
+    return int(model.answer.get("model.actuator_ctrladr", np.arange(number + 1))[number])
+
+
+def empty_state(model: Compiled) -> dict[str, Any]:
+    """Return the state in which a model opens."""
+    return {
+        "qpos": model.field("qpos0").tolist(),
+        "qvel": [0.0] * int(model.field("nv")),
+        "act": [0.0] * int(model.field("na")),
+        "ctrl": [0.0] * int(model.field("nu")),
+    }
+
+
+def states_of(reading: Reading) -> dict[str, State]:
+    """Return states by name: as it opens, keyframes, random ones, at limits and with contacts."""
+    model = reading.model
+    states: dict[str, State] = {"as opened": empty_state(model)}
+    for i, name in enumerate(model.names["key"]):
+        states[f"keyframe {name or i}"] = {
+            part: model.field(f"key_{part}")[i].tolist() for part in ("qpos", "qvel", "act", "ctrl")
+        }
+    random = np.random.default_rng(SEED)
+    drawn = [draw(model, random) for _ in range(TRIED)]
+    states |= {f"random state {i + 1}": one for i, one in enumerate(drawn[:DRAWS])}
+    if states["random state 1"]["ctrl"]:
+        beyond = [BEYOND_RANGE * value for value in drawn[0]["ctrl"]]
+        states["controls beyond their ranges"] = {**drawn[0], "ctrl": beyond}
+    states |= dict(at_limits(model, drawn[0]))
+    return states | dict(in_contact(reading, drawn))
+
+
+def in_contact(reading: Reading, drawn: Sequence[State]) -> Iterator[tuple[str, State]]:
+    """Yield those of some states in which geoms touch, each other ones as far as there are."""
+    model = reading.model
+    if not (np.any(model.field("geom_contype")) or model.names["pair"]):
+        return
+    found = reading.ask(touching=list(drawn))
+    left = found["geoms"] & (found["shallowest"] > ROUNDING_DEPTH)[:, None]
+    for k in range(TOUCHING):
+        best = int(np.argmax(left.sum(axis=1)))
+        if not left[best].any():
+            return
+        yield f"contact {k + 1}", drawn[best]
+        left = left & ~left[best]
+
+
+def draw(model: Compiled, random: np.random.Generator) -> State:
+    """Return a random state inside the ranges of a model."""
+    state = empty_state(model)
+    position = np.array(state["qpos"])
+    for number, kind in enumerate(model.types("jnt_type")):
+        at = span(model, "jnt_qposadr", "nq", number)
+        rows = slice(at.start, at.stop)
+        if kind in ("ball", "free"):
+            turn = random.normal(size=4)
+            position[at.stop - 4 : at.stop] = turn / np.linalg.norm(turn)
+            if kind == "free":
+                position[at.start : at.start + 3] += random.uniform(-LENGTH, LENGTH, 3)
+        elif model.field("jnt_limited")[number]:
+            position[rows] = random.uniform(*model.field("jnt_range")[number])
+        else:
+            position[rows] += random.uniform(-1, 1) * (ANGLE if kind == "hinge" else LENGTH)
+    low, high = bounds(model, "actuator_ctrlrange", "actuator_ctrllimited")
+    act_low, act_high = bounds(model, "actuator_actrange", "actuator_actlimited")
+    na = int(model.field("na"))
+    return {
+        "qpos": position.tolist(),
+        "qvel": random.normal(size=int(model.field("nv"))).tolist(),
+        "act": random.uniform(np.resize(act_low, na), np.resize(act_high, na)).tolist(),
+        "ctrl": random.uniform(low, high).tolist(),
+    }
+
+
+def bounds(model: Compiled, ranges: str, limited: str) -> tuple[Any, Any]:
+    """Return the ends of ranges, -1 and 1 where there are none."""
+    on = model.field(limited).astype(bool)[:, None]
+    low, high = np.where(on, model.field(ranges), [-1.0, 1.0]).T.reshape(2, -1)
+    return low, high
+
+
+def at_limits(model: Compiled, state: State) -> Iterator[tuple[str, State]]:
+    """Yield states in which one joint after the other stands a little beyond a limit."""
+    kinds = model.types("jnt_type")
+    limited = [
+        i
+        for i, on in enumerate(model.field("jnt_limited"))
+        if on and kinds[i] in ("hinge", "slide")
+    ]
+    for k, number in enumerate(limited[:AT_LIMITS]):
+        low, high = model.field("jnt_range")[number]
+        row, dof = (int(model.field(name)[number]) for name in ("jnt_qposadr", "jnt_dofadr"))
+        position, velocity = np.array(state["qpos"]), np.array(state["qvel"])
+        position[row] = high + BEYOND * (high - low) if k % 2 else low - BEYOND * (high - low)
+        velocity[dof] = abs(velocity[dof]) * (1 if k % 2 else -1)  # into the limit
+        yield (
+            f"{model.labels['joint'][number]} at its limit",
+            {**state, "qpos": position.tolist(), "qvel": velocity.tolist()},
+        )
+
+
+CONTACTS = 5
+"""Numbers of the types of constraints from which on they are contacts."""
+
+
+@dataclass(frozen=True)
+class Side:
+    """What of one of two models stands where in what `probe.at_state` answers.
+
+    Attributes
+    ----------
+    model : Compiled
+    labels : mapping of str to mapping of int to str
+        Kind of element -> number in this model -> label in A, in the order of A.
+    rows : mapping of str to array of int
+        Rows of ``qpos`` and ``qvel`` in the order of A.
+    """
+
+    model: Compiled
+    labels: Mapping[str, Mapping[int, str]]
+    rows: Mapping[str, Any]
+
+    def in_order(self, answer: Mapping[str, Any]) -> dict[str, Any]:
+        """Return what the model does at a state, of matched elements in the order of A."""
+        dofs, own = self.rows["qvel"], dict[str, Any]()
+        for name, value in answer.items():
+            kind = {"xpos": "body", "xmat": "body"}.get(name, name.partition("_")[0])
+            kind = {"ten": "tendon"}.get(kind, kind)
+            if name == "mass":
+                own[name] = value[np.ix_(dofs, dofs)]
+            elif name.startswith("step_"):
+                positions = len(value) - len(answer["bias"])
+                own[name] = np.concatenate([value[self.rows["qpos"]], value[positions + dofs]])
+            elif name.startswith(("row_", "contact_")):
+                continue
+            elif kind in self.labels and (name != "actuator"):
+                own[name] = value[list(self.labels[kind])]
+            elif value.shape == answer["bias"].shape:
+                own[name] = value[dofs]
+        return own | {"rows": self.constraint_rows(answer), "contacts": self.contacts(answer)}
+
+    def constraint_rows(self, answer: Mapping[str, Any]) -> dict[tuple[str, str, int], Any]:
+        """Return the rows of constraints, but those of contacts: type, element, count -> row."""
+        dof_joint = self.model.field("dof_jntid")
+        found: dict[tuple[str, str, int], Any] = {}
+        for i, number in enumerate(answer["row_type"].tolist()):
+            kind = self.model.word("mjtConstraint", number)
+            if number >= CONTACTS:
+                continue
+            element, of = int(answer["row_id"][i]), "joint"
+            if kind == "friction_dof":
+                element = int(dof_joint[element])
+            elif kind.endswith("tendon"):
+                of = "tendon"
+            elif kind == "equality":
+                of = "equality"
+            label = self.labels[of].get(element, f"{of} number {element}")
+            count = sum(key[:2] == (kind, label) for key in found)
+            found[kind, label, count] = {
+                name: float(answer[f"row_{name}"][i]) for name in ROW_NUMBERS
+            } | {"jacobian": answer["row_jacobian"][i][self.rows["qvel"]]}
+        return found
+
+    def contacts(self, answer: Mapping[str, Any]) -> dict[tuple[str, int], Any]:
+        """Return the contacts: labels of their geoms, count -> numbers."""
+        found: dict[tuple[str, int], Any] = {}
+        numbers = zip(answer["contact_geoms"].tolist(), answer["contact_numbers"], strict=True)
+        for geoms, values in sorted(numbers, key=lambda pair: tuple(pair[1][3:6])):
+            label = " and ".join(
+                sorted(self.labels["geom"].get(one, f"geom number {one}") for one in geoms)
+            )
+            found[label, sum(key[0] == label for key in found)] = values
+        return found
+
+
+ROW_NUMBERS = ("pos", "inverse_inertia", "aref", "frictionloss", "stiffness")
+"""Numbers of a row of a constraint, as `probe.constraint_rows` names them."""

@@ -1,0 +1,147 @@
+"""The verb ``mbcheck compare``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import click
+
+from ...reference.errors import EngineError
+from ..reports.files import Destination, refuse_conflicts
+from ..terminal.options import with_options_of
+from ..terminal.program import (
+    JSON,
+    JUNIT,
+    MARKDOWN,
+    MISUSED,
+    SARIF,
+    complain,
+    console,
+    examples,
+    json_text,
+    to_stdout,
+)
+from .request import CompareRequest
+
+if TYPE_CHECKING:
+    from ..reports.item import ReportItem
+    from ..reports.sections import Section
+    from .comparison import Comparison
+
+RULE = "a difference between two readings of one model", "the model moves differently"
+"""What SARIF says of a difference."""
+
+
+@click.command(
+    epilog=examples(
+        "mbcheck compare old.xml new.xml",
+        "mbcheck compare model.xml model.xml@mujoco==3.3.7 --install",
+        "mbcheck compare model.xml model.xml@/opt/other/bin/python --json -",
+    ),
+)
+@with_options_of(CompareRequest)
+@JSON
+@JUNIT
+@SARIF
+@MARKDOWN
+def compare_models(
+    a: str,
+    b: str,
+    install: bool,
+    annotations: bool | None,
+    json_file: Destination | None,
+    junit_file: Destination | None,
+    sarif_file: Destination | None,
+    markdown_file: Destination | None,
+) -> int:
+    """Compare two readings of one model, and name the elements that differ.
+
+    What was compiled is compared by element and attribute, renamed and reordered elements
+    matched; then what both do at the same states, and whether editing A by the differences makes
+    it move like B. Exit code 0 if they are alike, 1 if they differ, 2 if one cannot be read.
+    """
+    documents = json_file, junit_file, sarif_file, markdown_file
+    refuse_conflicts(*documents)
+    from ..queries.environment import versions
+    from ..reports.github import annotated, append_step_summary
+    from ..reports.junit import junit
+    from ..reports.sarif import sarif
+    from ..reports.sections import markdown_sections, print_sections
+    from .comparison import compare
+
+    items: list[ReportItem] = []
+    with annotated(lambda: items, annotations, to_stdout(*documents)):
+        try:
+            result = compare(a, b, install)
+        except EngineError as error:
+            return complain(str(error), MISUSED)
+        items += result.items()
+        title = f"mbcheck compare: {verdict(result)}"
+        report = list(sections(result))
+        if json_file:
+            json_file.write(json_text(result.as_json()))
+        if junit_file:
+            junit_file.write(junit(items))
+        if sarif_file:
+            sarif_file.write(sarif(items, {"compare": RULE}, versions(())["mbcheck"]))
+        if markdown_file:
+            markdown_file.write(markdown_sections(title, report))
+        append_step_summary(markdown_sections(title, report))
+        if not to_stdout(*documents):
+            print_sections(console(), report)
+        return result.exit_code
+
+
+def verdict(result: Comparison) -> str:
+    """Return one line: alike, or how many elements differ."""
+    if not result.exit_code:
+        return "alike"
+    if not result.differences:
+        return "compiled alike, and different at states"
+    elements = {one.element for one in result.differences}
+    return f"{len(result.differences)} differences in {len(elements)} elements"
+
+
+def sections(result: Comparison) -> Iterator[Section]:
+    """Yield the parts of the report: what differs, what that does, and what explains it."""
+    from ..reports.sections import Section
+    from ..reports.words import number
+
+    yield Section(lines=[f"A: {result.a} (MuJoCo {result.versions['a']})",
+                         f"B: {result.b} (MuJoCo {result.versions['b']})"])  # fmt: skip
+    if result.renamed:
+        yield Section("Renamed or reordered, compared all the same", lines=result.renamed)
+    if result.differences:
+        rows = [
+            [one.sentence, "-" if one.effect is None else number(one.effect, 2)]
+            for one in result.differences
+        ]
+        heads = ("difference", "effect on accelerations")
+        yield Section("Compiled differently", heads, rows)
+    if result.gaps:
+        rows = [[g.quantity, g.element, g.a, g.b, g.state] for g in result.gaps]
+        heads = ("quantity", "element", "A", "B", "state")
+        yield Section(
+            "What they do at the same state, where they differ most", heads, rows, digits=4
+        )
+    yield Section(lines=list(conclusion(result)))
+
+
+def conclusion(result: Comparison) -> Iterator[str]:
+    """Yield what explains the gap, what was not compared, and the verdict."""
+    if result.why_no_states:
+        yield f"Not compared at states: {result.why_no_states}."
+    elif result.closed:
+        edits = "This edit" if len(result.differences) == 1 else "These edits together"
+        yield f"{edits} of A close the gap: both then agree to rounding at all states."
+    elif result.closed is False:
+        yield "Edits of A by these differences leave open:"
+        yield from (f"  {gap.sentence}" for gap in result.left)
+    elif result.differences:
+        yield f"At the {len(result.states)} states that were tried, both move alike."
+    if result.rounded:
+        yield f"{result.rounded} attributes differ only by the six digits of a text."
+    if result.not_compared:
+        yield f"Fields of one release alone, not compared: {', '.join(result.not_compared)}."
+    yield verdict(result).capitalize() + "."

@@ -1,0 +1,213 @@
+"""`mbcheck compare`: each loss is named, and equal physics in other words is no difference."""
+
+from __future__ import annotations
+
+import json
+import math
+import random
+import re
+import sys
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator
+from pathlib import Path
+
+import mujoco
+import pytest
+
+from mbcheck.comparisons.compare import comparison, probe
+from mbcheck.comparisons.compare.comparison import Comparison, Difference, compared
+from mbcheck.comparisons.compare.elements import Compiled, matched
+from mbcheck.comparisons.compare.reading import Operand, Reading
+from mbcheck.models import mjcf
+from mbcheck.tests.support.command import invoke
+from mbcheck.tests.support.documents import validated
+from mbcheck.tests.support.mjcf.large import chain, heap, humanoid
+from mbcheck.tests.support.mjcf.losses import LOSSES, WHOLE
+
+CONSEQUENCES = {
+    ("joint elbow", "springref"): {("tendon couple", "springlength")},
+    ("tendon couple", "coef"): {("tendon couple", "springlength")},
+    ("geom ball_geom", "size"): {("body ball", "mass"), ("body ball", "inertia")},
+    ("key home", "ctrl"): {("key home", f"ctrl of actuator {name}") for name in ("m1", "p1", "f1")},
+}
+"""What MuJoCo's compiler computes from an attribute, and which differs with it."""
+
+
+def compiled(text: str) -> Compiled:
+    """Return a model, compiled in this process."""
+    return Compiled(probe.compiled(mujoco.MjModel.from_xml_string(text)))
+
+
+def differences(one: Compiled, other: Compiled) -> list[Difference]:
+    """Return what was compiled differently."""
+    return list(comparison.differences_of(one, other, matched(one, other), comparison.EQUAL))
+
+
+@pytest.fixture(scope="module")
+def whole() -> Compiled:
+    return compiled(WHOLE)
+
+
+@pytest.mark.parametrize(("lost", "left", "element", "attribute"), LOSSES)
+def test_a_single_loss_is_named_and_nothing_else(
+    whole: Compiled, lost: str, left: str, element: str, attribute: str
+) -> None:
+    assert lost in WHOLE
+    found = {
+        (d.element, d.attribute) for d in differences(whole, compiled(WHOLE.replace(lost, left, 1)))
+    }
+    named = {one for one in found if one[0].startswith(element) and one[1].startswith(attribute)}
+    assert named
+    assert found - named <= CONSEQUENCES.get((element, attribute), set())
+
+
+def test_equal_physics_in_other_words_is_no_difference(whole: Compiled) -> None:
+    """Degrees, a class, signs and axes of quaternions, lengths of axes, ends of a capsule."""
+    text = WHOLE.replace('<compiler angle="radian"/>', "")
+    for old, new in (
+        ('range="-2 2"', f'range="{math.degrees(-2)!r} {math.degrees(2)!r}"'),
+        ('range="-2.5 2.5"', f'range="{math.degrees(-2.5)!r} {math.degrees(2.5)!r}"'),
+        ('springref=".3"', f'springref="{math.degrees(0.3)!r}"'),
+        (' ref=".1"', f' ref="{math.degrees(0.1)!r}"'),
+        ('quat=".9 .1 .2 .3"', 'quat="-1.8 -.2 -.4 -.6"'),
+        ('axis="0 0 1"', 'axis="0 0 2"'),
+        ('fromto="0 0 0 .35 0 0"', 'fromto=".35 0 0 0 0 0" rgba="1 0 0 1" group="2"'),
+        ('body1="upper" body2="hand"', 'body1="hand" body2="upper"'),
+        ('size="2 2 .1"', 'size="9 9 .1"'),
+        ('<position name="p1" joint="elbow" kp="20" kv="1"/>',
+         '<general name="p1" joint="elbow" gainprm="20" biastype="affine" biasprm="0 -20 -1"/>'),
+    ):  # fmt: skip
+        assert old in text
+        text = text.replace(old, new, 1)
+    assert differences(whole, compiled(text)) == []
+
+
+def disguised(text: str, seed: int = 1) -> str:
+    """Return a model with all names changed, and siblings in another order."""
+    root = ET.fromstring(text)
+    shuffler = random.Random(seed)
+    named = {one.get("name") for one in root.iter() if one.get("name")} - {None}
+    for element in root.iter():
+        for key, value in element.attrib.items():
+            if value in named and key not in ("class", "childclass", "file", "type"):
+                element.set(key, f"other_{value}")
+        if element.tag in ("worldbody", "body", "actuator", "equality", "sensor", "contact"):
+            joints = [one for one in element if one.tag in ("joint", "freejoint", "inertial")]
+            others = [one for one in element if one not in joints]
+            shuffler.shuffle(others)
+            element[:] = [*joints, *others]
+    return ET.tostring(root, encoding="unicode")
+
+
+@pytest.mark.parametrize(
+    "text", [WHOLE, chain(6), heap(12), "humanoid"], ids=["whole", "chain", "heap", "humanoid"]
+)
+def test_other_names_and_orders_are_no_difference(
+    text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    text = humanoid(tmp_path).read_text() if text == "humanoid" else text
+    text = re.sub("<keyframe>.*</keyframe>", "", text, flags=re.DOTALL)  # which is by order
+    one, other = compiled(text), compiled(disguised(text))
+    assert differences(one, other) == []
+    assert list(comparison.renamed(one, other, matched(one, other)))
+
+
+@pytest.mark.parametrize("scene", ["hula_hoop", "speed_regulator", "rotor_pendulum", "ball_hoop"])
+def test_a_copy_that_mujoco_saved_is_no_difference(scene: str) -> None:
+    text = next(iter(mjcf.models(scene).values())).path.read_text()
+    spec = mujoco.MjSpec.from_string(text)
+    spec.compile()
+    one, saved = compiled(text), compiled(spec.to_xml())
+    match = matched(one, saved)
+    assert list(comparison.differences_of(one, saved, match, comparison.SIX_DIGITS)) == []
+
+
+# At states -----------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def first(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Reading]:
+    path = tmp_path_factory.mktemp("whole") / "whole.xml"
+    path.write_text(WHOLE)
+    with Reading(Operand(str(path), "mujoco"), sys.executable) as reading:
+        yield reading
+
+
+def against(first: Reading, path: Path, lost: str, left: str = "") -> Comparison:
+    """Return what a model with an edit differs in from the whole one."""
+    assert lost in WHOLE
+    path.write_text(WHOLE.replace(lost, left, 1))
+    with Reading(Operand(str(path), "mujoco"), sys.executable) as second:
+        return compared(first, second, ("a", "b"))
+
+
+def test_nothing_differs_from_itself(first: Reading) -> None:
+    with Reading(first.operand, sys.executable) as second:
+        found = compared(first, second, ("a", "b"))
+    assert found.exit_code == 0
+    assert {name.split()[0] for name in found.states} >= {"as", "keyframe", "random", "joint"}
+    assert any(name.startswith("contact") for name in found.states)
+
+
+CLOSED = (' damping=".4"', ' range="-2 2" limited="true"', ' gear="50"', ' solref=".005 1"')
+
+
+@pytest.mark.parametrize("lost", CLOSED)
+def test_the_edit_closes_the_gap(first: Reading, lost: str, tmp_path: Path) -> None:
+    found = against(first, tmp_path / "lost.xml", lost)
+    assert found.gaps
+    assert found.closed
+    assert len(found.differences) == 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("lost", "left", "element", "attribute"), LOSSES)
+def test_every_gap_that_shows_is_closed(
+    first: Reading, lost: str, left: str, element: str, attribute: str, tmp_path: Path
+) -> None:
+    """All but that of a lost pair, whose geoms then touch by their own friction."""
+    found = against(first, tmp_path / "lost.xml", lost, left)
+    assert found.exit_code == 1
+    assert found.closed in (True, None) or (element, attribute) == ("pair bf", "")
+
+
+# The command ---------------------------------------------------------------------------------
+
+
+def test_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Exit codes 0, 1 and 2; documents that have the numbers; the same bytes twice."""
+    monkeypatch.chdir(tmp_path)
+    Path("a.xml").write_text(WHOLE)
+    Path("b.xml").write_text(WHOLE.replace(' kp="20"', ' kp="2"'))
+    Path("broken.xml").write_text("<mujoco><worldbody><body/>")
+    assert invoke("compare", "a.xml", "a.xml").exit_code == 0
+    done = invoke("compare", "a.xml", "b.xml")
+    assert done.exit_code == 1
+    assert "actuator p1: kp 20 read as 2" in done.stdout
+    assert "close the gap" in done.stdout
+    documents = [invoke("compare", "a.xml", "b.xml", "--json", "-").stdout for _ in range(2)]
+    assert documents[0] == documents[1]
+    found = json.loads(documents[0])
+    validated("compare", found)
+    assert found["differences"][0]["element"] == "actuator p1"
+    for words, message in (
+        (("a.xml", "nowhere.xml"), "nowhere.xml"),
+        (("a.xml", "broken.xml"), "cannot compile"),
+        (("a.xml", "a.xml@mujoco==0.1"), "--install"),
+        (("a.xml", "a.xml@/nowhere/python"), "no Python"),
+        (("a.xml", "a.xml@/bin/true"), "ended without an answer"),
+    ):
+        refused = invoke("compare", *words)
+        assert refused.exit_code == 2, words
+        assert message in refused.stderr
+
+
+def test_findings_of_sarif_and_junit_name_the_element(tmp_path: Path) -> None:
+    for name, text in (("a", WHOLE), ("b", WHOLE.replace(' gear="50"', ""))):
+        (tmp_path / f"{name}.xml").write_text(text)
+    files = [str(tmp_path / f"{name}.xml") for name in "ab"]
+    sarif = json.loads(invoke("compare", *files, "--sarif", "-").stdout)
+    (result,) = sarif["runs"][0]["results"]
+    assert result["message"]["text"] == "actuator m1: gear 50 read as 1"
+    assert 'failures="1"' in invoke("compare", *files, "--junit", "-").stdout
