@@ -74,13 +74,11 @@ def layout(one: Compiled, other: Compiled, match: Match) -> Layout | str:
                 ("qpos", "jnt_qposadr", "nq"),
                 ("qvel", "jnt_dofadr", "nv"),
             ):
-                pair = list(zip(span(one, address, count, a.number),
-                                span(other, address, count, b.number), strict=True))  # fmt: skip
-                rows[name] += pair
-                labels += [a.label] * len(pair) if name == "qvel" else []
+                mine = span(one, address, count, a.number)
+                rows[name] += zip(mine, span(other, address, count, b.number), strict=True)
+                labels += [a.label] * len(mine) if name == "qvel" else []
         if a.kind == "actuator":
-            pair = [control_of(model, e.number) for model, e in ((one, a), (other, b))]
-            rows["ctrl"].append((pair[0], pair[1]))
+            rows["ctrl"].append((control_of(one, a.number), control_of(other, b.number)))
             starts = [int(m.field("actuator_actadr")[e.number]) for m, e in ((one, a), (other, b))]
             if min(starts) >= 0:
                 rows["act"].append((starts[0], starts[1]))

@@ -120,11 +120,9 @@ def sections(result: Comparison) -> Iterator[Section]:
         heads = ("difference", "effect on accelerations")
         yield Section("Compiled differently", heads, rows)
     if result.gaps:
-        rows = [[g.quantity, g.element, g.a, g.b, g.state] for g in result.gaps]
-        heads = ("quantity", "element", "A", "B", "state")
-        yield Section(
-            "What they do at the same state, where they differ most", heads, rows, digits=4
-        )
+        title = "What they do at the same state, where they differ most"
+        places = [(g.quantity, g.element, g.a, g.b, g.state) for g in result.gaps]
+        yield Section(title, ("quantity", "element", "A", "B", "state"), places, digits=4)
     yield Section(lines=list(conclusion(result)))
 
 

@@ -768,10 +768,11 @@ class BoundModel:
             at, speed = self.joint_motion(time, moved)
             force = engine.inner.inverse_dynamics(self.origin, time, at, speed, acceleration.copy())
             force = numbers("inverse_dynamics", force, acceleration.shape, finite=True)
-            stands = np.array_equal(moved[:n], state[:n])  # only rates are moved
-            return np.asarray((standing if stands else self.jacobian(time, moved)) @ force)
+            constant = not curved or np.array_equal(moved[:n], state[:n])  # only rates are moved
+            return np.asarray((standing if constant else self.jacobian(time, moved)) @ force)
 
         standing = self.jacobian(time, state)
+        # joints of a tree in the plane are linear in the coordinates
         curved = self.has_constraints or self.origin.layout.is_spatial
         width = TURNING if curved else DIFFERENCE
         _, slopes = by_differences(one_by_one(force), state, ORDER, width)

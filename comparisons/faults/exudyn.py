@@ -160,7 +160,7 @@ class PushedExudyn(ExudynAdapter):
             return float(self.law(q, v, case.parameters))
 
         (place,) = np.flatnonzero(system.readout[0])
-        node, coordinate = divmod(int(place), 3 if self.has_constraints(case, model) else 100)
+        node, coordinate = divmod(int(place), 3 if self.bind(case, model).has_constraints else 100)
         first = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
         mbs.AddLoad(items.LoadCoordinate(markerNumber=first, load=1.0, loadUserFunction=push))
         mbs.Assemble()
