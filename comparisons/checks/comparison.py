@@ -1,4 +1,4 @@
-"""Runs beside the truth: the error that is predicted, what of a run is compared, the findings.
+"""Runs beside the truth: the predicted error, what of a run is compared, the findings.
 
 A method whose scheme is published must make exactly the error of that scheme; of another one the
 error is predicted from three steps (Richardson), and what they extrapolate to must be the truth.
@@ -362,7 +362,7 @@ def scheme_rows(
     Raises
     ------
     UsageError
-        If it is none that is published.
+        If it is not a published scheme.
     """
     if scheme is None:
         raise UsageError("the method is no published scheme: no error can be computed from it")
@@ -386,7 +386,7 @@ def ideal_rows(setup: Setup, parts: Sequence[Part], step: float, names: tuple[st
 
 @dataclass(frozen=True)
 class Comparison:
-    """Values beside true ones, with the error that is granted of each.
+    """Values beside true ones, with the error granted for each.
 
     Attributes
     ----------

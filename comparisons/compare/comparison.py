@@ -184,7 +184,7 @@ def compare(a: str, b: str, install: bool = False) -> Comparison:
         ``FILE``, or ``FILE@READER``: ``mujoco``, ``mujoco==3.3.7``, or a path of a Python that has
         MuJoCo and NumPy.
     install : bool
-        Make an environment for a release that is not there, in the user's cache.
+        Make an environment for a missing release, in the user's cache.
 
     Raises
     ------

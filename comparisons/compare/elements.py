@@ -134,7 +134,7 @@ WORDS = {
     "key_mpos": "mocap pos",
     "key_mquat": "mocap quat",
 }
-"""Field -> the attribute of MJCF, where that is another word than the field's own."""
+"""Field -> the attribute of MJCF, if it has another name."""
 
 EQUALITY_DATA = {"connect": "anchor", "weld": "relpose", "joint": "polycoef", "tendon": "polycoef"}
 """Type of an equality -> what its numbers are."""

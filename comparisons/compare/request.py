@@ -17,7 +17,7 @@ class CompareRequest:
     a, b : str
         FILE, or FILE@READER: mujoco, mujoco==3.3.7, or the path of a Python that has MuJoCo.
     install : bool
-        Install a release of MuJoCo that is not there, into the user's cache.
+        Install a missing release of MuJoCo into the user's cache.
     annotations : bool or None
         Print annotations for GitHub; by default where GITHUB_ACTIONS is true.
     """

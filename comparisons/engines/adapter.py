@@ -274,7 +274,7 @@ class BoundModel:
 
     @cached_property
     def knows_softness(self) -> bool:
-        """Whether a loop of the model is soft in a way that is known."""
+        """Whether the softness of the model's loops is known."""
         engine = self.engine
         by_file = engine.reads_mjcf and engine.closure == "mjcf"
         return self.has_constraints and (by_file or self.description.equations is not None)

@@ -74,7 +74,7 @@ def write_pages(result: Findings, out: Path) -> None:
 
 
 def formula(text: str) -> Markdown:
-    """Return a formula that is yet to be typeset, or the words that stand in its place."""
+    """Return a formula still to be typeset, or the words that stand in its place."""
     return code(f"= {text}") if typeset(text) else plain(text)
 
 

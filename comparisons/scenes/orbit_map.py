@@ -1,7 +1,7 @@
 """Periodic orbits of all points of a map: found by Newton's method, and again with half the step.
 
 A scene says where the search starts and what an orbit is measured by. Of several orbits of a point
-the most stable one counts; points that have none, or none that is stable, start from neighbours.
+the most stable one counts; points that have none, or no stable one, start from neighbours.
 Two runs tell what is known: a class is robust where both have it, and the error of a number is
 bounded by twice what half the step changes, and by what rounding displaces the orbit.
 """
@@ -160,7 +160,7 @@ class OrbitMap:
     # The search -------------------------------------------------------------------------------
 
     def search(self, starts: Starts) -> Orbits:
-        """Return the most stable orbit that is found for each point."""
+        """Return the most stable orbit of each point."""
         (n, count), section = self.scale.shape, section_row(self.flow.scene)
         columns = np.arange(n)
         if section is not None:

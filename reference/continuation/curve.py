@@ -50,9 +50,9 @@ class ContinuationOptions(NamedTuple):
     growth : (float, float)
         Least and largest length of a step, in that of the step before.
     turn, max_turn : float
-        Angle between the tangents of neighbours that is aimed at, and that is refused [rad].
+        Angle between the tangents of neighbours: the one aimed at, and the largest accepted [rad].
     aim, max_offset : float
-        Distance from where a cubic led that is aimed at, and that is refused, in the step's length:
+        Distance from where a cubic led, in the step's length: aimed at, and the largest accepted;
         it grows as the third power of that.
     max_offset_line : (float, float)
         The same from where a tangent led, by the turn and beside: of an arc it is half the turn,
@@ -99,7 +99,7 @@ class ContinuationOptions(NamedTuple):
     beside : float
         Step along a curve from where it begins, after which its other multipliers tell the way.
     exact : float
-        Error bound of a bifurcation on a line that is not solved for again.
+        Error bound of a bifurcation on a line before it is solved for again.
     astray : float
         Newton's method has led to another bifurcation than the one it started at.
     shares : tuple of float

@@ -46,7 +46,7 @@ def quantities(setup: Setup) -> tuple[str, ...]:
 
 
 class Halved(NamedTuple):
-    """Runs with a step that is halved again and again, until the order is decided.
+    """Runs with steps halved again and again, until the order is decided.
 
     Attributes
     ----------

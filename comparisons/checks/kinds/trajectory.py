@@ -165,7 +165,7 @@ def in_space(run: FreeRun) -> FreeRun:
 
 
 def in_window(run: FreeRun) -> FreeRun:
-    """Return a run whose error is granted as the largest that is predicted of its first samples.
+    """Return a run whose error is granted as the largest predicted for its first samples.
 
     Raises
     ------

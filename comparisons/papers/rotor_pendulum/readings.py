@@ -28,7 +28,7 @@ from .results import (
 
 
 def motor_constants(session: Session) -> Numbers:
-    """Return what motors and bearings make of case 1, by each reading of (14).
+    """Return case 1's speed and torque with motors and bearings, by each reading of (14).
 
     The torque at 153.8 rad/s, the speed of a rotor alone, and its torque there.
     """

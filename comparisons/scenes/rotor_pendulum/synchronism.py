@@ -46,7 +46,7 @@ class SyncOptions(NamedTuple):
         Turns that the rotors are given to start; `outcome` must watch 8/rate, 40 turns at least.
     looks : tuple[float, ...]
         When a run is looked at, in times what must be watched: from rest the rotors may start
-        beside the unstable phase. A run that is undecided then is left so.
+        beside the unstable phase. A run still undecided then is left so.
     max_turns : int
         Where a run ends, undecided if it is so then: 16 s by default. Where the first look would
         come later, a run of `chunk` turns only tells whether both rotors start.

@@ -46,7 +46,7 @@ class RunOptions(NamedTuple):
     samples : int
         Per turn, between which the passing of phi = 0 is interpolated.
     chunks : int
-        Times the expected duration that is waited for turns.
+        Times the expected duration after which turns are given up.
     fast : float
         Speed at the start over that of the guess.
     turns : int
