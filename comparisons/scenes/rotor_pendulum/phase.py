@@ -192,5 +192,5 @@ def measured(maps: OrbitMap, which: Ints, orbits: Orbits, finer: int) -> dict[st
     mean = np.array([mean_phase(one) for one in alpha], dtype=float)
     return {
         "phase_difference": OrbitNumber(mean, np.exp(1j * alpha), turn=2 * np.pi),
-        "mean_speed": OrbitNumber(speed, speed[:, None], unit=speed / 3),  # periods do not grow
+        "mean_speed": OrbitNumber(speed, speed[:, None], unit=speed),
     }
