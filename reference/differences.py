@@ -126,35 +126,3 @@ def along(function: Callable[[Any], Any], x: Array, direction: Array) -> Array:
 def one_by_one(function: Callable[[Array], Array]) -> Callable[[Array], Array]:
     """Return a function of many places (n, k) from one of a single place (n,)."""
     return lambda places: np.column_stack([function(x) for x in places.T])
-
-
-def lagrange_terms(
-    kinetic: Callable[[Any, Any], Any],
-    potential: Callable[[Any], Any],
-    q: Array,
-    v: Array,
-    a: Array,
-) -> Array:
-    """Return the terms (3, n) of Lagrange's equations at a state, exact to rounding.
-
-    These are d/dt dT/dv, -dT/dq and dV/dq; their sum is the generalised force.
-
-    Parameters
-    ----------
-    kinetic : callable ``(q, v) -> T``
-        Quadratic in v; it takes complex q.
-    potential : callable ``q -> V``
-    q, v, a : array (n,)
-    """
-    units = np.eye(len(q))
-
-    def momentum(q: Any, v: Any) -> Array:
-        still = kinetic(q, v)
-        return np.array([kinetic(q, v + unit) - still - kinetic(q, unit) for unit in units])
-
-    change = momentum(q + 1j * PROBE * v, v).imag / PROBE + momentum(q, a)
-    slopes = [
-        [-kinetic(q + step, v).imag / PROBE, np.imag(potential(q + step)) / PROBE]
-        for step in 1j * PROBE * units
-    ]
-    return np.array([change, *np.transpose(slopes)])

@@ -20,7 +20,6 @@ from ...reference.equations import ModelEquations
 from ...reference.errors import EngineError, MbcheckError, NoOrbitError, UsageError
 from ...reference.linear import linearise, modes
 from ...reference.scene import Array, Case, Scene
-from ...reference.solve import schemes
 from .adapter import Adapter, BoundModel
 from .protocol import Method
 from .run import (
@@ -165,27 +164,6 @@ class Setup:
     def simulate(self, step: float, samples: Any) -> Trajectory:
         """Run the engine with a step [s] and record it at these step numbers, see `run`."""
         return run(self.with_step(step), self.case.start_time + samples * step)
-
-    def scheme_states(self, step: float, samples: Any, scheme: str | None = None) -> Array:
-        """Return states (2 n, n_t) that a correct engine reaches by a scheme at step numbers.
-
-        Parameters
-        ----------
-        step : float
-            Step [s].
-        samples : int array (n_t,)
-        scheme : str, optional
-            The method's own by default.
-        """
-        scheme = scheme or self.scheme
-        if scheme is None:
-            raise UsageError(f"{self.integrator.name} of {self.engine.name} is no published scheme")
-        equations, case = self.bound.equations, self.case
-        scalar = schemes.ScalarEquations(
-            equations.scene, equations.parameters, self.bound.integrates_drive
-        )
-        start = equations.start(case)
-        return schemes.integrate(scalar, scheme, start, step, samples, case.start_time)
 
 
 def power_of_two(most: float) -> float:

@@ -12,7 +12,6 @@ from mbcheck.reference.differences import (
     balanced_step,
     by_complex_step,
     by_differences,
-    lagrange_terms,
     stencil,
 )
 from mbcheck.reference.scene import Array
@@ -68,22 +67,6 @@ def test_what_is_equal_on_either_side_has_no_slope() -> None:
     value, jacobian = by_differences(lambda x: np.cos(x), np.zeros(3))
     assert np.all(value == 1)
     assert np.all(jacobian == 0)
-
-
-def test_terms_of_lagrange_are_those_of_a_pendulum_on_a_cart() -> None:
-    """x, theta with unit masses and length: forces are the residuals of the known equations."""
-    q, v, a = np.array([0.3, 0.7]), np.array([1.2, -0.4]), np.array([0.5, 2.0])
-
-    def kinetic(q: Any, v: Any) -> Any:
-        return v[0] ** 2 + v[0] * v[1] * np.cos(q[1]) + v[1] ** 2 / 2
-
-    def potential(q: Any) -> Any:
-        return -9.81 * np.cos(q[1])
-
-    left = lagrange_terms(kinetic, potential, q, v, a).sum(axis=0)
-    sin, cos = np.sin(q[1]), np.cos(q[1])
-    wanted = [2 * a[0] + a[1] * cos - v[1] ** 2 * sin, a[1] + a[0] * cos + 9.81 * sin]
-    np.testing.assert_allclose(left, wanted, rtol=1e-14)
 
 
 def test_stencils_of_order_4_and_8_are_those_of_the_tables() -> None:
