@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import mbcheck
-from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.engines.adapter import BoundModel
 from mbcheck.reference.errors import (
     EngineError,
 )
@@ -57,7 +57,7 @@ def test_an_engine_that_raises_is_named(monkeypatch: pytest.MonkeyPatch) -> None
     def broken(*_: Any) -> Any:
         raise ValueError("no such body\nand more")
 
-    monkeypatch.setattr(get_engine("mujoco"), "linearise", broken)
+    monkeypatch.setattr(BoundModel, "linearise", broken)
     with pytest.raises(EngineError, match=r"ValueError: no such body$"):
         mbcheck.frequencies("hula_hoop", engine="mujoco")
 
