@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -25,7 +24,6 @@ SCENES = (
 `SCENE`, and a folder of the same name in `models`."""
 
 
-@cache
 def get_scene(name: str) -> Scene:
     """Return the scene of this name.
 

@@ -49,6 +49,7 @@ from .validation import (
     reason_of,
     refuse_lost_joints,
     refuse_step_across_end,
+    takes_keyword,
     trajectory_of,
 )
 
@@ -709,8 +710,8 @@ class BoundModel:
     def linearise(self, state: Array, time: float = 0.0) -> tuple[Array, Array, Array]:
         """Return M, C, K, each (n, n), about a state of rest or steady motion.
 
-        The engine's own of a tree at rest, if it tells them, and of a model that it makes itself,
-        in coordinates that may be fewer than the states'; else by central differences.
+        The engine's own of a tree at rest, if it tells them, and of models that it describes, in
+        coordinates that may be fewer than the states'; else by central differences.
 
         Raises
         ------
@@ -719,14 +720,14 @@ class BoundModel:
             loop, and accelerations of another.
         """
         moves = np.any(state[len(state) // 2 :])
-        by_file = self.engine.reads_mjcf
-        if "linearise" in self.engine.functions and not (
-            by_file and (moves or self.has_constraints)
+        own_models = bool({"models", "describe_model"} & self.engine.functions)
+        if "linearise" in self.engine.functions and (
+            own_models or not (moves or self.has_constraints)
         ):
             try:
                 return self.told_matrices(state, time)
             except Unsupported:
-                if not by_file:
+                if own_models:
                     raise
         return self.linearise_numerically(state, time)
 
@@ -953,15 +954,24 @@ class Reordered(Engine):
         q, v = (np.asarray(rows)[:, self.back] for rows in (motion.positions, motion.velocities))
         return replace(motion, positions=q, velocities=v)
 
-    def accelerations(self, system: System, time: float, q: Array, v: Array) -> Array:
+    def accelerations(
+        self, system: System, time: float, q: Array, v: Array, method: Method | None = None
+    ) -> Array:
         """Return accelerations (n,) in order."""
-        answer = self.inner.accelerations(self.put(system), time, q[self.order], v[self.order])
+        ask = with_method(self.inner.accelerations, method)
+        answer = ask(self.put(system), time, q[self.order], v[self.order])
         return np.asarray(answer)[self.back]
 
-    def mass_matrix(self, system: System, q: Array) -> Array:
+    def mass_matrix(self, system: System, q: Array, method: Method | None = None) -> Array:
         """Return the mass matrix (n, n) in order."""
-        answer = self.inner.mass_matrix(self.put(system), q[self.order])
-        return np.asarray(answer)[np.ix_(self.back, self.back)]
+        ask = with_method(self.inner.mass_matrix, method)
+        return np.asarray(ask(self.put(system), q[self.order]))[np.ix_(self.back, self.back)]
+
+
+def with_method(function: Callable[..., Any], method: Method | None) -> Callable[..., Any]:
+    """Return a function of an engine, called for a method if it takes one."""
+    takes = method is not None and takes_keyword(function, "method")
+    return partial(function, method=method) if takes else function
 
 
 def adapt(name: str, offered: Any) -> Adapter:

@@ -249,7 +249,10 @@ class Engine:
         raise Unsupported(f"{self.name} has no mass_matrix(...)")
 
     def linearise(self, system: System) -> tuple[Array, Array, Array]:
-        """Return M, C, K, each (n, n), about the system's initial state, a state of rest."""
+        """Return M, C, K, each (n, n), about the system's initial state.
+
+        A state of rest; of an engine that describes its models, a steady motion as well.
+        """
         raise Unsupported(f"{self.name} has no linearise(...)")
 
     def unsupported_reason(self, system: System, method: Method | None) -> str | None:

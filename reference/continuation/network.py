@@ -85,6 +85,8 @@ class SearchOutcome:
     starts : list of CurveStart
         What is to be followed from there.
     curve : BifurcationCurve or None
+    limits : list of BifurcationCurve
+        On which orbits end without a bifurcation.
     missing : bool
         Whether the tracer has no bifurcation near that from which a curve was to be followed.
     has_orbits : bool
@@ -96,6 +98,7 @@ class SearchOutcome:
 
     starts: list[CurveStart] = field(default_factory=list)
     curve: BifurcationCurve | None = None
+    limits: list[BifurcationCurve] = field(default_factory=list)
     missing: bool = False
     has_orbits: bool = False
     orbits: int = 0
@@ -125,10 +128,10 @@ class CurveSearch:
     def look_along(self, line: Line) -> None:
         """Follow orbits along a line of the window, and gather where curves start.
 
-        With the first line comes the curve on which orbits end, if there is one.
+        With the first line come the curves on which orbits end, if there are any.
         """
         if line == Line(0.0):
-            self.outcome.curve = self.reference.least_curve()
+            self.outcome.limits = self.reference.least_curves()
         seen: list[BifurcationCurve] = []
         for share in OPTIONS.shares if line.share is None else (line.share,):
             place = np.array([line.value, share])
@@ -351,7 +354,7 @@ class Network:
         met = [one for one in outcome.starts if not one.begins]
         if self.lines_done < len(self.lines):
             self.lines_done += 1
-            self.curves += [outcome.curve] if outcome.curve else []
+            self.curves += outcome.limits
         elif self.starts:
             start, curve = self.starts.pop(0), outcome.curve
             if curve and start.begins:  # the first point may lie on other curves as well

@@ -15,9 +15,10 @@ that the scene knows how to find, and along the other axis of a window one root 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import product
+from itertools import groupby, pairwise, product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -69,6 +70,8 @@ class RestOptions(NamedTuple):
         What a state at a branch point may lack of balance along the left null vector.
     least_points : int
         Places along an axis at which the end of rotations is solved for.
+    least_stay : int
+        Fewest points of a curve of it between two edges of the window.
     """
 
     share: float = 0.5
@@ -80,6 +83,7 @@ class RestOptions(NamedTuple):
     isolated: float = 1e-9
     continues: float = 1e-8
     least_points: int = 33
+    least_stay: int = 5
 
 
 OPTIONS = RestOptions()
@@ -298,47 +302,66 @@ class RestTracer(Tracer):
 
     # Where rotations end ----------------------------------------------------------------------
 
-    def least_curve(self, count: int = OPTIONS.least_points) -> BifurcationCurve | None:
-        """Return the curve on which rotations end on a saddle, None where there is none.
+    def least_curves(self, count: int = OPTIONS.least_points) -> list[BifurcationCurve]:
+        """Return the curves on which rotations end on a saddle.
 
         One axis of the window is the parameter that the scene solves for, at so many places of the
-        other.
+        other and where it crosses the window's edges. Each curve is a stay in the window.
         """
         limit, names = self.scene.orbit.limit, self.window.names
         if limit is None or limit[0] not in names:
-            return None
+            return []
         axis = names.index(limit[0])
-        shares = np.linspace(0, 1, count)
-        limits = [self.least_at(axis, share) for share in shares]
-        inside = [i for i, one in enumerate(limits) if one and is_inside(one[0][-2:])]
-        if len(inside) < 2:
-            return None
-        known, ends = [limits[i] for i in inside], []
-        for i, beyond in ((inside[0], inside[0] - 1), (inside[-1], inside[-1] + 1)):
-            vanishes = 0 <= beyond < len(limits) and limits[beyond] is None
-            ends.append(f"with_{FOLD}" if vanishes else "window")
-            if 0 <= beyond < len(limits) and not vanishes:
-                edge = self.least_on_edge(axis, shares[i], shares[beyond])
-                known = [edge, *known] if beyond < i else [*known, edge]
-        ways = np.gradient(np.array([z for z, _ in known]), axis=0)
+        shares = np.linspace(0, 1, count).tolist()
+        known = {share: self.least_at(axis, share) for share in shares}
+        edges = [
+            self.least_on_edge(axis, level, one, other)
+            for one, other in pairwise(shares)
+            if known[one] and known[other]
+            for level in (0.0, 1.0)
+            if (known[one][0][-2 + axis] - level) * (known[other][0][-2 + axis] - level) < 0
+        ]
+        known |= {share: self.least_at(axis, share) for share in edges}
+        curves: list[BifurcationCurve] = []
+        every = sorted(known)
+
+        def stays(share: float) -> bool:
+            return share in edges or (known[share] is not None and is_inside(known[share][0][-2:]))
+
+        for inside, stay in groupby(range(len(every)), lambda i: stays(every[i])):
+            numbers = list(stay)
+            if inside and len(numbers) > 1:
+                around = every[max(0, numbers[0] - 1)], every[min(numbers[-1] + 1, len(every) - 1)]
+                ends = [f"with_{FOLD}" if known[one] is None else "window" for one in around]
+                own = [every[i] for i in numbers]
+                if len(own) < OPTIONS.least_stay:
+                    own = np.linspace(own[0], own[-1], OPTIONS.least_stay).tolist()
+                solved = [known.get(share) or self.least_at(axis, share) for share in own]
+                curves.append(self.limit_curve(axis, solved, (ends[0], ends[1])))
+        return curves
+
+    def limit_curve(
+        self, axis: int, solved: Sequence[tuple[Array, float]], ends: tuple[str, str]
+    ) -> BifurcationCurve:
+        """Return the curve through solutions of `least_at`."""
         points = []
-        for (z, bound), way in zip(known, ways, strict=True):
+        ways = np.gradient(np.array([z for z, _ in solved]), axis=0)
+        for (z, bound), way in zip(solved, ways, strict=True):
             flow = self.family(1).evaluate(z[:, None])[2][0]
             multipliers = descending(np.linalg.eigvals(flow))
-            across, tangent = np.eye(2)[axis] * bound, way / np.linalg.norm(way)
+            across = np.zeros(2)
+            across[axis] = bound
             parts = split(HOMOCLINIC, multipliers, False)
-            points.append(CurvePoint(z, tangent, multipliers, *parts, across))
-        return BifurcationCurve(HOMOCLINIC, 1, points, (ends[0], ends[1]))
+            points.append(CurvePoint(z, way / np.linalg.norm(way), multipliers, *parts, across))
+        return BifurcationCurve(HOMOCLINIC, 1, points, ends)
 
-    def least_on_edge(self, axis: int, inside: float, beyond: float) -> Any:
-        """Return `least_at` where the curve leaves the window, between two shares."""
-        low = self.least_at(axis, beyond)[0][-2 + axis] < 0
+    def least_on_edge(self, axis: int, level: float, one: float, other: float) -> float:
+        """Return the share between two others at which the curve crosses an edge of the window."""
 
         def off(share: float) -> float:
-            place = self.least_at(axis, share)[0][-2 + axis]
-            return float(place if low else place - 1)
+            return float(self.least_at(axis, share)[0][-2 + axis] - level)
 
-        return self.least_at(axis, float(brentq(off, inside, beyond, xtol=1e-12)))
+        return float(brentq(off, one, other, xtol=1e-9))
 
     def least_at(self, axis: int, share: float) -> Any:
         """Return the unknowns (2 n + 2,) where rotations end on a saddle, and a bound.

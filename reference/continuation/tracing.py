@@ -290,9 +290,9 @@ class Tracer:
             return "neutral"
         return "unstable" if here.unstable else ""
 
-    def least_curve(self, count: int = 0) -> BifurcationCurve | None:
-        """Return the curve on which orbits end without a bifurcation, None where there is none."""
-        return None
+    def least_curves(self, count: int = 0) -> list[BifurcationCurve]:
+        """Return the curves on which orbits end without a bifurcation."""
+        return []
 
     def is_proper(self, curve: OrbitCurve, point: CurvePoint) -> bool:
         """Return whether a solution of a curve's equations is what they stand for."""

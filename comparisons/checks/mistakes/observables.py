@@ -116,6 +116,8 @@ def other_measures(seen: Observed, least: float = EXPLAINED) -> dict[str, str]:
 def other_measure(name: str, unit: str, values: Array, reference: Array, size: float) -> str:
     """Return which other unit, sign or number of turns makes values (k,) of a reference (k,)."""
     error = np.abs(values - reference)
+    if not np.all(np.isfinite(error)):
+        return ""
     for factor, word in [*FACTORS.get(unit, {}).items(), (-1.0, "")]:
         away = np.max(np.abs(values - factor * reference))
         if away < EXPLAINED * min(np.max(error), abs(factor) * size):

@@ -14,12 +14,13 @@ from mbcheck.reference.continuation.bifurcations import (
     BRANCH_POINT,
     FOLD,
     NEIMARK_SACKER,
+    BifurcationCurve,
     ParameterWindow,
 )
 from mbcheck.reference.continuation.network import CurveSearch, Line, Network, SearchOutcome, Task
 from mbcheck.reference.continuation.rest import RestTracer
 from mbcheck.reference.parameters import Parameters, quantity
-from mbcheck.reference.scene import EquationsOfMotion, PeriodicOrbit
+from mbcheck.reference.scene import EquationsOfMotion, PeriodicOrbit, Scene
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
 from mbcheck.reference.speed_regulator.theory import least_torque, saddle_node_torques
 
@@ -156,16 +157,21 @@ def test_the_cranks_rest_ends_where_the_spring_gives_way() -> None:
             assert max(bounds) < 1e-10
 
 
+def least_curves(scene: Scene, window: ParameterWindow, *count: int) -> list[BifurcationCurve]:
+    """Return the curves on which rotations end in a window."""
+    tracer = RestTracer(scene, window.parameters(scene.parameters()), window=window)
+    return tracer.least_curves(*count)
+
+
 def test_the_rotation_ends_at_homoclinic_orbits() -> None:
     """The curve begins where the least torque comes into the window."""
     scene = get_scene("speed_regulator")
     window = ParameterWindow(("damping", "torque"), np.array([2.0, 0.06]), np.array([4.0, 0.13]))
-    curve = RestTracer(scene, window.parameters(scene.parameters()), window=window).least_curve(3)
-    assert curve is not None
+    (curve,) = least_curves(scene, window, 3)
     assert curve.ends == ("window", "window")
     places = np.array([window.low + (window.high - window.low) * p.place for p in curve.points])
-    assert places[0, 1] == pytest.approx(0.06)
-    assert places[1:, 0] == pytest.approx([3, 4])
+    assert places[0, 1] == pytest.approx(0.06, abs=1e-8)
+    assert places[-1, 0] == pytest.approx(4)
     for (damping, torque), point in zip(places, curve.points, strict=True):
         limit = least_torque(SpeedRegulator(damping=damping))
         assert abs(torque - limit.torque) < 1e-12
@@ -178,6 +184,26 @@ def test_the_rotation_ends_at_homoclinic_orbits() -> None:
 def test_the_curve_of_homoclinic_orbits_ends_where_the_saddle_vanishes() -> None:
     scene = get_scene("speed_regulator")
     window = ParameterWindow(("damping", "torque"), np.array([48.0, 0.9]), np.array([60.0, 1.2]))
-    curve = RestTracer(scene, window.parameters(scene.parameters()), window=window).least_curve()
-    assert curve is not None
+    (curve,) = least_curves(scene, window)
     assert curve.ends == ("window", "with_fold")
+
+
+@pytest.mark.slow
+def test_the_curve_of_homoclinic_orbits_may_leave_the_window_and_come_back() -> None:
+    """Each stay is a curve of its own, and one that passes between two places is there."""
+    scene = get_scene("speed_regulator")
+    window = ParameterWindow(
+        ("spring_rest", "torque"), np.array([-2.6, 0.1]), np.array([0.1, 0.25])
+    )
+    curves = least_curves(scene, window, 7)
+    assert len(curves) == 2
+    for curve in curves:
+        for point in curve.points:
+            rest, torque = window.low + (window.high - window.low) * point.place
+            limit = least_torque(SpeedRegulator(spring_rest=float(rest)))
+            assert torque == pytest.approx(limit.torque, abs=1e-9)
+    narrow = ParameterWindow(("damping", "torque"), np.array([0.1, 0.05]), np.array([20.0, 0.06]))
+    (curve,) = least_curves(scene, narrow, 9)
+    assert curve.ends == ("window", "window")
+    ends = [narrow.low[1] + 0.01 * float(p.place[1]) for p in (curve.points[0], curve.points[-1])]
+    assert ends == pytest.approx([0.05, 0.06], abs=1e-8)
