@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from ...reference.errors import UsageError
+from ...reference.errors import MbcheckError, UsageError
 from ..documents import document
 from ..documents.fields import HIDDEN, documented
 from ..reports.item import ReportItem
@@ -24,6 +25,8 @@ from .elements import (
     Match,
     equal,
     matched,
+    names_of_both,
+    touches_nothing,
 )
 from .gaps import Gap, gaps_between
 from .reading import Edit, Operand, Reading
@@ -38,6 +41,9 @@ half a unit of the sixth digit, and what follows from several such numbers."""
 
 SINGLE = 1e-6
 """The same of fields that MuJoCo keeps in numbers of 32 bits."""
+
+MEASURED = 60
+"""Differences whose effects are measured at the most."""
 
 SHOWN = 6
 """Numbers of an attribute that are shown at the most."""
@@ -94,7 +100,7 @@ class Difference:
         """What became of it, in words."""
         if not self.attribute:
             return f"{self.element} {'lost' if self.after == 'lost' else 'is new'}"
-        if self.after in ("0", "none", "no limit"):
+        if self.after in ("none", "no limit") or set(self.after.split()) == {"0"}:
             return f"{self.element}: {self.attribute} {self.before} dropped"
         return f"{self.element}: {self.attribute} {self.before} read as {self.after}"
 
@@ -207,20 +213,23 @@ def compared(first: Reading, second: Reading, names: tuple[str, str]) -> Compari
     one, other = first.model, second.model
     match = matched(one, other)
     share = SIX_DIGITS if written_in_six_digits(first) != written_in_six_digits(second) else EQUAL
+    exact = list(differences_of(one, other, match, 0.0))
     small = list(differences_of(one, other, match, EQUAL))
     differences = small if share == EQUAL else list(differences_of(one, other, match, share))
     named = {(d.element, d.attribute) for d in differences}
-    rounding = [d for d in small if (d.element, d.attribute) not in named]
+    rounding, equal_enough = (
+        [d for d in some if (d.element, d.attribute) not in named] for some in (small, exact)
+    )
     rows = layout(one, other, match)
     gaps, left, names_of_states = list[Gap](), list[Gap](), list[str]()
     if isinstance(rows, Layout):
         states = states_of(first)
         names_of_states = list(states)
-        trial = Trial(first, second, match, rows, [e for d in rounding for e in d.edits])
+        trial = Trial(first, second, match, rows, [e for d in equal_enough for e in d.edits])
         gaps = trial.gaps(())
-        differences = [trial.measured(one) for one in differences]
+        differences = [*map(trial.measured, differences[:MEASURED]), *differences[MEASURED:]]
         differences.sort(key=lambda d: -1.0 if d.effect is None else d.effect, reverse=True)
-        left = trial.gaps([e for d in differences for e in d.edits]) if gaps else []
+        left = trial.left([e for d in differences for e in d.edits], gaps) if gaps else []
     return Comparison(
         a=names[0],
         b=names[1],
@@ -251,17 +260,21 @@ def differences_of(
     """Yield the attributes that differ by more than a share of their size."""
     common = set(one.answer) & set(other.answer)
     for mine, theirs in [(option_element(one), option_element(other)), *match.pairs]:
-        for name in dict.fromkeys((*mine.attributes, *theirs.attributes)):
+        for name in names_of_both(mine, theirs):
             pair = [side.attributes.get(name, Attribute(["none"])) for side in (mine, theirs)]
             fields = [field_key(key) for attribute in pair for key in attribute.rows]
             if not common.issuperset(fields):
                 continue
             single = any(one.answer[key].dtype == np.float32 for key in fields)
-            if not equal(pair[0].values, pair[1].values, max(share, SINGLE if single else 0.0)):
+            least = 1.0 if mine.kind == "key" else 0.0
+            allowed = max(share, SINGLE) if single and share else share
+            if not equal(pair[0].values, pair[1].values, allowed, least):
                 cells = cells_of(pair[0].values, pair[1].values)
                 edits = list(edits_of(one, other, pair))
                 yield Difference(mine.label, name, *cells, edits=edits)
     for element, word in [(e, "lost") for e in match.gone] + [(e, "new") for e in match.new]:
+        if element.kind == "geom" and touches_nothing(element.attributes):
+            continue  # drawn only
         edits = list(neutral(one, element)) if word == "lost" else []
         yield Difference(element.label, "", "", word, edits=edits)
 
@@ -301,16 +314,10 @@ def edits_of(one: Compiled, other: Compiled, pair: Sequence[Attribute]) -> Itera
         if name.startswith("opt."):
             yield name, None, np.asarray(other.answer[name]).tolist()
             continue
-        if name in ENUMERATIONS and len(pair[1].values) == len(rows):
-            words = one.answer[f"words.{ENUMERATIONS[name]}"].tolist()
-            numbers = one.answer[f"numbers.{ENUMERATIONS[name]}"].tolist()
-            if set(pair[1].values) <= set(words):
-                values = [numbers[words.index(word)] for word in pair[1].values]
-                yield f"model.{name}", rows.tolist(), values
+        theirs = pair[1].rows.get(name, ())
+        fixed = name in (*ENUMERATIONS, *REFERENCES) or name.startswith("sensor_")
+        if fixed or len(theirs) != len(rows):
             continue
-        if name in REFERENCES or name not in pair[1].rows:
-            continue
-        theirs = pair[1].rows[name]
         switch = next((name.removesuffix(end) + on for end, on in DERIVED.items()
                        if name.endswith(f"_{end}")), None)  # fmt: skip
         for own in (name, WITH.get(name), switch):
@@ -362,12 +369,11 @@ def shortened(before: Sequence[Any], after: Sequence[Any]) -> tuple[Sequence[Any
 
 
 def written_in_six_digits(reading: Reading) -> bool:
-    """Return whether no number of a file has more than six digits, some have, as MuJoCo writes."""
+    """Return whether each number of a file stands there as MuJoCo writes it, with six digits."""
     with open(reading.operand.file, encoding="utf-8", errors="replace") as file:
         text = re.sub(r"<!--.*?-->", "", file.read(), flags=re.DOTALL)
-    numbers = re.findall(r"(?<![\w.])-?(\d*\.?\d+)(?:e[-+]?\d+)?(?![\w.])", text)
-    digits = [len(one.replace(".", "").lstrip("0")) for one in numbers]
-    return max(digits, default=0) == 6
+    numbers = re.findall(r"(?<![\w.+-])[-+]?\d*\.?\d+(?:[eE][-+]?\d+)?(?![\w.])", text)
+    return bool(numbers) and all(one == f"{float(one):.6g}" for one in numbers)
 
 
 # What they do --------------------------------------------------------------------------------
@@ -395,9 +401,11 @@ class Trial:
         self.other = [self.sides[1].in_order(one) for one in second.at(theirs)]
         self.own = self.answers(())
 
-    def answers(self, edits: Sequence[Edit]) -> list[dict[str, Any]]:
-        """Return what A does with edits."""
-        found = self.first.at(list(self.states.values()), [*self.always, *edits])
+    def answers(self, edits: Sequence[Edit], brief: bool = False) -> list[dict[str, Any]]:
+        """Return what A does with edits; in brief its accelerations alone."""
+        found = self.first.at(list(self.states.values()), [*self.always, *edits], brief)
+        if brief:
+            return [{"qacc": one["qacc"][self.rows.rows["qvel"][0]]} for one in found]
         return [self.sides[0].in_order(one) for one in found]
 
     def gaps(self, edits: Sequence[Edit]) -> list[Gap]:
@@ -407,20 +415,28 @@ class Trial:
         labels["joint"] = self.rows.labels
         return gaps_between(own, self.other, list(self.states), labels)
 
+    def left(self, edits: Sequence[Edit], gaps: list[Gap]) -> list[Gap]:
+        """Return what edits leave open: all of it where they cannot be made."""
+        try:
+            return self.gaps(edits)
+        except MbcheckError:
+            return gaps
+
     def measured(self, difference: Difference) -> Difference:
         """Return a difference with its effect on accelerations."""
         if not difference.edits:
             return difference
-        changed = self.answers(difference.edits)
-        sizes = [max(abs(a["qacc"]).max(initial=0.0), 1e-300) for a in self.own]
-        effect = max(
-            abs(b["qacc"] - a["qacc"]).max(initial=0.0) / size
-            for a, b, size in zip(self.own, changed, sizes, strict=True)
-        )
-        return Difference(
-            difference.element, difference.attribute, difference.before, difference.after,
-            float(effect), difference.edits,
-        )  # fmt: skip
+        try:
+            changed = self.answers(difference.edits, brief=True)
+        except MbcheckError:
+            return difference
+        size = max((abs(one["qacc"]).max(initial=0.0) for one in self.own), default=0.0)
+        apart = [
+            abs(b["qacc"] - a["qacc"]).max(initial=0.0)
+            for a, b in zip(self.own, changed, strict=True)
+        ]
+        effect = float(np.max(apart, initial=0.0)) / size if size else math.nan
+        return replace(difference, effect=effect if math.isfinite(effect) else None)
 
 
 def side_of(model: Compiled, side: int, match: Match, rows: Layout) -> Side:

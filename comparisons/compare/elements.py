@@ -313,17 +313,17 @@ class Compiled:
         if name in ("geom_size", "site_size"):
             kinds = self.types(name.replace("size", "type"))
             return values * np.less.outer(np.arange(3), [SIZES.get(kind, 3) for kind in kinds]).T
-        if name in ("geom_quat", "site_quat"):
-            return self.axes(name)
+        if name == "geom_quat":
+            return self.axes()
         return rotations(values) if name.endswith("_quat") else values
 
     def types(self, name: str) -> list[str]:
         """Return the words of a field of types."""
         return [self.word(ENUMERATIONS[name], int(one)) for one in self.field(name)]
 
-    def axes(self, name: str) -> Any:
+    def axes(self) -> Any:
         """Return the orientation of geoms: of what is round its axis, of a sphere nothing."""
-        axes, kinds = rotations(self.field(name)), self.types(name.replace("quat", "type"))
+        axes, kinds = rotations(self.field("geom_quat")), self.types("geom_type")
         lines = np.where(np.array(kinds) == "sphere", 0.0, 1.0)[:, None] * axes[:, :, 2]
         round_ = np.isin(kinds, ("sphere", "capsule", "cylinder"))
         both = lines[:, :, None] * lines[:, None]
@@ -340,16 +340,44 @@ def rotations(quaternions: Any) -> Any:
 
 def folded(table: dict[str, Attribute], kind: str) -> dict[str, Attribute]:
     """Return the attributes of an element, without those that do nothing on it."""
-    if kind == "geom" and not any(table["contype"].values + table["conaffinity"].values):  # type: ignore[operator]
+    if kind == "geom" and touches_nothing(table):
         return {name: one for name, one in table.items() if name not in CONTACT}
-    if kind == "joint" and table["type"].values == ["free"]:
-        return {name: one for name, one in table.items() if name != "ref"}  # as of its body
+    if kind == "joint" and table["type"].values[0] in ("free", "ball"):
+        idle = ["ref"] * (table["type"].values == ["free"])  # which its body has
+        idle += ["springref"] * (table["stiffness"].values == [0.0])
+        return {name: one for name, one in table.items() if name not in idle}
+    if kind == "tendon" and set(table["path types"].values) == {"joint"}:
+        path, coefficients = table["path"], table["coef"]
+        order = np.argsort(path.values, kind="stable")
+        for name, one in (("path", path), ("coef", coefficients)):
+            rows = {field: numbers[order] for field, numbers in one.rows.items()}
+            table[name] = Attribute([one.values[i] for i in order], rows)
+    if kind == "pair":
+        both = [value for name in ("geom1", "geom2") for value in table.pop(name).values]
+        table["geoms"] = Attribute(sorted(both))
     if kind == "actuator":
         gain, bias = table["gainprm"].values, table["biasprm"].values
         if table["gaintype"].values == ["fixed"] and gain[0] and bias[1] == -gain[0]:
-            rows = {**table.pop("gainprm").rows, **table.pop("biasprm").rows}
+            rows = {**table["gainprm"].rows, **table["biasprm"].rows}
             table["kp"], table["kv"] = Attribute([gain[0]], rows), Attribute([-bias[2]], rows)
     return table
+
+
+def touches_nothing(table: Mapping[str, Attribute]) -> bool:
+    """Return whether a geom takes part in no contact but those of pairs."""
+    return not any(any(table[name].values) for name in ("contype", "conaffinity"))
+
+
+GAINS = ("gainprm", "biasprm"), ("kp", "kv")
+"""Attributes of an actuator, and those of a servo, which say the same."""
+
+
+def names_of_both(one: Element, other: Element) -> list[str]:
+    """Return the attributes in which two elements are compared."""
+    servos = all("kp" in side.attributes for side in (one, other))
+    left_out = GAINS[0] if servos else GAINS[1]
+    names = dict.fromkeys((*one.attributes, *other.attributes))
+    return [name for name in names if name not in left_out]
 
 
 # Which element of one model is which of the other --------------------------------------------
@@ -434,7 +462,7 @@ def leftover_groups(
 
 def place_of(element: Element) -> tuple[str, ...]:
     """Return where an element stands: its type, its body, or what it refers to."""
-    names = ("parent", "body", "type", "transmission", "target", "first element", "bodies", "objid")
+    names = ("parent", "body", "type", "transmission", "target", "first element", "geoms", "objid")
     return tuple(
         str(value)
         for name in names
@@ -457,8 +485,7 @@ def assigned(
 
 def difference_count(one: Element, other: Element) -> float:
     """Return the number of attributes that differ, in six digits."""
-    names = set(one.attributes) | set(other.attributes)
-    return float(sum(not alike(one, other, name, 1e-5) for name in names))
+    return float(sum(not alike(one, other, name, 1e-5) for name in names_of_both(one, other)))
 
 
 def alike(one: Element, other: Element, name: str, share: float) -> bool:
@@ -468,14 +495,18 @@ def alike(one: Element, other: Element, name: str, share: float) -> bool:
     return equal(one.attributes[name].values, other.attributes[name].values, share)
 
 
-def equal(one: Values, other: Values, share: float) -> bool:
-    """Return whether numbers or words are equal, numbers to a share of the largest of them."""
+def equal(one: Values, other: Values, share: float, least: float = 0.0) -> bool:
+    """Return whether numbers or words are equal, numbers to a share of the largest of them.
+
+    What is smaller than ``least`` counts as that large.
+    """
     if len(one) != len(other):
         return False
     if any(isinstance(value, str) for value in (*one, *other)):
         return list(one) == list(other)
     first, second = np.array(one, dtype=float), np.array(other, dtype=float)
-    size = max(abs(first).max(initial=0.0), abs(second).max(initial=0.0))
     same = (first == second) | (np.isnan(first) & np.isnan(second))
-    with np.errstate(invalid="ignore"):
-        return bool(np.all(same | (abs(first - second) <= share * size)))
+    finite = np.isfinite(first) & np.isfinite(second)
+    apart = np.abs(np.where(finite, first, 0.0) - np.where(finite, second, 0.0))
+    size = max(np.abs(side[finite]).max(initial=least) for side in (first, second))
+    return bool(np.all(same | (finite & (apart <= share * size))))

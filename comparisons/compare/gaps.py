@@ -97,9 +97,11 @@ class Gap:
     @documented
     def sentence(self) -> str:
         """The difference in words."""
-        return (
-            f"{self.element}: {self.quantity} {number(self.a)} and {number(self.b)}, {self.state}"
+        cells = next(
+            (c for d in (3, 6, 9, 12) if (c := (number(self.a, d), number(self.b, d)))[0] != c[1]),
+            (repr(self.a), repr(self.b)),
         )
+        return f"{self.element}: {self.quantity} {cells[0]} and {cells[1]}, {self.state}"
 
 
 def gaps_between(
@@ -139,7 +141,9 @@ def array_gaps(
         name, kind = QUANTITIES[key]
         limit = np.broadcast_to(tolerance, a[key].shape)
         if limit.size:
-            ratio = abs(a[key] - b[key]) / np.maximum(limit, TINY)
+            lost = np.isnan(a[key]) & np.isnan(b[key])
+            ratio = np.where(lost, 0.0, abs(a[key] - b[key]) / np.maximum(limit, TINY))
+            ratio = np.where(np.isnan(ratio), np.inf, ratio)
             at = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
             label = labels[kind][int(at[0]) % len(labels[kind])]
             values = (float(values[at]) for values in (a[key], b[key], limit))
@@ -198,7 +202,8 @@ def tolerances(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[tuple[str
     force = sum(
         size[key] for key in ("bias", "spring", "damper", "actuator", "fluid") if key in size
     )
-    condition = np.linalg.cond(a["mass"]) if n else 1.0
+    finite = n and np.all(np.isfinite(a["mass"]))
+    condition = np.linalg.cond(a["mass"]) if finite else np.inf if n else 1.0
     own = {
         "xmat": 1.0,
         **{key: force for key in ("bias", "gravity", "actuator", "damper", "spring", "fluid")},
@@ -212,5 +217,6 @@ def tolerances(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[tuple[str
             smooth = unit * condition * max(size["qacc_smooth"], size["qacc"])
             tolerance = smooth + (4 * floor if key != "qacc_smooth" else 0.0)
         if key.startswith("step_"):
-            tolerance = tolerance + unit * size[key]  # a step is shorter than 1 s
+            floors = (abs(side[key.replace("step", "floor")]).max(initial=0.0) for side in (a, b))
+            tolerance = tolerance + unit * size[key] + 4 * max(floors)  # a step is below 1 s
         yield key, tolerance

@@ -11,7 +11,7 @@ import copy
 import json
 import sys
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import mujoco
@@ -70,7 +70,7 @@ def compiled(model: Any) -> Answer:
     return answer
 
 
-def edited(model: Any, edits: Iterable[tuple[str, int | None, Any]], derive: bool) -> Any:
+def edited(model: Any, edits: Sequence[tuple[str, Any, Any]], derive: bool) -> Any:
     """Return a copy of a model with fields, or rows of them, set to values."""
     copied = copy.deepcopy(model)
     for field, row, value in edits:
@@ -83,6 +83,7 @@ def edited(model: Any, edits: Iterable[tuple[str, int | None, Any]], derive: boo
             old[slice(None) if row is None else row] = value
     if derive:
         mujoco.mj_setConst(copied, mujoco.MjData(copied))
+        return edited(copied, edits, False)  # some of which that has written anew
     return copied
 
 
@@ -108,8 +109,8 @@ def solved(model: Any, state: Mapping[str, Any], start: float) -> Any:
     return data
 
 
-def evaluated(model: Any, states: Sequence[Mapping[str, Any]]) -> Iterator[Answer]:
-    """Yield what a model does at states."""
+def evaluated(model: Any, states: Sequence[Mapping[str, Any]], brief: bool) -> Iterator[Answer]:
+    """Yield what a model does at states; in brief its accelerations alone."""
     newton = int(mujoco.mjtSolver.mjSOL_NEWTON)
     settings = [("opt.tolerance", None, 0.0), ("opt.solver", None, newton)]
     exact = edited(model, [*settings, ("opt.iterations", None, 100)], False)
@@ -117,6 +118,9 @@ def evaluated(model: Any, states: Sequence[Mapping[str, Any]]) -> Iterator[Answe
         name: int(getattr(mujoco.mjtIntegrator, f"mjINT_{name.upper()}")) for name in INTEGRATORS
     }
     for state in states:
+        if brief:
+            yield {"qacc": solved(exact, state, COLD).qacc.copy()}
+            continue
         answer = smooth(model, state)
         data = solved(exact, state, COLD)
         answer["qacc"] = data.qacc.copy()
@@ -125,12 +129,18 @@ def evaluated(model: Any, states: Sequence[Mapping[str, Any]]) -> Iterator[Answe
         answer.update(contacts(data))
         for name, number in integrators.items():
             exact.opt.integrator = number
-            stepped = mujoco.MjData(exact)
-            put(stepped, state)
-            stepped.qacc_warmstart[:] = answer["qacc"]
-            mujoco.mj_step(exact, stepped)
-            answer[f"step_{name}"] = np.concatenate([stepped.qpos, stepped.qvel])
+            ends = [stepped(exact, state, start * answer["qacc"]) for start in (WARM, COLD)]
+            answer[f"step_{name}"], answer[f"floor_{name}"] = ends[0], abs(ends[1] - ends[0])
         yield answer
+
+
+def stepped(model: Any, state: Mapping[str, Any], start: Any) -> Any:
+    """Return positions and velocities after a step whose solver starts from accelerations."""
+    data = mujoco.MjData(model)
+    put(data, state)
+    data.qacc_warmstart[:] = start
+    mujoco.mj_step(model, data)
+    return np.concatenate([data.qpos, data.qvel])
 
 
 def smooth(model: Any, state: Mapping[str, Any]) -> Answer:
@@ -219,7 +229,7 @@ def main() -> None:
                 answer = touching(model, asked["touching"])
             else:
                 own = edited(model, asked["edits"], bool(asked["edits"]))
-                every = enumerate(evaluated(own, asked["states"]))
+                every = enumerate(evaluated(own, asked["states"], asked["brief"]))
                 answer = {f"{i}.{key}": value for i, one in every for key, value in one.items()}
             np.savez(f"{sys.argv[1]}/answer.npz", **answer)
         except Exception as error:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -16,6 +18,7 @@ from typing import Any, Self
 import numpy as np
 
 from ...reference.errors import EngineError, UsageError
+from ..reports.words import printable
 from .elements import Compiled
 
 PROBE = Path(__file__).with_name("probe.py")
@@ -23,7 +26,7 @@ PROBE = Path(__file__).with_name("probe.py")
 PATIENCE = 300.0
 """Time [s] after which a process that answers nothing is ended."""
 
-RELEASE = "mujoco=="
+RELEASE, VERSION = "mujoco==", re.compile(r"mujoco==\d+(\.\d+)+")
 
 Edit = tuple[str, list[int] | None, Any]
 """A field of a compiled model, its rows or None for all of it, and their values."""
@@ -68,6 +71,8 @@ class Operand:
         if self.reader == "mujoco":
             return sys.executable
         if self.reader.startswith(RELEASE):
+            if not VERSION.fullmatch(self.reader):
+                raise UsageError(f"{self.reader} is no release: write mujoco==3.3.7 or the like")
             return installed(self.reader.removeprefix(RELEASE), install)
         if not os.access(self.reader, os.X_OK) or os.path.isdir(self.reader):
             raise UsageError(f"{self.reader} is no Python that can be run")
@@ -100,6 +105,7 @@ def installed(version: str, install: bool) -> str:
     for command in commands:
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode:
+            shutil.rmtree(folder, ignore_errors=True)
             last = (done.stderr.strip() or "no message").splitlines()[-1]
             raise UsageError(f"mujoco {version} cannot be installed: {last}")
     (folder / "complete").touch()
@@ -124,16 +130,18 @@ class Reading:
     """
 
     def __init__(self, operand: Operand, python: str) -> None:
+        if not os.path.isfile(operand.file):
+            there = "it is no file" if os.path.exists(operand.file) else "no such file"
+            raise UsageError(f"cannot read {operand.file}: {there}")
         self.operand = operand
         self.folder = tempfile.TemporaryDirectory(prefix="mbcheck-")
+        self.log = Path(self.folder.name) / "stderr"
         command = [python, "-I", str(PROBE), self.folder.name]
-        self.process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-            text=True, cwd=self.folder.name,
-        )  # fmt: skip
-        if not os.path.isfile(operand.file):
-            self.close()
-            raise UsageError(f"cannot read {operand.file}: no such file")
+        with self.log.open("w") as log:
+            self.process = subprocess.Popen(
+                command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log, text=True,
+                cwd=self.folder.name,
+            )  # fmt: skip
         try:
             self.model = Compiled(self.ask(file=os.path.abspath(operand.file)))
         except BaseException:
@@ -170,16 +178,21 @@ class Reading:
             timer.cancel()
         file = self.operand.file
         if not line:
-            raise EngineError("exit", f"the process that reads {file} ended without an answer")
+            last = self.log.read_text(errors="replace").strip().splitlines()[-1:]
+            why = f": {printable(last[0])}" if last else ""
+            raise EngineError("exit", f"the process that reads {file} ended without an answer{why}")
         if line != "ok":
             words = line.removeprefix("error:").strip()
-            raise UsageError(f"{self.operand.reader} cannot compile {file}: {words}")
+            verb = "compile" if "file" in request else "evaluate"
+            raise UsageError(f"{self.operand.reader} cannot {verb} {file}: {words}")
         with np.load(Path(self.folder.name) / "answer.npz", allow_pickle=False) as answer:
             return dict(answer)
 
-    def at(self, states: Sequence[State], edits: Sequence[Edit] = ()) -> list[Answer]:
+    def at(
+        self, states: Sequence[State], edits: Sequence[Edit] = (), brief: bool = False
+    ) -> list[Answer]:
         """Return what the model does at states, with some of its fields set to other values."""
-        every = self.ask(states=list(states), edits=list(edits))
+        every = self.ask(states=list(states), edits=list(edits), brief=brief)
         answers: list[Answer] = [{} for _ in states]
         for key, value in every.items():
             number, _, name = key.partition(".")

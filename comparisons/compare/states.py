@@ -122,7 +122,12 @@ def states_of(reading: Reading) -> dict[str, State]:
         beyond = [BEYOND_RANGE * value for value in drawn[0]["ctrl"]]
         states["controls beyond their ranges"] = {**drawn[0], "ctrl": beyond}
     states |= dict(at_limits(model, drawn[0]))
-    return states | dict(in_contact(reading, drawn))
+    states |= dict(in_contact(reading, drawn))
+    return {
+        name: state
+        for name, state in states.items()
+        if all(np.all(np.isfinite(part)) for part in state.values())
+    }
 
 
 def in_contact(reading: Reading, drawn: Sequence[State]) -> Iterator[tuple[str, State]]:
@@ -152,7 +157,7 @@ def draw(model: Compiled, random: np.random.Generator) -> State:
             position[at.stop - 4 : at.stop] = turn / np.linalg.norm(turn)
             if kind == "free":
                 position[at.start : at.start + 3] += random.uniform(-LENGTH, LENGTH, 3)
-        elif model.field("jnt_limited")[number]:
+        elif is_limited(model, number):
             position[rows] = random.uniform(*model.field("jnt_range")[number])
         else:
             position[rows] += random.uniform(-1, 1) * (ANGLE if kind == "hinge" else LENGTH)
@@ -167,20 +172,25 @@ def draw(model: Compiled, random: np.random.Generator) -> State:
     }
 
 
+def is_limited(model: Compiled, number: int) -> bool:
+    """Return whether a joint has finite limits."""
+    limits = model.field("jnt_range")[number]
+    return bool(model.field("jnt_limited")[number] and np.all(np.isfinite(limits)))
+
+
 def bounds(model: Compiled, ranges: str, limited: str) -> tuple[Any, Any]:
     """Return the ends of ranges, -1 and 1 where there are none."""
     on = model.field(limited).astype(bool)[:, None]
-    low, high = np.where(on, model.field(ranges), [-1.0, 1.0]).T.reshape(2, -1)
-    return low, high
+    known = on & np.isfinite(model.field(ranges))
+    low, high = np.where(known, model.field(ranges), [-1.0, 1.0]).T.reshape(2, -1)
+    return np.minimum(low, high), np.maximum(low, high)
 
 
 def at_limits(model: Compiled, state: State) -> Iterator[tuple[str, State]]:
     """Yield states in which one joint after the other stands a little beyond a limit."""
     kinds = model.types("jnt_type")
     limited = [
-        i
-        for i, on in enumerate(model.field("jnt_limited"))
-        if on and kinds[i] in ("hinge", "slide")
+        i for i, kind in enumerate(kinds) if kind in ("hinge", "slide") and is_limited(model, i)
     ]
     for k, number in enumerate(limited[:AT_LIMITS]):
         low, high = model.field("jnt_range")[number]
@@ -223,7 +233,7 @@ class Side:
             kind = {"ten": "tendon"}.get(kind, kind)
             if name == "mass":
                 own[name] = value[np.ix_(dofs, dofs)]
-            elif name.startswith("step_"):
+            elif name.startswith(("step_", "floor_")):
                 positions = len(value) - len(answer["bias"])
                 own[name] = np.concatenate([value[self.rows["qpos"]], value[positions + dofs]])
             elif name.startswith(("row_", "contact_")):
@@ -249,7 +259,7 @@ class Side:
                 of = "tendon"
             elif kind == "equality":
                 of = "equality"
-            label = self.labels[of].get(element, f"{of} number {element}")
+            label = self.labels[of].get(element, self.model.labels[of][element])
             count = sum(key[:2] == (kind, label) for key in found)
             found[kind, label, count] = {
                 name: float(answer[f"row_{name}"][i]) for name in ROW_NUMBERS

@@ -9,6 +9,7 @@ import click
 
 from ...reference.errors import EngineError
 from ..reports.files import Destination, refuse_conflicts
+from ..reports.words import plural
 from ..terminal.options import with_options_of
 from ..terminal.program import (
     JSON,
@@ -100,7 +101,7 @@ def verdict(result: Comparison) -> str:
     if not result.differences:
         return "compiled alike, and different at states"
     elements = {one.element for one in result.differences}
-    return f"{len(result.differences)} differences in {len(elements)} elements"
+    return f"{plural(len(result.differences), 'difference')} in {plural(len(elements), 'element')}"
 
 
 def sections(result: Comparison) -> Iterator[Section]:
@@ -131,8 +132,9 @@ def conclusion(result: Comparison) -> Iterator[str]:
     if result.why_no_states:
         yield f"Not compared at states: {result.why_no_states}."
     elif result.closed:
-        edits = "This edit" if len(result.differences) == 1 else "These edits together"
-        yield f"{edits} of A close the gap: both then agree to rounding at all states."
+        single = len(result.differences) == 1
+        edits = "This edit of A closes" if single else "These edits of A together close"
+        yield f"{edits} the gap: both then agree to rounding at all states."
     elif result.closed is False:
         yield "Edits of A by these differences leave open:"
         yield from (f"  {gap.sentence}" for gap in result.left)

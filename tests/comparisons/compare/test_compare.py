@@ -123,6 +123,54 @@ def test_a_copy_that_mujoco_saved_is_no_difference(scene: str) -> None:
     assert list(comparison.differences_of(one, saved, match, comparison.SIX_DIGITS)) == []
 
 
+SMALL = """<mujoco><worldbody><geom type="plane" size="1 1 .1"/><body name="b" pos="0 0 1">
+<joint name="j" axis="0 1 0" damping="1"/><joint name="k" axis="1 0 0"/><geom name="g" size=".1"/>
+<geom name="drawn" size=".1" pos="0 0 .3" contype="0" conaffinity="0" mass="0"/><site name="s"/>
+</body></worldbody><tendon><fixed name="t"><joint joint="j" coef="1"/><joint joint="k" coef="2"/>
+</fixed></tendon><actuator><position name="p" joint="j" kp="30" kv="2"/></actuator>
+<sensor><jointpos name="q" joint="j"/><gyro name="w" site="s"/></sensor></mujoco>"""
+
+OTHERS = {
+    "infinite": ('damping="1"', 'damping="inf"', ["joint j damping"]),
+    "not a number": ('damping="1"', 'damping="nan"', ["joint j damping"]),
+    "turned site": ('<site name="s"/>', '<site name="s" euler="90 0 0"/>', ["site s quat"]),
+    "another sensor": ("<jointpos", "<jointvel", ["sensor q type"]),
+    "another joint": ('kp="30" kv="2"', 'kp="30" kv="2" gear="1"', []),
+    "retargeted": ('"p" joint="j"', '"p" joint="k"', ["actuator p target"]),
+    "stiffness as gear": (
+        '<position name="p" joint="j" kp="30" kv="2"/>', '<motor name="p" joint="j" gear="30"/>',
+        ["actuator p biasprm", "actuator p biastype", "actuator p gainprm", "actuator p gear"],
+    ),
+    "drawn only": (
+        '<geom name="drawn" size=".1" pos="0 0 .3" contype="0" conaffinity="0" mass="0"/>', "", [],
+    ),
+    "another order": (
+        '<joint joint="j" coef="1"/><joint joint="k" coef="2"/>',
+        '<joint joint="k" coef="2"/><joint joint="j" coef="1"/>', [],
+    ),
+}  # fmt: skip
+"""What an adversary tried: text, text in its place, and what is to be named."""
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_what_an_adversary_tried(name: str) -> None:
+    old, new, wanted = OTHERS[name]
+    assert old in SMALL
+    found = differences(compiled(SMALL), compiled(SMALL.replace(old, new)))
+    assert sorted(f"{d.element} {d.attribute}" for d in found) == wanted
+
+
+@pytest.mark.parametrize("name", ["not a number", "another sensor", "stiffness as gear"])
+def test_edits_that_cannot_be_made_end_nothing(name: str, tmp_path: Path) -> None:
+    old, new, wanted = OTHERS[name]
+    files = [tmp_path / "a.xml", tmp_path / "b.xml"]
+    for file, text in zip(files, (SMALL, SMALL.replace(old, new)), strict=True):
+        file.write_text(text)
+    done = invoke("compare", *map(str, files))
+    assert done.exit_code == 1
+    assert all(one.rpartition(" ")[2] in done.stdout for one in wanted)
+
+
 # At states -----------------------------------------------------------------------------------
 
 
@@ -185,7 +233,7 @@ def test_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     done = invoke("compare", "a.xml", "b.xml")
     assert done.exit_code == 1
     assert "actuator p1: kp 20 read as 2" in done.stdout
-    assert "close the gap" in done.stdout
+    assert "closes the gap" in done.stdout
     documents = [invoke("compare", "a.xml", "b.xml", "--json", "-").stdout for _ in range(2)]
     assert documents[0] == documents[1]
     found = json.loads(documents[0])
@@ -195,6 +243,8 @@ def test_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         (("a.xml", "nowhere.xml"), "nowhere.xml"),
         (("a.xml", "broken.xml"), "cannot compile"),
         (("a.xml", "a.xml@mujoco==0.1"), "--install"),
+        (("a.xml", "a.xml@mujoco==3.3.7 --foo"), "no release"),
+        (("a.xml", "."), "no file"),
         (("a.xml", "a.xml@/nowhere/python"), "no Python"),
         (("a.xml", "a.xml@/bin/true"), "ended without an answer"),
     ):
