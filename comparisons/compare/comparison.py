@@ -21,16 +21,16 @@ from .elements import (
     REFERENCES,
     Attribute,
     Compiled,
-    Element,
     Match,
+    ModelElement,
     equal,
-    matched,
+    match_elements,
     names_of_both,
     touches_nothing,
 )
 from .gaps import Gap, gaps_between
 from .reading import Edit, Operand, Reading
-from .states import Layout, Side, layout, states_of
+from .states import Side, StateRows, layout, states_of
 
 EQUAL = 1e-9
 """Share by which numbers of two files may differ in rounding."""
@@ -45,7 +45,7 @@ SINGLE = 1e-6
 MEASURED = 60
 """Differences whose effects are measured at the most."""
 
-SHOWN = 6
+MAX_VALUES = 6
 """Numbers of an attribute that are shown at the most."""
 
 NEUTRAL: Mapping[str, Mapping[str, float]] = {
@@ -106,7 +106,7 @@ class Difference:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class ModelComparison:
     """What two readings of one model differ in.
 
     Attributes
@@ -181,7 +181,7 @@ class Comparison:
         return items or [ReportItem("compare", "compare", self.b, "pass", None, "", file=file)]
 
 
-def compare(a: str, b: str, install: bool = False) -> Comparison:
+def compare(a: str, b: str, install: bool = False) -> ModelComparison:
     """Compare two readings of one model.
 
     Parameters
@@ -208,10 +208,10 @@ def compare(a: str, b: str, install: bool = False) -> Comparison:
         return compared(first, second, (a, b))
 
 
-def compared(first: Reading, second: Reading, names: tuple[str, str]) -> Comparison:
+def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelComparison:
     """Return what two readings differ in."""
     one, other = first.model, second.model
-    match = matched(one, other)
+    match = match_elements(one, other)
     share = SIX_DIGITS if written_in_six_digits(first) != written_in_six_digits(second) else EQUAL
     exact = list(differences_of(one, other, match, 0.0))
     small = list(differences_of(one, other, match, EQUAL))
@@ -222,15 +222,15 @@ def compared(first: Reading, second: Reading, names: tuple[str, str]) -> Compari
     )
     rows = layout(one, other, match)
     gaps, left, names_of_states = list[Gap](), list[Gap](), list[str]()
-    if isinstance(rows, Layout):
+    if isinstance(rows, StateRows):
         states = states_of(first)
         names_of_states = list(states)
-        trial = Trial(first, second, match, rows, [e for d in equal_enough for e in d.edits])
+        trial = EditTrial(first, second, match, rows, [e for d in equal_enough for e in d.edits])
         gaps = trial.gaps(())
         differences = [*map(trial.measured, differences[:MEASURED]), *differences[MEASURED:]]
         differences.sort(key=lambda d: -1.0 if d.effect is None else d.effect, reverse=True)
         left = trial.left([e for d in differences for e in d.edits], gaps) if gaps else []
-    return Comparison(
+    return ModelComparison(
         a=names[0],
         b=names[1],
         versions={"a": one.version, "b": other.version},
@@ -239,7 +239,7 @@ def compared(first: Reading, second: Reading, names: tuple[str, str]) -> Compari
         gaps=gaps,
         left=left,
         states=names_of_states,
-        why_no_states="" if isinstance(rows, Layout) else rows,
+        why_no_states="" if isinstance(rows, StateRows) else rows,
         rounded=len(rounding),
         not_compared=sorted(physical_names(one) ^ physical_names(other)),
     )
@@ -284,7 +284,7 @@ def field_key(name: str) -> str:
     return name if name.startswith("opt.") else f"model.{name}"
 
 
-def option_element(model: Compiled) -> Element:
+def option_element(model: Compiled) -> ModelElement:
     """Return the options of a model as one element, its flags by their names."""
     attributes = {}
     for key, value in model.answer.items():
@@ -305,7 +305,7 @@ def option_element(model: Compiled) -> Element:
                 values = [w for w, n in zip(model.answer[f"words.{enumeration}"].tolist(), numbers,
                                             strict=True) if w and int(value) & int(n)]  # fmt: skip
         attributes[name] = Attribute(values, {key: None})
-    return Element("option", 0, "option", attributes)
+    return ModelElement("option", 0, "option", attributes)
 
 
 def edits_of(one: Compiled, other: Compiled, pair: Sequence[Attribute]) -> Iterator[Edit]:
@@ -325,7 +325,7 @@ def edits_of(one: Compiled, other: Compiled, pair: Sequence[Attribute]) -> Itera
                 yield f"model.{own}", rows.tolist(), other.field(own)[theirs].tolist()
 
 
-def neutral(model: Compiled, element: Element) -> Iterator[Edit]:
+def neutral(model: Compiled, element: ModelElement) -> Iterator[Edit]:
     """Yield what leaves an element without effect."""
     for name, value in NEUTRAL.get(element.kind, {}).items():
         shape = model.field(name)[[element.number]].shape
@@ -360,11 +360,11 @@ def cells_of(before: Sequence[Any], after: Sequence[Any]) -> tuple[str, str]:
 def shortened(before: Sequence[Any], after: Sequence[Any]) -> tuple[Sequence[Any], Sequence[Any]]:
     """Return the values that differ where there are many, else all up to the last that differs."""
     if len(before) != len(after):
-        return before[:SHOWN], after[:SHOWN]
+        return before[:MAX_VALUES], after[:MAX_VALUES]
     apart = [i for i, (x, y) in enumerate(zip(before, after, strict=True)) if x != y]
     last = apart[-1] + 1 if apart else 1
-    if last > SHOWN:
-        return [before[i] for i in apart[:SHOWN]], [after[i] for i in apart[:SHOWN]]
+    if last > MAX_VALUES:
+        return [before[i] for i in apart[:MAX_VALUES]], [after[i] for i in apart[:MAX_VALUES]]
     return before[:last], after[:last]
 
 
@@ -379,20 +379,20 @@ def written_in_six_digits(reading: Reading) -> bool:
 # What they do --------------------------------------------------------------------------------
 
 
-class Trial:
+class EditTrial:
     """States at which A, with edits, is compared with B.
 
     Parameters
     ----------
     first, second : Reading
     match : Match
-    rows : Layout
+    rows : StateRows
     always : sequence of Edit
         Of A, which are made always: what differs by the digits of a text.
     """
 
     def __init__(
-        self, first: Reading, second: Reading, match: Match, rows: Layout, always: Sequence[Edit]
+        self, first: Reading, second: Reading, match: Match, rows: StateRows, always: Sequence[Edit]
     ) -> None:
         self.first, self.rows, self.always = first, rows, always
         self.states = states_of(first)
@@ -403,10 +403,10 @@ class Trial:
 
     def answers(self, edits: Sequence[Edit], brief: bool = False) -> list[dict[str, Any]]:
         """Return what A does with edits; in brief its accelerations alone."""
-        found = self.first.at(list(self.states.values()), [*self.always, *edits], brief)
+        answers = self.first.at(list(self.states.values()), [*self.always, *edits], brief)
         if brief:
-            return [{"qacc": one["qacc"][self.rows.rows["qvel"][0]]} for one in found]
-        return [self.sides[0].in_order(one) for one in found]
+            return [{"qacc": one["qacc"][self.rows.rows["qvel"][0]]} for one in answers]
+        return [self.sides[0].in_order(one) for one in answers]
 
     def gaps(self, edits: Sequence[Edit]) -> list[Gap]:
         """Return in what A, with edits, and B differ beyond rounding."""
@@ -439,7 +439,7 @@ class Trial:
         return replace(difference, effect=effect if math.isfinite(effect) else None)
 
 
-def side_of(model: Compiled, side: int, match: Match, rows: Layout) -> Side:
+def side_of(model: Compiled, side: int, match: Match, rows: StateRows) -> Side:
     """Return what of a model stands where; ``side`` is 0 for A and 1 for B."""
     labels: dict[str, dict[int, str]] = {kind: {} for kind in model.labels}
     for pair in match.pairs:

@@ -173,7 +173,7 @@ class Attribute:
 
 
 @dataclass(frozen=True, eq=False)
-class Element:
+class ModelElement:
     """An element of a compiled model; ``label`` names it in reports: ``joint elbow``."""
 
     kind: str
@@ -250,7 +250,7 @@ class Compiled:
         words = [word for word in words if word != "number -1"]
         return sorted(words) if name == "exclude_signature" else words
 
-    def elements(self, kind: str, labels: Mapping[str, Sequence[str]]) -> list[Element]:
+    def elements(self, kind: str, labels: Mapping[str, Sequence[str]]) -> list[ModelElement]:
         """Return the elements of a kind; references name others by ``labels``."""
         tables: list[dict[str, Attribute]] = [{} for _ in self.labels[kind]]
         for name in self.fields:
@@ -262,7 +262,7 @@ class Compiled:
                 for table, mine in zip(tables, rows, strict=True):
                     self.add(table, name, mine, values, labels)
         named = zip(self.labels[kind], tables, strict=True)
-        return [Element(kind, i, label, folded(t, kind)) for i, (label, t) in enumerate(named)]
+        return [ModelElement(kind, i, label, folded(t, kind)) for i, (label, t) in enumerate(named)]
 
     def add(
         self,
@@ -287,10 +287,10 @@ class Compiled:
             return
         known = table.get(attribute)
         attribute = name if known else attribute
-        found = [values[row] for row in rows]
+        pieces = [values[row] for row in rows]
         if attribute == "polycoef":
-            found = [values[row][:5] for row in rows]
-        flat = [one for value in found for one in np.ravel(np.asarray(value)).tolist()]
+            pieces = [values[row][:5] for row in rows]
+        flat = [one for value in pieces for one in np.ravel(np.asarray(value)).tolist()]
         table[attribute] = Attribute(flat, {name: rows})
 
     def comparable(self, name: str, labels: Mapping[str, Sequence[str]]) -> Any:
@@ -372,7 +372,7 @@ GAINS = ("gainprm", "biasprm"), ("kp", "kv")
 """Attributes of an actuator, and those of a servo, which say the same."""
 
 
-def names_of_both(one: Element, other: Element) -> list[str]:
+def names_of_both(one: ModelElement, other: ModelElement) -> list[str]:
     """Return the attributes in which two elements are compared."""
     servos = all("kp" in side.attributes for side in (one, other))
     left_out = GAINS[0] if servos else GAINS[1]
@@ -387,42 +387,44 @@ def names_of_both(one: Element, other: Element) -> list[str]:
 class Match:
     """Pairs of elements of two models, and those that have no partner."""
 
-    pairs: Sequence[tuple[Element, Element]]
-    gone: Sequence[Element]
-    new: Sequence[Element]
+    pairs: Sequence[tuple[ModelElement, ModelElement]]
+    gone: Sequence[ModelElement]
+    new: Sequence[ModelElement]
 
 
-def matched(one: Compiled, other: Compiled) -> Match:
+def match_elements(one: Compiled, other: Compiled) -> Match:
     """Return which elements of two models are the same.
 
     By name; those without a partner of their name by their place (parent, or what they refer to)
     and by how many of their attributes are equal.
     """
     labels = {kind: list(listed) for kind, listed in other.labels.items()}
-    found: dict[str, dict[int, int]] = {}
+    partners: dict[str, dict[int, int]] = {}
     for kind in KINDS:
-        found[kind] = dict(pairs_by_name(one.names[kind], other.names[kind]))
-        rename(labels, one, kind, found[kind])
+        partners[kind] = dict(pairs_by_name(one.names[kind], other.names[kind]))
+        rename(labels, one, kind, partners[kind])
         mine = one.elements(kind, one.labels)
         for numbers in levels(one) if kind == "body" else [range(len(mine))]:
             theirs = other.elements(kind, labels)
-            for rest in leftover_groups(mine, theirs, numbers, found[kind]):
-                found[kind] |= dict(assigned(mine, theirs, *rest))
-            rename(labels, one, kind, found[kind])
-    pairs, gone, new = list[tuple[Element, Element]](), list[Element](), list[Element]()
-    for kind, partners in found.items():
+            for rest in leftover_groups(mine, theirs, numbers, partners[kind]):
+                partners[kind] |= dict(assigned(mine, theirs, *rest))
+            rename(labels, one, kind, partners[kind])
+    pairs: list[tuple[ModelElement, ModelElement]] = []
+    gone: list[ModelElement] = []
+    new: list[ModelElement] = []
+    for kind, own in partners.items():
         mine, theirs = one.elements(kind, one.labels), other.elements(kind, labels)
-        pairs += [(mine[i], theirs[j]) for i, j in sorted(partners.items())]
-        gone += [element for element in mine if element.number not in partners]
-        new += [element for element in theirs if element.number not in partners.values()]
+        pairs += [(mine[i], theirs[j]) for i, j in sorted(own.items())]
+        gone += [element for element in mine if element.number not in own]
+        new += [element for element in theirs if element.number not in own.values()]
     return Match(pairs, gone, new)
 
 
 def rename(
-    labels: Mapping[str, list[str]], one: Compiled, kind: str, found: Mapping[int, int]
+    labels: Mapping[str, list[str]], one: Compiled, kind: str, partners: Mapping[int, int]
 ) -> None:
     """Give elements the labels of their partners."""
-    for i, j in found.items():
+    for i, j in partners.items():
         labels[kind][j] = one.labels[kind][i]
 
 
@@ -442,17 +444,17 @@ def pairs_by_name(mine: Sequence[str], theirs: Sequence[str]) -> Iterator[tuple[
 
 
 def leftover_groups(
-    mine: Sequence[Element],
-    theirs: Sequence[Element],
+    mine: Sequence[ModelElement],
+    theirs: Sequence[ModelElement],
     numbers: Sequence[int],
-    found: Mapping[int, int],
+    partners: Mapping[int, int],
 ) -> Iterator[tuple[list[int], list[int]]]:
     """Yield the numbers of those without a partner that stand at the same place, then of all."""
     for by_place in (True, False):
-        taken = set(found.values())
+        taken = set(partners.values())
         places: dict[Any, tuple[list[int], list[int]]] = {}
         for i in numbers:
-            if i not in found:
+            if i not in partners:
                 places.setdefault(place_of(mine[i]) if by_place else (), ([], []))[0].append(i)
         for j, element in enumerate(theirs):
             if j not in taken:
@@ -460,7 +462,7 @@ def leftover_groups(
         yield from ((a, b) for a, b in places.values() if a and b)
 
 
-def place_of(element: Element) -> tuple[str, ...]:
+def place_of(element: ModelElement) -> tuple[str, ...]:
     """Return where an element stands: its type, its body, or what it refers to."""
     names = ("parent", "body", "type", "transmission", "target", "first element", "geoms", "objid")
     return tuple(
@@ -472,7 +474,7 @@ def place_of(element: Element) -> tuple[str, ...]:
 
 
 def assigned(
-    mine: Sequence[Element], theirs: Sequence[Element], left: list[int], right: list[int]
+    mine: Sequence[ModelElement], theirs: Sequence[ModelElement], left: list[int], right: list[int]
 ) -> Iterator[tuple[int, int]]:
     """Yield pairs of numbers so that as few attributes as possible differ, in order if equal."""
     costs = [
@@ -483,12 +485,12 @@ def assigned(
         yield left[a], right[b]
 
 
-def difference_count(one: Element, other: Element) -> float:
+def difference_count(one: ModelElement, other: ModelElement) -> float:
     """Return the number of attributes that differ, in six digits."""
     return float(sum(not alike(one, other, name, 1e-5) for name in names_of_both(one, other)))
 
 
-def alike(one: Element, other: Element, name: str, share: float) -> bool:
+def alike(one: ModelElement, other: ModelElement, name: str, share: float) -> bool:
     """Return whether an attribute of two elements is equal to a share of its largest number."""
     if name not in one.attributes or name not in other.attributes:
         return False

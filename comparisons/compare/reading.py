@@ -21,7 +21,7 @@ from ...reference.errors import EngineError, UsageError
 from ..reports.words import printable
 from .elements import Compiled
 
-PROBE = Path(__file__).with_name("probe.py")
+PROBE = Path(__file__).parent / "mujoco" / "probe.py"
 
 PATIENCE = 300.0
 """Time [s] after which a process that answers nothing is ended."""

@@ -33,7 +33,7 @@ ROUNDING_DEPTH = 1e-7
 
 
 @dataclass(frozen=True)
-class Layout:
+class StateRows:
     """Which rows of vectors of A are those of B.
 
     Attributes
@@ -56,7 +56,7 @@ class Layout:
         return {name: np.asarray(value).tolist() for name, value in own.items()}
 
 
-def layout(one: Compiled, other: Compiled, match: Match) -> Layout | str:
+def layout(one: Compiled, other: Compiled, match: Match) -> StateRows | str:
     """Return which rows are the same, or why no state of A is one of B."""
     apart = [e.label for e in (*match.gone, *match.new) if e.kind == "joint"]
     apart += [
@@ -83,7 +83,7 @@ def layout(one: Compiled, other: Compiled, match: Match) -> Layout | str:
             if min(starts) >= 0:
                 rows["act"].append((starts[0], starts[1]))
     arrays = {name: np.array(pairs, dtype=int).reshape(-1, 2).T for name, pairs in rows.items()}
-    return Layout({name: (pair[0], pair[1]) for name, pair in arrays.items()}, labels)
+    return StateRows({name: (pair[0], pair[1]) for name, pair in arrays.items()}, labels)
 
 
 def span(model: Compiled, address: str, count: str, number: int) -> range:
@@ -135,8 +135,8 @@ def in_contact(reading: Reading, drawn: Sequence[State]) -> Iterator[tuple[str, 
     model = reading.model
     if not (np.any(model.field("geom_contype")) or model.names["pair"]):
         return
-    found = reading.ask(touching=list(drawn))
-    left = found["geoms"] & (found["shallowest"] > ROUNDING_DEPTH)[:, None]
+    contacts = reading.ask(touching=list(drawn))
+    left = contacts["geoms"] & (contacts["shallowest"] > ROUNDING_DEPTH)[:, None]
     for k in range(TOUCHING):
         best = int(np.argmax(left.sum(axis=1)))
         if not left[best].any():
@@ -226,7 +226,7 @@ class Side:
     rows: Mapping[str, Any]
 
     def in_order(self, answer: Mapping[str, Any]) -> dict[str, Any]:
-        """Return what the model does at a state, of matched elements in the order of A."""
+        """Return what the model does at a state, of its elements in the order of A."""
         dofs, own = self.rows["qvel"], dict[str, Any]()
         for name, value in answer.items():
             kind = {"xpos": "body", "xmat": "body"}.get(name, name.partition("_")[0])
@@ -247,7 +247,7 @@ class Side:
     def constraint_rows(self, answer: Mapping[str, Any]) -> dict[tuple[str, str, int], Any]:
         """Return the rows of constraints, but those of contacts: type, element, count -> row."""
         dof_joint = self.model.field("dof_jntid")
-        found: dict[tuple[str, str, int], Any] = {}
+        rows: dict[tuple[str, str, int], Any] = {}
         for i, number in enumerate(answer["row_type"].tolist()):
             kind = self.model.word("mjtConstraint", number)
             if number >= CONTACTS:
@@ -260,22 +260,22 @@ class Side:
             elif kind == "equality":
                 of = "equality"
             label = self.labels[of].get(element, self.model.labels[of][element])
-            count = sum(key[:2] == (kind, label) for key in found)
-            found[kind, label, count] = {
+            count = sum(key[:2] == (kind, label) for key in rows)
+            rows[kind, label, count] = {
                 name: float(answer[f"row_{name}"][i]) for name in ROW_NUMBERS
             } | {"jacobian": answer["row_jacobian"][i][self.rows["qvel"]]}
-        return found
+        return rows
 
     def contacts(self, answer: Mapping[str, Any]) -> dict[tuple[str, int], Any]:
         """Return the contacts: labels of their geoms, count -> numbers."""
-        found: dict[tuple[str, int], Any] = {}
+        rows: dict[tuple[str, int], Any] = {}
         numbers = zip(answer["contact_geoms"].tolist(), answer["contact_numbers"], strict=True)
         for geoms, values in sorted(numbers, key=lambda pair: tuple(pair[1][3:6])):
             label = " and ".join(
                 sorted(self.labels["geom"].get(one, f"geom number {one}") for one in geoms)
             )
-            found[label, sum(key[0] == label for key in found)] = values
-        return found
+            rows[label, sum(key[0] == label for key in rows)] = values
+        return rows
 
 
 ROW_NUMBERS = ("pos", "inverse_inertia", "aref", "frictionloss", "stiffness")

@@ -28,7 +28,7 @@ from .request import CompareRequest
 if TYPE_CHECKING:
     from ..reports.item import ReportItem
     from ..reports.sections import Section
-    from .comparison import Comparison
+    from .comparison import ModelComparison
 
 RULE = "a difference between two readings of one model", "the model moves differently"
 """What SARIF says of a difference."""
@@ -94,7 +94,7 @@ def compare_models(
         return result.exit_code
 
 
-def verdict(result: Comparison) -> str:
+def verdict(result: ModelComparison) -> str:
     """Return one line: alike, or how many elements differ."""
     if not result.exit_code:
         return "alike"
@@ -104,7 +104,7 @@ def verdict(result: Comparison) -> str:
     return f"{plural(len(result.differences), 'difference')} in {plural(len(elements), 'element')}"
 
 
-def sections(result: Comparison) -> Iterator[Section]:
+def sections(result: ModelComparison) -> Iterator[Section]:
     """Yield the parts of the report: what differs, what that does, and what explains it."""
     from ..reports.sections import Section
     from ..reports.words import number
@@ -127,7 +127,7 @@ def sections(result: Comparison) -> Iterator[Section]:
     yield Section(lines=list(conclusion(result)))
 
 
-def conclusion(result: Comparison) -> Iterator[str]:
+def conclusion(result: ModelComparison) -> Iterator[str]:
     """Yield what explains the gap, what was not compared, and the verdict."""
     if result.why_no_states:
         yield f"Not compared at states: {result.why_no_states}."

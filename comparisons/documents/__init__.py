@@ -43,7 +43,7 @@ DOCUMENTS: Mapping[str, tuple[str, str]] = {
         "Which step and integrator an MJCF file needs.",
     ),
     "compare": (
-        "compare.comparison.Comparison",
+        "compare.comparison.ModelComparison",
         "What two readings of one model differ in.",
     ),
     "diff": ("diff.changes.Diff", "What changed between two runs of checks."),

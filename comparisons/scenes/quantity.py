@@ -25,10 +25,10 @@ from ..queries.query import choose_engine, choose_method, seconds_of_a_step
 NO_VALUE = -1
 """What stands for the class of a point that has none: the engine failed there."""
 
-STEP_COUNTS = np.array(sorted({m << j for j in range(20) for m in (1, 3)}))
+STEP_COUNTS = np.array(sorted({m << j for j in range(24) for m in (1, 3)}))
 """Numbers of steps that are taken between two samples."""
 
-LONG_STEP_COUNTS = np.array(sorted({m << j for j in range(20) for m in (4, 5, 6, 7)}))
+LONG_STEP_COUNTS = np.array(sorted({m << j for j in range(24) for m in (4, 5, 6, 7)}))
 """The same over long spans."""
 
 

@@ -14,9 +14,10 @@ from pathlib import Path
 import mujoco
 import pytest
 
-from mbcheck.comparisons.compare import comparison, probe
-from mbcheck.comparisons.compare.comparison import Comparison, Difference, compared
-from mbcheck.comparisons.compare.elements import Compiled, matched
+from mbcheck.comparisons.compare import comparison
+from mbcheck.comparisons.compare.comparison import Difference, ModelComparison, compared
+from mbcheck.comparisons.compare.elements import Compiled, match_elements
+from mbcheck.comparisons.compare.mujoco import probe
 from mbcheck.comparisons.compare.reading import Operand, Reading
 from mbcheck.models import mjcf
 from mbcheck.tests.support.command import invoke
@@ -40,7 +41,7 @@ def compiled(text: str) -> Compiled:
 
 def differences(one: Compiled, other: Compiled) -> list[Difference]:
     """Return what was compiled differently."""
-    return list(comparison.differences_of(one, other, matched(one, other), comparison.EQUAL))
+    return list(comparison.differences_of(one, other, match_elements(one, other), comparison.EQUAL))
 
 
 @pytest.fixture(scope="module")
@@ -110,7 +111,7 @@ def test_other_names_and_orders_are_no_difference(
     text = re.sub("<keyframe>.*</keyframe>", "", text, flags=re.DOTALL)  # which is by order
     one, other = compiled(text), compiled(disguised(text))
     assert differences(one, other) == []
-    assert list(comparison.renamed(one, other, matched(one, other)))
+    assert list(comparison.renamed(one, other, match_elements(one, other)))
 
 
 @pytest.mark.parametrize("scene", ["hula_hoop", "speed_regulator", "rotor_pendulum", "ball_hoop"])
@@ -119,7 +120,7 @@ def test_a_copy_that_mujoco_saved_is_no_difference(scene: str) -> None:
     spec = mujoco.MjSpec.from_string(text)
     spec.compile()
     one, saved = compiled(text), compiled(spec.to_xml())
-    match = matched(one, saved)
+    match = match_elements(one, saved)
     assert list(comparison.differences_of(one, saved, match, comparison.SIX_DIGITS)) == []
 
 
@@ -182,7 +183,7 @@ def first(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Reading]:
         yield reading
 
 
-def against(first: Reading, path: Path, lost: str, left: str = "") -> Comparison:
+def against(first: Reading, path: Path, lost: str, left: str = "") -> ModelComparison:
     """Return what a model with an edit differs in from the whole one."""
     assert lost in WHOLE
     path.write_text(WHOLE.replace(lost, left, 1))

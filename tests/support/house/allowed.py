@@ -11,6 +11,8 @@ ALLOWED: Mapping[str, Mapping[str, str]] = {
     "engines_by_name": {
         "comparisons/engines/registry.py::exudyn": "loads it",
         "comparisons/engines/registry.py::mujoco": "loads it",
+        "comparisons/compare/comparison.py::mujoco": "whose readings are compared",
+        "comparisons/compare/reading.py::mujoco": "whose readings are compared",
     },
     "asked_engines": {
         "comparisons/faults/reference.py::Impostor.__getattr__": "delegates all there is",
@@ -28,6 +30,7 @@ ALLOWED: Mapping[str, Mapping[str, str]] = {
         "comparisons/engines/run.py::call_engine": FOREIGN,
         "comparisons/engines/run.py::traceback_of": FOREIGN,
         "comparisons/checks/kinds/pushed.py::builds": FOREIGN,
+        "comparisons/compare/mujoco/probe.py::main": "MuJoCo refuses in several ways",
         "comparisons/inspect/mujoco/model.py::Loaded.compiled": "MuJoCo refuses in several ways",
         "comparisons/inspect/mujoco/model.py::load": "MuJoCo refuses in several ways",
         "comparisons/papers/assess.py::attempt": "runs engines and matplotlib",

@@ -56,8 +56,12 @@ def test_a_wrong_engine_fails_the_equations(monkeypatch: pytest.MonkeyPatch) -> 
         def __init__(self, engine: Any) -> None:
             self.engine = engine
 
+        def bind(self, *args: Any) -> Any:
+            self.bound = self.engine.bind(*args)
+            return self
+
         def accelerations(self, *args: Any) -> Any:
-            return 1.001 * self.engine.accelerations(*args)
+            return 1.001 * self.bound.accelerations(*args)
 
     def choose_wrong(*args: Any) -> Any:
         engine, model = choose_engine(*args)
