@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..documents.fields import documented
+from ..documents.fields import Number, documented
 from ..reports.words import number
 
 EPS = float(np.finfo(float).eps)
@@ -89,9 +89,9 @@ class Gap:
     quantity: str
     element: str
     state: str
-    a: float
-    b: float
-    tolerance: float
+    a: Number
+    b: Number
+    tolerance: Number
 
     @property
     @documented

@@ -170,6 +170,7 @@ def test_edits_that_cannot_be_made_end_nothing(name: str, tmp_path: Path) -> Non
     done = invoke("compare", *map(str, files))
     assert done.exit_code == 1
     assert all(one.rpartition(" ")[2] in done.stdout for one in wanted)
+    validated("compare", json.loads(invoke("compare", *map(str, files), "--json", "-").stdout))
 
 
 # At states -----------------------------------------------------------------------------------
