@@ -58,7 +58,7 @@ def tradeoff(
     if nothing meets the target.
     """
     request = TradeoffRequest(**asked)
-    store = Destination("--resume", request.resume) if request.resume else None
+    store = None if request.resume is None else Destination("--resume", request.resume)
     refuse_conflicts(json_file, markdown_file, plot, store)
     refuse_picture(plot)
     result: ModelTradeoff | Tradeoff

@@ -28,7 +28,7 @@ def installed_package(cwd: Path, pythonpath: Path | None = None) -> Path:
 def source_files(root: Path) -> set[str]:
     """Return the files, relative to `root`, that the package is to contain."""
     patterns = ["*.py", "py.typed", "models/*/*.xml", "examples/*.py"]
-    patterns += ["comparisons/reports/templates/*"]
+    patterns += ["comparisons/reports/templates/*", "comparisons/papers/*/claims.toml"]
     patterns += [f"{layer}/**/*.py" for layer in ("reference", "models", "comparisons")]
     patterns += [f"tests/{folder}/**/*.py" for folder in ("support", "conformance")]
     files = (path for pattern in patterns for path in root.glob(pattern))
