@@ -63,7 +63,7 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
     "examples": (490, 769),
     "models": (2020, 3771),
     "reference": (8383, 16580),
-    "tests": (24870, 42715),
+    "tests": (24880, 42715),
 }
 """Folder -> statements and lines of Python."""
 
