@@ -227,19 +227,20 @@ class Exudyn(Engine):
     ) -> dict[str, float]:
         """Return the forces in joints by name: the multipliers that come with accelerations."""
         multipliers = self.motion(system, time, positions, velocities)[1]
+        rows = self.probe(system.case, system.model).system.multipliers
+        if rows is not None:
+            multipliers = rows @ multipliers
         places: Mapping[str, int] = self.source(system.case, system.model).reactions
         return {name: float(multipliers[place]) for name, place in places.items()}
 
     def motion(
         self, system: System, time: float, positions: Array, velocities: Array
     ) -> tuple[Array, Array]:
-        """Return accelerations (n,) and the model's multipliers (m,) at a time and a state."""
+        """Return accelerations (n,) and the system's multipliers (m,) at a time and a state."""
         with quiet(self.exudyn):
             probe = self.probe(system.case, system.model)
             moved, multipliers = probe.motion(time, np.append(positions, velocities))
             built = probe.system
-            if built.multipliers is not None:
-                multipliers = built.multipliers @ multipliers
             placed = built.place(positions, velocities)
             if built.turning is None:
                 return built.readout_at(placed[0]) @ moved, multipliers
