@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ...reference.errors import MbcheckError, UsageError
+from ...reference.errors import MbcheckError
 from ..documents import document
 from ..documents.fields import HIDDEN, documented
 from ..reports.item import ReportItem
@@ -23,7 +23,7 @@ from .elements import (
     Compiled,
     Match,
     ModelElement,
-    equal,
+    difference_share,
     match_elements,
     names_of_both,
     touches_nothing,
@@ -62,6 +62,15 @@ DERIVED = {"range": "limited", "ctrlrange": "ctrllimited", "forcerange": "forcel
            "actrange": "actlimited", "actfrcrange": "actfrclimited"}  # fmt: skip
 """End of a field -> that of the field that says whether it counts."""
 
+OPTION_WORDS = {
+    "integrator": "mjtIntegrator",
+    "cone": "mjtCone",
+    "solver": "mjtSolver",
+    "jacobian": "mjtJacobian",
+}
+FLAGS = {"disableflags": "mjtDisableBit", "enableflags": "mjtEnableBit"}
+"""Option -> the enumeration of its number, or of its bits."""
+
 WITH = {"body_inertia": "body_iquat"}
 """Field -> another that says in which frame it is."""
 
@@ -85,6 +94,8 @@ class Difference:
         if it cannot be tried
     edits : list of Edit
         What makes A's model like B's in this.
+    share : float
+        The largest difference of its numbers, in the largest of them; infinite of words.
     """
 
     element: str
@@ -93,6 +104,7 @@ class Difference:
     after: str
     effect: float | None = None
     edits: Sequence[Edit] = field(default=(), metadata=HIDDEN)
+    share: float = field(default=math.inf, metadata=HIDDEN)
 
     @property
     @documented
@@ -200,11 +212,11 @@ def compare(a: str, b: str, install: bool = False) -> ModelComparison:
         If a process that reads a file ends, or does not answer in time.
     """
     operands = [Operand.parse(text) for text in (a, b)]
-    for one in operands:
-        if one.is_engine:
-            raise UsageError(f"{one.reader} is no reader: mujoco, mujoco==VERSION or a Python")
+    pythons = [one.python(install) for one in operands]
     with ExitStack() as stack:
-        first, second = (stack.enter_context(Reading(one, one.python(install))) for one in operands)
+        first, second = (
+            stack.enter_context(Reading(*one)) for one in zip(operands, pythons, strict=True)
+        )
         return compared(first, second, (a, b))
 
 
@@ -213,19 +225,14 @@ def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelCo
     one, other = first.model, second.model
     match = match_elements(one, other)
     share = SIX_DIGITS if written_in_six_digits(first) != written_in_six_digits(second) else EQUAL
-    exact = list(differences_of(one, other, match, 0.0))
-    small = list(differences_of(one, other, match, EQUAL))
-    differences = small if share == EQUAL else list(differences_of(one, other, match, share))
-    named = {(d.element, d.attribute) for d in differences}
-    rounding, equal_enough = (
-        [d for d in some if (d.element, d.attribute) not in named] for some in (small, exact)
-    )
+    every = list(differences_of(one, other, match))
+    differences = [d for d in every if d.share > share]
+    rounding = [d for d in every if d.share <= share]
     rows = layout(one, other, match)
-    gaps, left, names_of_states = list[Gap](), list[Gap](), list[str]()
+    gaps, left, states = list[Gap](), list[Gap](), list[str]()
     if isinstance(rows, StateRows):
-        states = states_of(first)
-        names_of_states = list(states)
-        trial = EditTrial(first, second, match, rows, [e for d in equal_enough for e in d.edits])
+        trial = EditTrial(first, second, match, rows, [e for d in rounding for e in d.edits])
+        states = list(trial.states)
         gaps = trial.gaps(())
         differences = [*map(trial.measured, differences[:MEASURED]), *differences[MEASURED:]]
         differences.sort(key=lambda d: -1.0 if d.effect is None else d.effect, reverse=True)
@@ -238,9 +245,9 @@ def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelCo
         differences=differences,
         gaps=gaps,
         left=left,
-        states=names_of_states,
+        states=states,
         why_no_states="" if isinstance(rows, StateRows) else rows,
-        rounded=len(rounding),
+        rounded=sum(d.share > EQUAL for d in rounding),
         not_compared=sorted(physical_names(one) ^ physical_names(other)),
     )
 
@@ -254,24 +261,24 @@ def physical_names(model: Compiled) -> set[str]:
 # What was compiled ---------------------------------------------------------------------------
 
 
-def differences_of(
-    one: Compiled, other: Compiled, match: Match, share: float
-) -> Iterator[Difference]:
-    """Yield the attributes that differ by more than a share of their size."""
+def differences_of(one: Compiled, other: Compiled, match: Match) -> Iterator[Difference]:
+    """Yield the attributes that differ, were it in the last digit."""
     common = set(one.answer) & set(other.answer)
     for mine, theirs in [(option_element(one), option_element(other)), *match.pairs]:
         for name in names_of_both(mine, theirs):
-            pair = [side.attributes.get(name, Attribute(["none"])) for side in (mine, theirs)]
+            pair = [side.attribute(name) for side in (mine, theirs)]
             fields = [field_key(key) for attribute in pair for key in attribute.rows]
             if not common.issuperset(fields):
                 continue
             single = any(one.answer[key].dtype == np.float32 for key in fields)
-            least = 1.0 if mine.kind == "key" else 0.0
-            allowed = max(share, SINGLE) if single and share else share
-            if not equal(pair[0].values, pair[1].values, allowed, least):
-                cells = cells_of(pair[0].values, pair[1].values)
+            before, after = (attribute.values for attribute in pair)
+            share = difference_share(before, after, 1.0 if mine.kind == "key" else 0.0)
+            if share:
+                share = min(share, EQUAL) if single and share <= SINGLE else share
                 edits = list(edits_of(one, other, pair))
-                yield Difference(mine.label, name, *cells, edits=edits)
+                yield Difference(
+                    mine.label, name, *cells_of(before, after), edits=edits, share=share
+                )
     for element, word in [(e, "lost") for e in match.gone] + [(e, "new") for e in match.new]:
         if element.kind == "geom" and touches_nothing(element.attributes):
             continue  # drawn only
@@ -291,19 +298,15 @@ def option_element(model: Compiled) -> ModelElement:
         group, _, name = key.partition(".")
         if group != "opt" or name.startswith("o_"):
             continue
-        words = {"integrator": "mjtIntegrator", "cone": "mjtCone", "solver": "mjtSolver",
-                 "jacobian": "mjtJacobian"}  # fmt: skip
         values: list[Any] = np.ravel(value).tolist()
-        if name in words:
-            values = [model.word(words[name], int(value))]
-        for flags, enumeration in (
-            ("disableflags", "mjtDisableBit"),
-            ("enableflags", "mjtEnableBit"),
-        ):
-            if name == flags:
-                numbers = model.answer[f"numbers.{enumeration}"]
-                values = [w for w, n in zip(model.answer[f"words.{enumeration}"].tolist(), numbers,
-                                            strict=True) if w and int(value) & int(n)]  # fmt: skip
+        if name in OPTION_WORDS:
+            values = [model.word(OPTION_WORDS[name], int(value))]
+        if name in FLAGS:
+            numbers, words = (
+                model.answer[f"{part}.{FLAGS[name]}"] for part in ("numbers", "words")
+            )
+            bits = zip(words.tolist(), numbers.tolist(), strict=True)
+            values = [word for word, bit in bits if word and int(value) & bit]
         attributes[name] = Attribute(values, {key: None})
     return ModelElement("option", 0, "option", attributes)
 

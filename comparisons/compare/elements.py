@@ -21,12 +21,12 @@ Values = Sequence[Any]
 """Numbers or words of an attribute."""
 
 KINDS: Mapping[str, str] = {
+    "mesh": "",
+    "hfield": "",
     "body": "body_parentid",
     "joint": "jnt_bodyid",
     "geom": "geom_bodyid",
     "site": "site_bodyid",
-    "mesh": "",
-    "hfield": "",
     "flex": "",
     "tendon": "",
     "equality": "eq_type",
@@ -36,7 +36,9 @@ KINDS: Mapping[str, str] = {
     "pair": "pair_geom2",
     "exclude": "exclude_signature",
 }
-"""Kind of element -> the field by which those without a name are told apart; parents first."""
+"""Kind of element -> the field by which those without a name are told apart.
+
+Kinds that others refer to come first."""
 
 ROWS: Mapping[str, tuple[str, str]] = {
     **{{"joint": "jnt", "equality": "eq"}.get(kind, kind): (kind, "") for kind in KINDS},
@@ -180,6 +182,10 @@ class ModelElement:
     number: int
     label: str
     attributes: Mapping[str, Attribute]
+
+    def attribute(self, name: str) -> Attribute:
+        """Return an attribute, one of no numbers and no field where it has none."""
+        return self.attributes.get(name, Attribute(["none"]))
 
 
 class Compiled:
@@ -399,24 +405,22 @@ def match_elements(one: Compiled, other: Compiled) -> Match:
     and by how many of their attributes are equal.
     """
     labels = {kind: list(listed) for kind, listed in other.labels.items()}
-    partners: dict[str, dict[int, int]] = {}
-    for kind in KINDS:
-        partners[kind] = dict(pairs_by_name(one.names[kind], other.names[kind]))
-        rename(labels, one, kind, partners[kind])
-        mine = one.elements(kind, one.labels)
-        for numbers in levels(one) if kind == "body" else [range(len(mine))]:
-            theirs = other.elements(kind, labels)
-            for rest in leftover_groups(mine, theirs, numbers, partners[kind]):
-                partners[kind] |= dict(assigned(mine, theirs, *rest))
-            rename(labels, one, kind, partners[kind])
     pairs: list[tuple[ModelElement, ModelElement]] = []
     gone: list[ModelElement] = []
     new: list[ModelElement] = []
-    for kind, own in partners.items():
-        mine, theirs = one.elements(kind, one.labels), other.elements(kind, labels)
-        pairs += [(mine[i], theirs[j]) for i, j in sorted(own.items())]
-        gone += [element for element in mine if element.number not in own]
-        new += [element for element in theirs if element.number not in own.values()]
+    for kind in KINDS:
+        partners = dict(pairs_by_name(one.names[kind], other.names[kind]))
+        rename(labels, one, kind, partners)
+        mine = one.elements(kind, one.labels)
+        for numbers in levels(one) if kind == "body" else [range(len(mine))]:
+            theirs = other.elements(kind, labels)
+            for rest in leftover_groups(mine, theirs, numbers, partners):
+                partners |= dict(assigned(mine, theirs, *rest))
+            rename(labels, one, kind, partners)
+        theirs = other.elements(kind, labels)
+        pairs += [(mine[i], theirs[j]) for i, j in sorted(partners.items())]
+        gone += [element for element in mine if element.number not in partners]
+        new += [element for element in theirs if element.number not in partners.values()]
     return Match(pairs, gone, new)
 
 
@@ -487,28 +491,26 @@ def assigned(
 
 def difference_count(one: ModelElement, other: ModelElement) -> float:
     """Return the number of attributes that differ, in six digits."""
-    return float(sum(not alike(one, other, name, 1e-5) for name in names_of_both(one, other)))
+    shares = (
+        difference_share(one.attribute(name).values, other.attribute(name).values)
+        for name in names_of_both(one, other)
+    )
+    return float(sum(share > 1e-5 for share in shares))
 
 
-def alike(one: ModelElement, other: ModelElement, name: str, share: float) -> bool:
-    """Return whether an attribute of two elements is equal to a share of its largest number."""
-    if name not in one.attributes or name not in other.attributes:
-        return False
-    return equal(one.attributes[name].values, other.attributes[name].values, share)
-
-
-def equal(one: Values, other: Values, share: float, least: float = 0.0) -> bool:
-    """Return whether numbers or words are equal, numbers to a share of the largest of them.
+def difference_share(one: Values, other: Values, least: float = 0.0) -> float:
+    """Return the largest difference of numbers in the largest of them, infinite of other words.
 
     What is smaller than ``least`` counts as that large.
     """
     if len(one) != len(other):
-        return False
+        return np.inf
     if any(isinstance(value, str) for value in (*one, *other)):
-        return list(one) == list(other)
+        return 0.0 if list(one) == list(other) else np.inf
     first, second = np.array(one, dtype=float), np.array(other, dtype=float)
     same = (first == second) | (np.isnan(first) & np.isnan(second))
     finite = np.isfinite(first) & np.isfinite(second)
-    apart = np.abs(np.where(finite, first, 0.0) - np.where(finite, second, 0.0))
+    if not np.all(same | finite):
+        return np.inf
     size = max(np.abs(side[finite]).max(initial=least) for side in (first, second))
-    return bool(np.all(same | (finite & (apart <= share * size))))
+    return float(np.abs(first[~same] - second[~same]).max(initial=0.0)) / (size or 1.0)

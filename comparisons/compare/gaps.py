@@ -39,7 +39,7 @@ QUANTITIES: Mapping[str, tuple[str, str]] = {
     "step_implicit": ("step of implicit", "joint"),
     "step_implicitfast": ("step of implicitfast", "joint"),
 }
-"""Quantity of `probe.at_state` -> its name, and whose it is; causes before effects."""
+"""Quantity of `probe.evaluated` -> its name, and whose it is; causes before effects."""
 
 
 ROWS = {
@@ -158,10 +158,7 @@ def row_gaps(a: Mapping[str, Any], b: Mapping[str, Any], state: str) -> Iterator
         what = f"{kind.replace('_', ' of ')} row"
         one, other = a["rows"].get(key), b["rows"].get(key)
         if one is None or other is None:
-            yield (
-                np.inf,
-                Gap(what, label, state, float(one is not None), float(other is not None), 0.0),
-            )
+            yield np.inf, missing(what, label, state, one)
             continue
         scale = max(1.0, abs(one["pos"]), abs(one["jacobian"]).max(initial=0.0))
         limits = {
@@ -176,18 +173,19 @@ def row_gaps(a: Mapping[str, Any], b: Mapping[str, Any], state: str) -> Iterator
     for pair in dict.fromkeys((*a["contacts"], *b["contacts"])):
         one, other = a["contacts"].get(pair), b["contacts"].get(pair)
         if one is None or other is None:
-            yield (
-                np.inf,
-                Gap(
-                    "contact", pair[0], state, float(one is not None), float(other is not None), 0.0
-                ),
-            )
+            yield np.inf, missing("contact", pair[0], state, one)
             continue
         for name, (columns, limit) in CONTACT.items():
             apart = abs(one[columns] - other[columns])
             at = int(np.argmax(apart))
             values = float(one[columns][at]), float(other[columns][at])
             yield float(apart[at]) / limit, Gap(f"contact, {name}", pair[0], state, *values, limit)
+
+
+def missing(quantity: str, label: str, state: str, of_a: Any) -> Gap:
+    """Return the gap of what A or B alone has: 1 where it is there, 0 where it is not."""
+    there = float(of_a is not None)
+    return Gap(quantity, label, state, there, 1.0 - there, 0.0)
 
 
 def tolerances(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:

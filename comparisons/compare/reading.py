@@ -1,4 +1,4 @@
-"""What is compared: a file as MuJoCo reads it, of this or of another installation, or an engine."""
+"""What is compared: a file, as MuJoCo of this or of another installation reads it."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ State = Mapping[str, list[float]]
 """``qpos``, ``qvel``, ``act`` and ``ctrl`` of MuJoCo's data."""
 
 Answer = dict[str, Any]
-"""What a model does at one state: quantity -> array, as `probe.at_state` names them."""
+"""What a model does at one state: quantity -> array, as `probe.evaluated` names them."""
 
 
 @dataclass(frozen=True)
 class Operand:
-    """A file, and who reads it: ``mujoco``, a release, a Python, or an engine."""
+    """A file, and who reads it: ``mujoco``, a release, or a Python."""
 
     file: str
     reader: str
@@ -52,13 +52,6 @@ class Operand:
         if not at or os.path.exists(text):
             return cls(text, "mujoco")
         return cls(file, reader)
-
-    @property
-    def is_engine(self) -> bool:
-        """Whether an engine of mbcheck's reads the file, and no installation of MuJoCo."""
-        return not (
-            self.reader == "mujoco" or self.reader.startswith(RELEASE) or os.sep in self.reader
-        )
 
     def python(self, install: bool) -> str:
         """Return the Python whose MuJoCo reads the file.
@@ -74,6 +67,8 @@ class Operand:
             if not VERSION.fullmatch(self.reader):
                 raise UsageError(f"{self.reader} is no release: write mujoco==3.3.7 or the like")
             return installed(self.reader.removeprefix(RELEASE), install)
+        if os.sep not in self.reader:
+            raise UsageError(f"{self.reader} is no reader: mujoco, mujoco==VERSION or a Python")
         if not os.access(self.reader, os.X_OK) or os.path.isdir(self.reader):
             raise UsageError(f"{self.reader} is no Python that can be run")
         return self.reader

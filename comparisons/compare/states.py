@@ -204,13 +204,9 @@ def at_limits(model: Compiled, state: State) -> Iterator[tuple[str, State]]:
         )
 
 
-CONTACTS = 5
-"""Numbers of the types of constraints from which on they are contacts."""
-
-
 @dataclass(frozen=True)
 class Side:
-    """What of one of two models stands where in what `probe.at_state` answers.
+    """What of one of two models stands where in what `probe.evaluated` yields.
 
     Attributes
     ----------
@@ -250,7 +246,7 @@ class Side:
         rows: dict[tuple[str, str, int], Any] = {}
         for i, number in enumerate(answer["row_type"].tolist()):
             kind = self.model.word("mjtConstraint", number)
-            if number >= CONTACTS:
+            if kind.startswith("contact"):
                 continue
             element, of = int(answer["row_id"][i]), "joint"
             if kind == "friction_dof":

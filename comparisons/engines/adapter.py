@@ -49,7 +49,6 @@ from .validation import (
     reason_of,
     refuse_lost_joints,
     refuse_step_across_end,
-    takes_keyword,
     trajectory_of,
 )
 
@@ -912,7 +911,7 @@ class Adapter:
 
     def reordered(self, order: tuple[int, ...], inputs_too: bool) -> Self:
         """Return the engine with its answers taken for those of joints in another order."""
-        return type(self)(Reordered(self.inner, order, inputs_too))
+        return type(self)(Reordered(self, order, inputs_too))
 
 
 class Reordered(Engine):
@@ -920,18 +919,19 @@ class Reordered(Engine):
 
     Parameters
     ----------
-    inner : Engine
+    adapter : Adapter
+        The other engine's.
     order : tuple of int
         The joint that each number stands for.
     inputs_too : bool
         Whether states are given to it in this order as well.
     """
 
-    def __init__(self, inner: Engine, order: tuple[int, ...], inputs_too: bool) -> None:
-        self.inner, self.inputs_too = inner, inputs_too
+    def __init__(self, adapter: Adapter, order: tuple[int, ...], inputs_too: bool) -> None:
+        self.adapter, self.inner, self.inputs_too = adapter, adapter.inner, inputs_too
         self.back = list(np.argsort(order))
         self.order = list(order) if inputs_too else list(range(len(order)))
-        vars(self).update(attributes(inner))
+        vars(self).update(attributes(self.inner))
 
     def put(self, system: System) -> System:
         """Return a system whose initial state is in the other order.
@@ -958,20 +958,14 @@ class Reordered(Engine):
         self, system: System, time: float, q: Array, v: Array, method: Method | None = None
     ) -> Array:
         """Return accelerations (n,) in order."""
-        ask = with_method(self.inner.accelerations, method)
+        ask = self.adapter.by_method("accelerations", method)
         answer = ask(self.put(system), time, q[self.order], v[self.order])
         return np.asarray(answer)[self.back]
 
     def mass_matrix(self, system: System, q: Array, method: Method | None = None) -> Array:
         """Return the mass matrix (n, n) in order."""
-        ask = with_method(self.inner.mass_matrix, method)
+        ask = self.adapter.by_method("mass_matrix", method)
         return np.asarray(ask(self.put(system), q[self.order]))[np.ix_(self.back, self.back)]
-
-
-def with_method(function: Callable[..., Any], method: Method | None) -> Callable[..., Any]:
-    """Return a function of an engine, called for a method if it takes one."""
-    takes = method is not None and takes_keyword(function, "method")
-    return partial(function, method=method) if takes else function
 
 
 def adapt(name: str, offered: Any) -> Adapter:

@@ -29,11 +29,11 @@ ENUMERATIONS = (
     "mjtEnableBit", "mjtConstraint",
 )  # fmt: skip
 
-FORCES = ("spring", "damper", "gravcomp", "fluid", "passive", "actuator")
+FORCES = ("spring", "damper", "gravcomp", "fluid", "actuator")
 """Generalised forces ``qfrc_...``, as far as a release tells them apart."""
 
 PARTS = (
-    "xpos", "xmat", "ten_length", "ten_velocity", "actuator_length", "actuator_force", "act_dot",
+    "xpos", "xmat", "ten_length", "ten_velocity", "actuator_length", "actuator_force",
     "qacc_smooth",
 )  # fmt: skip
 
@@ -154,7 +154,7 @@ def smooth(model: Any, state: Mapping[str, Any]) -> Answer:
     mass, unit = np.zeros((model.nv, model.nv)), np.eye(model.nv)
     for i in range(model.nv):
         mujoco.mj_mulM(model, data, mass[i], unit[i])
-    answer.update(mass=mass, bias=data.qfrc_bias, own_qacc=data.qacc)
+    answer.update(mass=mass, bias=data.qfrc_bias)
     names = [f"qfrc_{name}" for name in FORCES]
     for name in (*PARTS, *names):
         if hasattr(data, name):

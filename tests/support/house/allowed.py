@@ -11,7 +11,6 @@ ALLOWED: Mapping[str, Mapping[str, str]] = {
     "engines_by_name": {
         "comparisons/engines/registry.py::exudyn": "loads it",
         "comparisons/engines/registry.py::mujoco": "loads it",
-        "comparisons/compare/comparison.py::mujoco": "whose readings are compared",
         "comparisons/compare/reading.py::mujoco": "whose readings are compared",
     },
     "asked_engines": {
