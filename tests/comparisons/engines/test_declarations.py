@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import inspect
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -387,13 +388,14 @@ def test_accelerations_of_each_solver_are_checked(
     as_object: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "several.py").write_text(
-        "from mbcheck.tests.comparisons.engines.test_declarations import Solvers\n"
-        "class Several(Solvers): name = 'solvers'\n"
+        "from typing import Any\nfrom mbcheck.examples.mujoco_engine import MujocoPlugin\n"
+        f"{inspect.getsource(Solvers)}"
     )
     monkeypatch.chdir(tmp_path)
-    engine = Solvers() if as_object else "several:Several"
-    selection: Any = {"scenes": ["hula_hoop"], "kinds": ["algebra", "parts"]}
-    report = mbcheck.check(engines=[engine], ids=["*/semicircle_3hz_60n/*"], **selection)
+    engine = Solvers() if as_object else "several:Solvers"
+    report = mbcheck.check(
+        engines=[engine], kinds=["algebra", "parts"], ids=["*/semicircle_3hz_60n/*"]
+    )
     verdicts = {(r.kind, r.method, r.verdict) for r in report.results}
     assert {("algebra", "RK4", "pass"), ("algebra", "Euler", "deviation")} <= verdicts
     assert not {one for one in verdicts if one[1] == "RK4" and one[2] != "pass"}
