@@ -1,4 +1,4 @@
-"""The folder that ``mbcheck reproduce`` writes to: what it holds, and what a run adds to that."""
+"""The folder that ``mbcheck reproduce`` writes to, and how a run adds to its contents."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from dataclasses import fields, replace
 from pathlib import Path
 from time import perf_counter
-from typing import Any
 
 import msgspec
 
@@ -24,36 +23,35 @@ from .outcomes import CauseEntry, FigureEntry, Findings, Made, RowEntry
 from .session import Session
 
 FINDINGS, FIGURES = "findings.json", "figures"
-"""What is found, the ``reproduce`` document of docs/json.md, which the pages show; pictures."""
+"""The ``reproduce`` document of docs/json.md, which the pages show; the folder of pictures."""
 WORK = ".mbcheck"
 """Folder of maps that an interrupted run goes on with."""
 SUFFIXES = ("png", "svg")
 DOTS_PER_INCH = 229
-"""Of pictures, which are then 1,600 points wide."""
+"""Resolution of pictures, which are then 1,600 points wide."""
 
 LOG = logging.getLogger(__name__)
 
 Papers = Mapping[str, PaperData]
-"""Papers, or what is selected of them, by scene."""
+"""Papers, or a selection of their figures and rows, by scene."""
 
 
 class Folder:
-    """What an output folder holds, and what takes its place there.
+    """The contents of an output folder, and what takes its place there.
 
     Attributes
     ----------
     file, figures, work : Path
-        What is found, pictures, and maps.
+        The document, the folder of pictures, and that of maps.
     runs : list of Made
         How things were made; the first is how this run makes what it adds.
-    drawn, assessed : dict by (scene, number) and by (scene, row's name)
+    entries : dict by (scene, number of a figure or name of a row)
     """
 
     def __init__(self, out: Path, made: Made) -> None:
         self.file, self.figures, self.work = out / FINDINGS, out / FIGURES, out / WORK
         self.runs = [made]
-        self.drawn: dict[tuple[str, int], FigureEntry] = {}
-        self.assessed: dict[tuple[str, str], RowEntry] = {}
+        self.entries: dict[tuple[str, int | str], FigureEntry | RowEntry] = {}
         try:
             for path in (self.figures, self.work):
                 path.mkdir(parents=True, exist_ok=True)
@@ -76,7 +74,7 @@ class Folder:
             stamp.write_text(now, "utf-8")
 
     def _take(self, document: Findings) -> None:
-        """Take what a document has of the figures and rows that the papers have now."""
+        """Take the entries of a document whose figures and rows the papers still have."""
         self.runs += [one for one in document.runs if one not in self.runs]
         for item in document.entries:
             paper = read_paper(item.scene) if item.scene in SCENES else PaperData()
@@ -84,18 +82,18 @@ class Folder:
             if isinstance(item, FigureEntry):
                 for figure in paper.figures:
                     if figure.number == item.number:
-                        self._add_figure(item.scene, figure, item.error, **how)
+                        self.add(FigureEntry.of(item.scene, figure, item.error, **how))
                 continue
             for row in paper.rows:
                 if row.name == item.name:
                     parts = {one.name: getattr(item, one.name) for one in fields(Assessment)}
                     whole = assess(row, Session()) if row.is_text else Assessment(**parts)
-                    self.assessed[item.scene, row.name] = RowEntry.of(item.scene, row, whole, **how)
+                    self.add(RowEntry.of(item.scene, row, whole, **how))
 
-    def _add_figure(self, scene: str, figure: PaperFigure, error: str | None, **how: Any) -> None:
-        self.drawn[scene, figure.number] = FigureEntry(
-            scene, figure.number, figure.title, figure.caption, error, **how
-        )
+    def add(self, entry: FigureEntry | RowEntry) -> None:
+        """Add an entry, in the place of an earlier one of the same figure or row."""
+        key = entry.number if isinstance(entry, FigureEntry) else entry.name
+        self.entries[entry.scene, key] = entry
 
     def forget_maps(self, scene: str) -> None:
         """Remove the maps of a scene, so that they are computed again."""
@@ -107,25 +105,20 @@ class Folder:
 
     @property
     def contents(self) -> Findings:
-        """Return all that is there, in the order of the papers."""
-        there = {scene for scene, _ in (*self.drawn, *self.assessed)}
+        """All entries, in the order of the papers."""
+        there = {scene for scene, _ in self.entries}
         return self.selection({scene: read_paper(scene) for scene in SCENES if scene in there})
 
     def selection(self, papers: Papers) -> Findings:
-        """Return what there is of figures and rows."""
-        figures = [
-            self.drawn[scene, one.number]
-            for scene, paper in papers.items()
-            for one in paper.figures
-            if (scene, one.number) in self.drawn
-        ]
-        rows = [
-            self.assessed[scene, one.name]
-            for scene, paper in papers.items()
-            for one in paper.rows
-            if (scene, one.name) in self.assessed
-        ]
-        used = list(dict.fromkeys([item.run for item in figures] + [item.run for item in rows]))
+        """Return the entries of some figures and rows."""
+        keys: list[tuple[str, int | str]] = []
+        for scene, paper in papers.items():
+            keys += [(scene, one.number) for one in paper.figures]
+            keys += [(scene, row.name) for row in paper.rows]
+        there = [self.entries[key] for key in keys if key in self.entries]
+        figures = [item for item in there if isinstance(item, FigureEntry)]
+        rows = [item for item in there if isinstance(item, RowEntry)]
+        used = list(dict.fromkeys(item.run for item in (*figures, *rows)))
         made = self.runs[0]
         return Findings(
             made.versions,
@@ -140,38 +133,32 @@ class Folder:
             tuple(self.runs[i] for i in used),
         )
 
-    def save(self) -> None:
-        """Write what is found."""
+    def pictures(self, scene: str, figure: PaperFigure) -> list[Path]:
+        """Return the files of a figure."""
+        return [self.figures / f"{scene}_{figure.number}.{suffix}" for suffix in SUFFIXES]
+
+    def has(self, scene: str, item: PaperFigure | LedgerRow) -> bool:
+        """Return True if an item is finished that would be made in the same way again."""
+        is_figure = isinstance(item, PaperFigure)
+        entry = self.entries.get((scene, item.number if is_figure else item.name))
+        if entry is None or entry.failure or self.runs[entry.run].way != self.runs[0].way:
+            return False
+        return not is_figure or all(path.exists() for path in self.pictures(scene, item))
+
+    def make(self, scene: str, session: Session, item: PaperFigure | LedgerRow) -> None:
+        """Draw a figure or assess a row, and write the document."""
+        begin = perf_counter()
+        entry: FigureEntry | RowEntry
+        if isinstance(item, PaperFigure):
+            drawn, failure = attempt(lambda: item.draw(session))
+            if not failure:
+                save_and_close(drawn, *self.pictures(scene, item), dots=DOTS_PER_INCH)
+            entry = FigureEntry.of(scene, item, failure or None, run=0, seconds=0.0)
+        else:
+            assessment, failure = attempt(lambda: assess(item, session))
+            whole = assessment or Assessment(ERROR, failure)
+            entry = RowEntry.of(scene, item, whole, run=0, seconds=0.0)
+        self.add(replace(entry, seconds=round(perf_counter() - begin, 2)))
         text = json.dumps(self.contents.as_json(), ensure_ascii=False, separators=(",", ":"))
         lines = text.replace('},{"scene"', '},\n{"scene"')  # a figure or a row each
         write_whole(self.file, f"{lines}\n".encode())
-
-    def has(self, entry: FigureEntry | RowEntry | None) -> bool:
-        """Return whether something is finished that would be made in the same way again."""
-        return bool(entry and not entry.failed and self.runs[entry.run].way == self.runs[0].way)
-
-    def draw(self, scene: str, session: Session, figure: PaperFigure, resume: bool) -> None:
-        """Draw a figure, unless an interrupted run has."""
-        key = scene, figure.number
-        paths = [self.figures / f"{scene}_{figure.number}.{suffix}" for suffix in SUFFIXES]
-        if resume and self.has(self.drawn.get(key)) and all(path.exists() for path in paths):
-            return
-        begin = perf_counter()
-        drawn, failure = attempt(lambda: figure.draw(session))
-        if not failure:
-            save_and_close(drawn, *paths, dots=DOTS_PER_INCH)
-        seconds = round(perf_counter() - begin, 2)
-        self._add_figure(scene, figure, failure or None, run=0, seconds=seconds)
-        self.save()
-
-    def assess(self, scene: str, session: Session, row: LedgerRow, resume: bool) -> None:
-        """Assess a row, unless an interrupted run has."""
-        key = scene, row.name
-        if resume and self.has(self.assessed.get(key)):
-            return
-        begin = perf_counter()
-        assessment, failure = attempt(lambda: assess(row, session))
-        how = {"run": 0, "seconds": round(perf_counter() - begin, 2)}
-        own = assessment or Assessment(ERROR, failure)
-        self.assessed[key] = RowEntry.of(scene, row, own, **how)
-        self.save()

@@ -1,9 +1,8 @@
-"""Running the ledger: figures drawn and rows assessed, what is finished kept in the folder."""
+"""Running the ledger: figures drawn, rows assessed, and both kept in the folder once finished."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from datetime import date
 from pathlib import Path
@@ -57,11 +56,11 @@ class ReproduceRequest:
 
 
 @takes_fields_of(ReproduceRequest)
-def reproduce(asked: ReproduceRequest) -> Findings:
+def reproduce(request: ReproduceRequest) -> Findings:
     """Draw the figures of papers and judge the rows of their ledgers; takes a `ReproduceRequest`.
 
-    What is found takes its place in the folder, beside what other calls have found there. Only
-    a call for whole papers computes maps again that are there.
+    The findings are added to those of other calls in the folder. Only a call for whole papers
+    computes maps again that are there.
 
     Raises
     ------
@@ -69,25 +68,29 @@ def reproduce(asked: ReproduceRequest) -> Findings:
         If a name or a figure is unknown, the folder cannot be written, or matplotlib is not
         installed.
     """
-    figure, rows, resume, workers = asked.figure, asked.rows, asked.resume, asked.workers
     import_pyplot()
-    papers = selected(asked.scenes or scenes_with_ledger(), figure, rows)
-    made = Made(versions(available()), asked.full, date.today().isoformat(), own_commit())
-    folder = Folder(Path(asked.out), made)
-    total = sum(len(paper.figures) + len(paper.rows) for paper in papers.values())
-    count = Count(total, asked.progress)
-    session = Session(available(), asked.full, workers, folder.work, count.within)
+    papers = selected(request.scenes or scenes_with_ledger(), request.figure, request.rows)
+    made = Made(versions(available()), request.full, date.today().isoformat(), own_commit())
+    folder = Folder(Path(request.out), made)
+    figures = [(scene, item) for scene, paper in papers.items() for item in paper.figures]
+    rows = [(scene, item) for scene, paper in papers.items() for item in paper.rows]
+    names = [f"{scene} figure {item.number}" for scene, item in figures]
+    names += [f"{scene} {item.name}" for scene, item in rows]
+    done = 0
+
+    def tell_map(name: str, finished: int, total: int) -> None:
+        request.progress(done, len(names), f"{names[done]}: map {name} {finished}/{total}")
+
+    session = Session(available(), request.full, request.workers, folder.work, tell_map)
     sessions = {scene: for_scene(session, scene) for scene in papers}
-    for scene in () if resume or rows or figure is not None else papers:
+    is_part = request.resume or request.rows or request.figure is not None
+    for scene in () if is_part else papers:
         folder.forget_maps(scene)
-    for scene, paper in papers.items():
-        for item in paper.figures:
-            with count.one(f"{scene} figure {item.number}"):
-                folder.draw(scene, sessions[scene], item, resume)
-    for scene, paper in papers.items():
-        for row in paper.rows:
-            with count.one(f"{scene} {row.name}"):
-                folder.assess(scene, sessions[scene], row, resume)
+    for done, (scene, item) in enumerate((*figures, *rows)):
+        request.progress(done, len(names), names[done])
+        if not (request.resume and folder.has(scene, item)):
+            folder.make(scene, sessions[scene], item)
+        request.progress(done + 1, len(names), names[done])
     return folder.selection(papers)
 
 
@@ -97,7 +100,7 @@ def contents(out: str | Path) -> Findings:
 
 
 def selected(scenes: Sequence[str], figure: int | None, rows: Collection[str]) -> Papers:
-    """Return the figures and rows that are asked for; all of the scenes by default.
+    """Return the selected figures and rows; all of the scenes by default.
 
     Raises
     ------
@@ -108,7 +111,7 @@ def selected(scenes: Sequence[str], figure: int | None, rows: Collection[str]) -
     for scene, paper in papers.items():
         if not paper.rows:
             own = ", ".join(scenes_with_ledger())
-            raise UsageError(f"{scene} has no paper that is reproduced; these have one: {own}")
+            raise UsageError(f"{scene} has no paper to reproduce; these have one: {own}")
     numbers = sorted({item.number for paper in papers.values() for item in paper.figures})
     if figure is not None and figure not in numbers:
         raise UsageError(f"there is no figure {figure}; there are {', '.join(map(str, numbers))}")
@@ -131,26 +134,3 @@ def for_scene(session: Session, scene: str) -> Session:
     """Return the session with those engines alone that have a model of a scene."""
     engines = tuple(name for name in session.engines if get_engine(name).models(scene))
     return replace(session, engines=engines)
-
-
-@dataclass
-class Count:
-    """How much is done."""
-
-    total: int
-    progress: Progress
-    done: int = 0
-    what: str = ""
-
-    @contextmanager
-    def one(self, what: str) -> Iterator[None]:
-        """Tell what is next, and that it is done."""
-        self.what = what
-        self.progress(self.done, self.total, what)
-        yield
-        self.done += 1
-        self.progress(self.done, self.total, self.what)
-
-    def within(self, name: str, done: int, total: int) -> None:
-        """Tell how far the map is that the current item waits for."""
-        self.progress(self.done, self.total, f"{self.what}: map {name} {done}/{total}")

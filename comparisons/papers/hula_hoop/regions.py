@@ -1,4 +1,4 @@
-"""Measures of the hula_hoop paper's figures 4-7, sections 5.2 and 6."""
+"""Measures and readings of the hula_hoop paper's figures 4-7, sections 5.2 and 6."""
 
 from __future__ import annotations
 
@@ -11,19 +11,26 @@ import numpy as np
 from scipy.ndimage import binary_dilation
 from scipy.stats import spearmanr
 
+from ....reference.hula_hoop.equations import HulaHoop
+from ....reference.hula_hoop.floquet import floquet_multipliers
 from ....reference.hula_hoop.theory import paper_solution
 from ...engines.registry import REFERENCE
-from ..ledger import Numbers, rounds_to
+from ..ledger import Numbers
 from ..session import Session
 from .derivation import PHASES, TRIAL
 from .results import (
     HERTZ,
     NATURAL,
+    NEWTON,
+    PLATES,
+    POINTS,
     STABILITIES,
     agreement,
+    changed,
     grid,
     is_class,
     motion_map,
+    moves,
     on_grid,
     own_maps,
     regions,
@@ -31,62 +38,48 @@ from .results import (
     stable,
 )
 
-PLATES = (False, True)
-"""Without and with inertia: figures 4, 5 and figures 6, 7."""
 SMALL = 0.1
 """Turns per period that chaotic motion may drift by in the window of the maps."""
+
+CORRECTED = ("paper", "corrected")
+"""Approximate solutions by (55) corrected: without and with theta_0."""
+
+
+def count(where: Any) -> int:
+    """Return the number of points at which something holds."""
+    return int(np.sum(where))
+
+
+def share(where: Any, of_none: float = np.nan) -> float:
+    """Return the share of points at which something holds; there may be no point."""
+    return float(np.mean(where)) if where.size else of_none
+
+
+def by_plate(names: Iterable[str], where: Callable[[str, bool], Any]) -> dict[str, list[float]]:
+    """Return the shares of points of a solution without and with inertia, by its name."""
+    return {name: [float(np.mean(where(name, plate))) for plate in PLATES] for name in names}
+
+
+def printed_u_1(session: Session, plate: bool = False) -> Any:
+    """Return |u_1| (n_y, n_x) of the printed solution in figure 4, or 6 (plate)."""
+    return np.abs(paper_solution(grid(session, plate)).u_1)
 
 
 # Figures 4 and 6: stability
 
 
-def stable_zone(session: Session) -> Numbers:
-    """Return where the true rotation is stable, of the points where the approximate ones are."""
-    true = stable(session, False, "exact")
-    return {
-        name: float(np.mean(true[stable(session, False, name)])) for name in ("paper", "corrected")
-    }
-
-
-def stable_zone_by(session: Session, who: str) -> Numbers:
-    """Return where a rotation is stable, of the points where the printed one is."""
-    zone = stable(session, False, "paper")
-    if who == REFERENCE:
-        return {"share": stable_zone(session)["paper"]}
+def stable_zone(session: Session, who: str) -> Numbers:
+    """Return where a rotation is stable, of the points where approximate ones are."""
     own = stability_map(session, False, who)
-    here = on_grid(session, own, zone) & (own.computed == 1)
-    return {"share": np.mean(is_class(own, "stability", "stable")[here])}
+    calm, shares = is_class(own, "stability", "stable"), {}
+    for name in CORRECTED:
+        zone = on_grid(session, own, stable(session, False, name)) & (own.computed == 1)
+        shares[name] = float(np.mean(calm[zone]))
+    return {**shares, "share": shares["paper"]}
 
 
 PARTS = ((0.0, 1.0), (0.1, 0.8), (0.0, 0.6), (0.2, 1.0))
 """Parts of each axis of figures 4 and 6 that regions are counted on."""
-
-
-def unstable_regions(session: Session, plate: bool, printed: str) -> Numbers:
-    """Count unstable regions by each solution, on our axes and grid, and on parts of them.
-
-    The value is that of the printed solution, of (55) as printed if it fits.
-    """
-    counts = {name: len(regions(~stable(session, plate, name))) for name in STABILITIES}
-    fits = rounds_to(counts["printed"], printed)
-    choices = np.array(
-        [
-            len(regions(part(~stable(session, plate, name), x, y)[::every, ::every], least))
-            for name in ("paper", "corrected", "exact")
-            for x in PARTS
-            for y in PARTS
-            for every in (1, 2)
-            for least in (1, 2, 3)
-        ]
-    )
-    return {
-        "value": counts["printed" if fits else "paper"],
-        "choices": choices,
-        "least": choices.min(),
-        "largest": choices.max(),
-        "spread": np.ptp(choices),
-        "counts": {words: counts[name] for name, words in STABILITIES.items()},
-    }
 
 
 def part(where: Any, x: tuple[float, float], y: tuple[float, float]) -> Any:
@@ -98,9 +91,29 @@ def part(where: Any, x: tuple[float, float], y: tuple[float, float]) -> Any:
     return where[rows, columns]
 
 
-def printed_u_1(session: Session, plate: bool = False) -> Any:
-    """Return |u_1| (n_y, n_x) of the printed solution in figure 4, or 6 (plate)."""
-    return np.abs(paper_solution(grid(session, plate)).u_1)
+def unstable_regions(session: Session, plate: bool, printed: str) -> Numbers:
+    """Count unstable regions by each solution, on our axes and grid, and on parts of them.
+
+    The value is that of the printed solution, of (55) as printed if it fits.
+    """
+    unstable = {name: ~stable(session, plate, name) for name in STABILITIES}
+    counts = {name: len(regions(where)) for name, where in unstable.items()}
+    choices = np.array(
+        [
+            len(regions(part(unstable[name], x, y)[::every, ::every], least))
+            for name, x, y, every, least in product(
+                (*CORRECTED, "exact"), PARTS, PARTS, (1, 2), (1, 2, 3)
+            )
+        ]
+    )
+    return {
+        "value": counts["printed" if counts["printed"] == int(printed) else "paper"],
+        "choices": choices,
+        "least": choices.min(),
+        "largest": choices.max(),
+        "spread": np.ptp(choices),
+        "counts": {words: counts[name] for name, words in STABILITIES.items()},
+    }
 
 
 def colours_of_region_1(session: Session) -> Numbers:
@@ -111,7 +124,7 @@ def colours_of_region_1(session: Session) -> Numbers:
     u_1, numbers = printed_u_1(session), {}
     for name in ("paper", "printed"):
         inside = u_1[regions(~stable(session, False, name))[0]]
-        numbers[name] = [int(np.sum(inside < 0.5)), int(np.sum(inside >= 0.5))]
+        numbers[name] = [count(inside < 0.5), count(inside >= 0.5)]
     return {**numbers, "least": min(*numbers["paper"], *numbers["printed"])}
 
 
@@ -124,13 +137,13 @@ def classes_of_figure_6(session: Session) -> Numbers:
     for name in ("paper", "printed"):
         calm = stable(session, True, name)
         kinds = (calm & ~large, ~calm & ~large, ~calm & large, calm & large)
-        numbers[name] = [int(np.sum(kind)) for kind in kinds]
+        numbers[name] = [count(kind) for kind in kinds]
     both = list(zip(*numbers.values(), strict=True))
     return {**numbers, "least": min(map(min, both[:3])), "others": max(both[3])}
 
 
 def small_regions(session: Session) -> Numbers:
-    """Return the number of unstable regions beside the largest, and the largest |u_1| in them.
+    """Return the number of unstable regions besides the largest, and the largest |u_1| in them.
 
     With (55) corrected and as printed.
     """
@@ -146,34 +159,24 @@ def small_regions(session: Session) -> Numbers:
 def stable_above_half(session: Session) -> Numbers:
     """Count rotations of figures 4 and 6 with |u_1| of 0.5 or more, and the stable ones.
 
-    Of the true ones those, too, that are stable and keep their sense.
+    ``hoop`` counts the true rotations that are stable and keep their sense.
     """
-    exact, paper = (
-        np.array(
-            [
-                [
-                    np.sum((plane.variables["u_1"] >= 0.5) & is_class(plane, "stability", kind))
-                    for kind in ("stable", "unstable")
-                ]
-                for plane in (stability_map(session, plate, model=model) for plate in PLATES)
-            ]
-        )
-        for model in ("exact", "paper")
-    )
-    planes = [stability_map(session, plate) for plate in PLATES]
-    hoop = [
-        (plane.variables["u_1"] >= 0.5)
-        & (plane.variables["min_speed"] >= 0)
-        & is_class(plane, "stability", "stable")
-        for plane in planes
-    ]
+    large, calm, hoop = {}, {}, 0
+    for model, plate in product(("exact", "paper"), PLATES):
+        plane = stability_map(session, plate, model=model)
+        here = plane.variables["u_1"] >= 0.5
+        still = here & is_class(plane, "stability", "stable")
+        large[model, plate] = count(still | (here & is_class(plane, "stability", "unstable")))
+        calm[model, plate] = count(still)
+        if model == "exact":
+            hoop += count(still & (plane.variables["min_speed"] >= 0))
     return {
-        "hoop": int(np.sum(hoop)),
-        "large": exact.sum(),
-        "calm": exact[:, 0].sum(),
-        "without": exact[0, 0],
-        "printed": paper.sum(),
-        "printed_calm": paper[:, 0].sum(),
+        "hoop": hoop,
+        "large": sum(large["exact", plate] for plate in PLATES),
+        "calm": sum(calm["exact", plate] for plate in PLATES),
+        "without": calm["exact", False],
+        "printed": sum(large["paper", plate] for plate in PLATES),
+        "printed_calm": sum(calm["paper", plate] for plate in PLATES),
     }
 
 
@@ -207,23 +210,24 @@ def smoothness(session: Session) -> Numbers:
 
 
 def wrong_about_stability(session: Session) -> Numbers:
-    """Return shares of points where solutions are wrong on stability, and what theta_0 leaves."""
+    """Return shares of points where solutions are wrong on stability, and their ratio."""
     shares = by_plate(
-        ("paper", "corrected"),
+        CORRECTED,
         lambda name, plate: stable(session, plate, name) != stable(session, plate, "exact"),
     )
     return {**shares, "left": np.divide(shares["corrected"], shares["paper"])}
 
 
-def by_plate(names: Iterable[str], where: Callable[[str, bool], Any]) -> dict[str, list[float]]:
-    """Return the shares of points of a solution without and with inertia, by its name."""
-    return {name: [float(np.mean(where(name, plate))) for plate in PLATES] for name in names}
+def right_about_stability(session: Session) -> Numbers:
+    """Return the shares of points of figures 4 and 6 where solutions are right on stability."""
+    wrong = wrong_about_stability(session)
+    return {name: 1 - np.array(wrong[name]) for name in CORRECTED}
 
 
 def unstable_by_inertia(
     session: Session, names: Iterable[str] = STABILITIES, low: float = 0.0, high: float = np.inf
 ) -> Numbers:
-    """Return shares of unstable points without and with inertia, and how they change.
+    """Return shares of unstable points without and with inertia, and their changes.
 
     In a range of natural frequencies, by default all; and the range [Hz].
     """
@@ -248,9 +252,9 @@ def stable_by_inertia(session: Session, who: str) -> Numbers:
 # Figures 5 and 7: motion from rest
 
 
-def share_of_class(session: Session, who: str, name: str, plate: bool = False) -> float:
-    """Return the share of a class in all of figure 5, or 7 (plate)."""
-    return float(np.mean(is_class(motion_map(session, plate, who), "motion", name)))
+def share_of_class(session: Session, who: str, name: str) -> float:
+    """Return the share of a class in all of figure 5."""
+    return float(np.mean(moves(session, False, name, who)))
 
 
 def class_by_inertia(session: Session, who: str, name: str, below: float = np.inf) -> Numbers:
@@ -262,23 +266,18 @@ def class_by_inertia(session: Session, who: str, name: str, below: float = np.in
     return {"shares": shares, "change": shares[1] - shares[0]}
 
 
-def share(where: Any, of_none: float = np.nan) -> float:
-    """Return the share of points at which something holds; there may be no point."""
-    return float(np.mean(where)) if where.size else of_none
-
-
 def cyan_in_region_1(session: Session) -> Numbers:
     """Count points of cyan o in region I without and with inertia, by three solutions.
 
     And those of figure 7, with those among them that repeat after several periods.
     """
-    cyan = [is_class(motion_map(session, plate), "motion", "cyan_o") for plate in PLATES]
+    cyan = [moves(session, plate, "cyan_o") for plate in PLATES]
     counts = {
         STABILITIES[name]: [
-            int(np.sum(here & regions(~stable(session, plate, name))[0]))
+            count(here & regions(~stable(session, plate, name))[0])
             for here, plate in zip(cyan, PLATES, strict=True)
         ]
-        for name in ("paper", "corrected", "exact")
+        for name in (*CORRECTED, "exact")
     }
     changes = [after - before for before, after in counts.values()]
     periods = motion_map(session, True).variables["periods"][cyan[1]]
@@ -286,7 +285,7 @@ def cyan_in_region_1(session: Session) -> Numbers:
         "counts": counts,
         "changes": changes,
         "least": min(changes),
-        "several": int(np.sum(periods > 1)),
+        "several": count(periods > 1),
         "count": periods.size,
     }
 
@@ -300,38 +299,33 @@ def slow_cyan(session: Session) -> Numbers:
     for plate in PLATES:
         motion = motion_map(session, plate)
         here = is_class(motion, "motion", "cyan_o") & (motion.x.values < NATURAL / 2)
-        counts["every"].append(int(np.sum(here)))
-        counts["first"].append(int(np.sum(here & (motion.variables["periods"] == 1))))
+        counts["every"].append(count(here))
+        counts["first"].append(count(here & (motion.variables["periods"] == 1)))
     return {**counts, **{f"{name}_change": two[1] - two[0] for name, two in counts.items()}}
 
 
 def classes(session: Session) -> Numbers:
     """Count the points of each class in figures 5 and 7."""
+    names = motion_map(session, False).about["motion"].classes
     first, second = (
-        {
-            name.replace("_", " "): int(np.sum(is_class(motion, "motion", name)))
-            for name in motion.about["motion"].classes
-        }
-        for motion in (motion_map(session, plate) for plate in PLATES)
+        {name.replace("_", " "): count(moves(session, plate, name)) for name in names}
+        for plate in PLATES
     )
     return {"counts": first, "plate": second, "least": min(first.values())}
 
 
 def red_x(session: Session) -> Numbers:
     """Return the share of red x of figure 5 that hardly turns, and how many lock otherwise."""
-    motion = motion_map(session, False)
-    here = is_class(motion, "motion", "red_x") & motion.robust
-    locked = is_class(motion, "motion", "red_x") & is_class(motion, "label", "other_lock")
+    motion, red = motion_map(session, False), moves(session, False, "red_x")
     return {
-        "share": np.mean(motion.variables["turns"][here] < SMALL),
-        "locked": int(np.sum(locked)),
+        "share": np.mean(motion.variables["turns"][red & motion.robust] < SMALL),
+        "locked": count(red & is_class(motion, "label", "other_lock")),
     }
 
 
 def robust_in(session: Session, here: Any, name: str) -> Numbers:
     """Return the share of a class among the robust points of a region of figure 5, their number."""
-    motion = motion_map(session, False)
-    there = is_class(motion, "motion", name)[here & motion.robust]
+    there = moves(session, False, name)[here & motion_map(session, False).robust]
     return {"share": share(there), "count": there.size}
 
 
@@ -340,13 +334,11 @@ def region_2(session: Session) -> Numbers:
 
     And where that with theta_0 is; of this also the largest on parts of our axes.
     """
-    calm, motion = stable(session, False, "corrected"), motion_map(session, False)
-    other = robust_in(session, calm, "blue_o")
-    hoop = is_class(motion, "motion", "blue_o")
+    calm, robust = stable(session, False, "corrected"), motion_map(session, False).robust
     return {
         **robust_in(session, stable(session, False, "paper"), "blue_o"),
-        "corrected": other["share"],
-        "parts": largest_on_parts(hoop, calm & motion.robust),
+        "corrected": robust_in(session, calm, "blue_o")["share"],
+        "parts": largest_on_parts(moves(session, False, "blue_o"), calm & robust),
     }
 
 
@@ -360,13 +352,13 @@ def largest_on_parts(right: Any, counted: Any) -> float:
 def region_1(session: Session) -> Numbers:
     """Return the share of red x in the largest unstable region, and of reversals among them."""
     largest = regions(~stable(session, False, "paper"))[0]
-    motion = motion_map(session, False)
-    speeds = motion.variables["min_speed"][largest & is_class(motion, "motion", "red_x")]
+    red = largest & moves(session, False, "red_x")
+    speeds = motion_map(session, False).variables["min_speed"][red]
     return {**robust_in(session, largest, "red_x"), "reversing": share(speeds < 0, 0.0)}
 
 
 def red_zone(session: Session) -> Numbers:
-    """Return what motions do where the rotation is unstable though |u_1| < 0.5, from rest.
+    """Return the motions from rest where the rotation is unstable though |u_1| < 0.5.
 
     Shares without hula-hoop motion and with reversals, and the rank correlation of |u_1| with the
     largest backward speed.
@@ -376,10 +368,10 @@ def red_zone(session: Session) -> Numbers:
     speed = motion.variables["min_speed"]
     known = here & np.isfinite(speed)
     return {
-        "count": int(here.sum()),
-        "none": np.mean(~is_class(motion, "motion", "blue_o")[here]),
+        "count": count(here),
+        "none": np.mean(~moves(session, False, "blue_o")[here]),
         "reversing": np.mean(speed[here] < 0),
-        "known": int(known.sum()),
+        "known": count(known),
         "rank": float(spearmanr(u_1[known], -speed[known]).statistic),
     }
 
@@ -391,9 +383,8 @@ def near(where: Any, cells: int = 2) -> Any:
 
 def transition(session: Session) -> Numbers:
     """Return the share of cyan + in figure 5 that lies near both rotation and its absence."""
-    motion = motion_map(session, False)
     cyan, red, blue, plus = (
-        is_class(motion, "motion", name) for name in ("cyan_plus", "red_x", "blue_o", "blue_plus")
+        moves(session, False, name) for name in ("cyan_plus", "red_x", "blue_o", "blue_plus")
     )
     between = (near(red) & near(blue | plus))[cyan]
     return {"between": share(between, 0.0), "count": between.size}
@@ -404,48 +395,139 @@ def region_3(session: Session) -> Numbers:
 
     And shares of them at which approximate solutions are unstable: with theta_0, and as printed.
     """
-    motion = motion_map(session, False)
-    cyan = is_class(motion, "motion", "cyan_o")
-    periods, f_u = (motion.variables[name][cyan] for name in ("periods", "f_u"))
+    cyan, variables = moves(session, False, "cyan_o"), motion_map(session, False).variables
+    periods, f_u = (variables[name][cyan] for name in ("periods", "f_u"))
+    as_printed = ~stable(session, False, "printed")[cyan]
     return {
         "count": periods.size,
         "share": share(~stable(session, False, "corrected")[cyan]),
-        "paper": share(~stable(session, False, "printed")[cyan]),
-        "unstable": int(np.sum(~stable(session, False, "printed")[cyan])),
-        "first": int(np.sum((periods == 1) & (np.abs(f_u - 1) < 0.02))),
+        "paper": share(as_printed),
+        "unstable": count(as_printed),
+        "first": count((periods == 1) & (np.abs(f_u - 1) < 0.02)),
     }
 
 
 # Figures 4 and 5, 6 and 7
 
 
-def agreements(session: Session, plate: bool) -> Numbers:
-    """Return at which share of the robust points stability tells the motion from rest."""
+def agreements(session: Session, who: str, plate: bool) -> Numbers:
+    """Return the share of the robust points at which stability predicts the motion from rest.
+
+    By each solution; of an engine, by the stability of its rotation.
+    """
+    if who != REFERENCE:
+        calm, hoop, _ = own_maps(session, plate, who)
+        return {"share": np.mean(calm == hoop), "count": len(hoop)}
     by_solution = {name: agreement(session, plate, name) for name in STABILITIES}
-    shares = {name: item.share for name, item in by_solution.items()}
-    motion = motion_map(session, plate)
-    hoop = is_class(motion, "motion", "blue_o")
+    shares = {name: item["share"] for name, item in by_solution.items()}
+    hoop, robust = moves(session, plate, "blue_o"), motion_map(session, plate).robust
+    parts = [largest_on_parts(hoop == stable(session, plate, name), robust) for name in CORRECTED]
     return {
+        **by_solution["paper"],
         **shares,
-        "best": max(shares["paper"], shares["corrected"]),
-        "parts": max(
-            largest_on_parts(hoop == stable(session, plate, name), motion.robust)
-            for name in ("paper", "corrected")
-        ),
-        "points": by_solution["paper"].points,
-        "trivial": by_solution["paper"].trivial,
+        "best": max(shares[name] for name in CORRECTED),
+        "parts": max(parts),
     }
 
 
-def own_agreement(session: Session, who: str, plate: bool) -> Numbers:
-    """Return at which share of points an engine's own rotation tells where it gets from rest."""
-    if who == REFERENCE:
-        return {}
-    calm, hoop, _ = own_maps(session, plate, who)
-    return {"share": np.mean(calm == hoop), "count": len(hoop)}
+def unstable_seen(session: Session, who: str) -> Numbers:
+    """Count robust points of figure 5 with a periodic motion where a rotation is unstable."""
+    if who != REFERENCE:
+        calm, _, periodic = own_maps(session, False, who)
+        return {"count": np.sum(periodic & ~calm), "total": np.sum(periodic)}
+    motion = motion_map(session, False)
+    hoop = is_class(motion, "motion", "blue_o") & motion.robust
+    periodic = hoop & (motion.variables["periods"] == 1)
+    paper, exact = (count(~stable(session, False, name) & periodic) for name in ("paper", "exact"))
+    total = count(periodic)
+    more = count(hoop) - total
+    return {"paper": paper, "exact": exact, "count": exact, "total": total, "more": more}
 
 
-def right_about_stability(session: Session) -> Numbers:
-    """Return the shares of points of figures 4 and 6 where solutions are right on stability."""
-    wrong = wrong_about_stability(session)
-    return {name: 1 - np.array(wrong[name]) for name in ("paper", "corrected")}
+def stable_elsewhere(session: Session) -> Numbers:
+    """Return where motions from rest end that do not reach a stable true rotation.
+
+    And the largest multiplier of these rotations.
+    """
+    motion = motion_map(session, False)
+    here = stable(session, False, "exact") & motion.robust
+    elsewhere = here & ~is_class(motion, "motion", "blue_o")
+    return {
+        "share": elsewhere.sum() / here.sum(),
+        "multiplier": stability_map(session, False).variables["multiplier"][here].max(),
+        "total": count(here),
+        "kinds": {
+            name.replace("_", " "): count(elsewhere & is_class(motion, "motion", name))
+            for name in motion.about["motion"].classes[1:]
+        },
+    }
+
+
+# Readings
+
+
+def axes_of_maps(session: Session) -> Numbers:
+    """Return stable shares and numbers of unstable regions on other axes: of figures 4 and 6."""
+    axes = [(HERTZ, NEWTON), (HERTZ, (5.0, 100.0)), ((1.0, 20.0), NEWTON), ((2.0, 8.0), NEWTON)]
+    shares, counts = np.zeros((2, len(axes), 2))
+    for (i, (hertz, newton)), plate in product(enumerate(axes), PLATES):
+        p = HulaHoop(
+            force_frequency=np.linspace(*hertz, POINTS)[None, :],  # type: ignore[arg-type]
+            force_amplitude=np.linspace(*newton, POINTS)[:, None],  # type: ignore[arg-type]
+            **changed(plate),
+        )
+        multiplier = np.abs(floquet_multipliers(paper_solution(p), p)[0])
+        shares[i, int(plate)] = np.mean(multiplier < 1)
+        counts[i, int(plate)] = len(regions(multiplier >= 1))
+    return {"shares": shares, "counts": counts}
+
+
+def drawn_solution(session: Session) -> Numbers:
+    """Return regions and agreement with the motion from rest, of figures 4 and 6, by solution."""
+    return {
+        name: {
+            "counts": [len(regions(~stable(session, plate, name))) for plate in PLATES],
+            "shares": [agreement(session, plate, name)["share"] for plate in PLATES],
+        }
+        for name in STABILITIES
+    }
+
+
+def class_definitions(session: Session) -> Numbers:
+    """Return the shares of the classes of figure 5 with other limits between them."""
+    values = motion_map(session, False).variables
+    limits = {
+        "ours": (0.5 / 120, 0.02, 0.0),
+        "quarter": (0.25 / 120, 0.02, 0.0),
+        "slack": (0.05, 0.02, 0.0),
+        "wide": (0.5 / 120, 0.1, 0.0),
+        "slow": (0.5 / 120, 0.02, -0.05),
+    }
+    shares = {}
+    for name, (slack, near_two, least) in limits.items():
+        with np.errstate(invalid="ignore"):
+            turns = np.abs(values["turns"] - 1) < slack
+            two = np.abs(values["f_u"] - 2) < near_two
+            forward = values["min_speed"] >= least
+        classes = {
+            "blue o": turns & two & forward,
+            "blue +": turns & two & ~forward,
+            "cyan o": turns & ~two & forward,
+            "cyan +": turns & ~two & ~forward,
+            "red x": ~turns,
+        }
+        shares[name] = {one: float(np.mean(where)) for one, where in classes.items()}
+    return shares
+
+
+def definition(session: Session) -> Numbers:
+    """Return shares of figure 5 with hula-hoop motion by wider definitions, and of an ideal one."""
+    plane = stability_map(session, False)
+    u_1 = plane.variables["u_1"][is_class(plane, "stability", "stable")]
+    kinds = ("blue_o", "blue_plus", "cyan_o", "cyan_plus")
+    shares = [float(np.mean(moves(session, False, name))) for name in kinds]
+    return {
+        "ideal": np.mean(u_1 == 0),
+        "least": np.min(u_1),
+        "shares": [shares[0], sum(shares[:2]), sum(shares)],
+    }

@@ -1,8 +1,7 @@
-"""What the figures and the ledger of the hula_hoop paper are made of: orbits, runs, maps."""
+"""Orbits, runs and maps that the figures and the ledger of the hula_hoop paper share."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,26 +19,26 @@ from ...maps.store import Map
 from ...queries.orbit import OrbitReport, find
 from ...queries.request import MethodQuery
 from ...queries.simulate import Simulation, simulate
-from ..session import Session
+from ..session import Session, once
 
 SCENE = "hula_hoop"
 EXAMPLE = HulaHoop()
-"""Section 5.1: 3 Hz, 60 N, point mass."""
+"""Parameters of section 5.1: 3 Hz, 60 N, point mass."""
 
 NATURAL = float(EXAMPLE.omega_n) / (2 * np.pi)
-"""Of the main mass [Hz]."""
+"""Natural frequency of the main mass [Hz]."""
 
 HERTZ, NEWTON = (1.0, 10.0), (5.0, 150.0)
 """Axes of figs. 4-7; the text does not give them."""
 POINTS, ENGINE_POINTS, FULL_POINTS = 31, 11, 64
-"""Of a map, along an axis: by the reference, by an engine (every third of these), by all."""
+"""Points along an axis of the reference's maps, of the engines' (every third), and with --full."""
 
 SAMPLES = 64
-"""Of a motion, in a period of the force."""
+"""Samples of a motion in a period of the force."""
 LOCKED = 0.03
-"""How far turns per period may be from 1 while the phase still oscillates."""
+"""Largest distance of turns per period from 1 while the phase still oscillates."""
 LONG_RUN = 12.0
-"""From rest [s]: eight times what fig. 3 calls the transient."""
+"""Duration of runs from rest [s]: eight times the transient of fig. 3."""
 
 APPROXIMATIONS = {
     "paper": paper_solution,
@@ -58,26 +57,23 @@ def samples(seconds: float) -> Array:
 # The example of section 5.1
 
 
+@once
 def example_orbit(session: Session, engine: str = REFERENCE) -> OrbitReport:
     """Return the true rotation."""
-    query = MethodQuery(SCENE, engine=engine)
-    return session.once((SCENE, "orbit", engine), lambda: find(query, bounded=False))
+    return find(MethodQuery(SCENE, engine=engine), bounded=False)
 
 
+@once
 def example_from_rest(session: Session, engine: str = REFERENCE) -> Simulation:
     """Return the motion from rest."""
-    return session.once(
-        (SCENE, "rest", engine), lambda: simulate(SCENE, engine=engine, times=samples(LONG_RUN))
-    )
+    return simulate(SCENE, engine=engine, times=samples(LONG_RUN))
 
 
+@once
 def example_rotation(session: Session, engine: str = REFERENCE) -> Simulation:
     """Return three periods of the true rotation."""
     state = dict(example_orbit(session, engine).state)
-    return session.once(
-        (SCENE, "rotation", engine),
-        lambda: simulate(SCENE, engine=engine, state=state, times=samples(1.0)),
-    )
+    return simulate(SCENE, engine=engine, state=state, times=samples(1.0))
 
 
 def second_harmonic(report: OrbitReport) -> float:
@@ -122,16 +118,16 @@ class LockIn:
     Attributes
     ----------
     last_slip : float
-        Until when the phase is more than half a turn from where it ends [s].
+        Time until which the phase is more than half a turn from its final value [s].
     last_reversal : float
-        When the free mass last turns backwards [s].
+        Time at which the free mass last turns backwards [s].
     settled : float
-        From when on the phase stays within 0.5 rad of where it ends [s].
+        Time from which the phase stays within 0.5 rad of its final value [s].
     turns : float
-        Per period, over the last eight.
+        Turns per period, over the last eight.
     direction : int
     least_speed : float
-        Of the last period, by omega, in the sense of the turning.
+        Smallest speed of the last period over omega, in the sense of rotation.
     """
 
     last_slip: float
@@ -143,26 +139,28 @@ class LockIn:
 
 
 def lock_in(times: Array, theta: Array, speed: Array) -> LockIn:
-    """Return how a motion (n_t,) from rest locks into rotation."""
+    """Return the lock-in of a motion (n_t,) from rest."""
     omega = 2 * np.pi * EXAMPLE.force_frequency
     turns = (theta[-1] - theta[-1 - 8 * SAMPLES]) / (2 * np.pi * 8)
     direction = 1 if turns > 0 else -1
     stroboscopic = times[::SAMPLES]
     phase = (direction * theta - omega * times)[::SAMPLES]
     off = np.abs(phase - phase[-9:].mean())
+    last = slice(-1 - SAMPLES, None)
     return LockIn(
         last_slip=float(np.max(stroboscopic[off > np.pi], initial=0.0)),
         last_reversal=float(np.max(times[direction * speed < 0], initial=0.0)),
         settled=float(np.max(stroboscopic[off > 0.5], initial=0.0)),
         turns=abs(turns),
         direction=direction,
-        least_speed=value_range(times[-1 - SAMPLES :], direction * speed[-1 - SAMPLES :])[0]
-        / omega,
+        least_speed=value_range(times[last], direction * speed[last])[0] / omega,
     )
 
 
 # Maps
 
+PLATES = (False, True)
+"""Without and with the plate's inertia: figures 4, 5 and figures 6, 7."""
 
 AxisSpan = tuple[str, float, float, int]
 
@@ -174,7 +172,7 @@ def axes(session: Session, engine: str = REFERENCE) -> tuple[AxisSpan, AxisSpan]
     return ("force_frequency", *HERTZ, count), ("force_amplitude", *NEWTON, count)
 
 
-def changed(plate: bool) -> Mapping[str, float]:
+def changed(plate: bool) -> dict[str, float]:
     """Return the parameters of the free mass: a point, or the semicircular plate."""
     return {"inertia_ratio": SEMICIRCLE} if plate else {}
 
@@ -186,26 +184,20 @@ def stability_map(
     return _map(session, "floquet", plate, engine, model)
 
 
-def motion_map(
-    session: Session, plate: bool, engine: str = REFERENCE, model: str | None = None
-) -> Map:
+def motion_map(session: Session, plate: bool, engine: str = REFERENCE) -> Map:
     """Return the motion from rest of figs. 5 (point mass) and 7 (plate)."""
-    return _map(session, "class", plate, engine, model)
+    return _map(session, "class", plate, engine, None)
 
 
 def _map(session: Session, quantity: str, plate: bool, engine: str, model: str | None) -> Map:
-    fewer = () if engine == REFERENCE or not session.engine_points else (session.engine_points,)
-    return session.once(
-        (SCENE, quantity, plate, engine, model, *fewer),
-        lambda: session.map(
-            SCENE,
-            quantity,
-            *axes(session, engine),
-            engine=engine,
-            model=model,
-            parameters=changed(plate),
-            refine=engine != REFERENCE and not session.full,
-        ),
+    return session.map(
+        SCENE,
+        quantity,
+        *axes(session, engine),
+        engine=engine,
+        model=model,
+        parameters=changed(plate),
+        refine=engine != REFERENCE and not session.full,
     )
 
 
@@ -224,29 +216,29 @@ def is_class(plane: Map, variable: str, name: str) -> Any:
     return plane.variables[variable] == plane.about[variable].classes.index(name)
 
 
+def moves(session: Session, plate: bool, name: str, engine: str = REFERENCE) -> Any:
+    """Return where (n_y, n_x) the motion from rest is of this class."""
+    return is_class(motion_map(session, plate, engine), "motion", name)
+
+
+@once
+def printed_multipliers(session: Session, plate: bool) -> Array:
+    """Return the largest moduli (n_y, n_x) of multipliers by (55) as printed."""
+    p = grid(session, plate)
+    return np.abs(floquet_multipliers(paper_solution(p), p, as_printed=True)[0])
+
+
 def stable(session: Session, plate: bool, which: str) -> Any:
     """Return where (n_y, n_x) a rotation is stable: "printed", or a model of the map."""
     if which == "printed":
-        p = grid(session, plate)
-        multiplier = session.once(
-            (SCENE, "as printed", plate),
-            lambda: np.abs(floquet_multipliers(paper_solution(p), p, as_printed=True)[0]),
-        )
-        return multiplier < 1
+        return printed_multipliers(session, plate) < 1
     return is_class(stability_map(session, plate, model=which), "stability", "stable")
 
 
 def on_grid(session: Session, plane: Map, where: Any) -> Any:
-    """Return what is known at the reference's points (n_y, n_x) at those of another map."""
+    """Return values at the reference's points (n_y, n_x), taken at those of another map."""
     x, y = (Axis(*axis) for axis in axes(session))
     return where[np.ix_(y.nearest(plane.y.values), x.nearest(plane.x.values))]
-
-
-def alike(session: Session, plate: bool, engine: str) -> float:
-    """Return at which share of its points an engine's rotation is stable as the true one is."""
-    own = stability_map(session, plate, engine)
-    true = on_grid(session, own, stable(session, plate, "exact"))
-    return float(np.mean((is_class(own, "stability", "stable") == true)[own.computed == 1]))
 
 
 STABILITIES = {
@@ -264,40 +256,23 @@ def regions(unstable: Any, least: int = 2) -> list[Any]:
     return [part for part in parts if part.sum() >= least]
 
 
-@dataclass(frozen=True)
-class Agreement:
-    """How well a stability map tells where hula-hoop motion comes from rest.
+def agreement(session: Session, plate: bool, which: str) -> dict[str, float]:
+    """Compare fig. 4 with fig. 5, or fig. 6 with fig. 7 (plate), on the robust points.
 
-    Attributes
-    ----------
-    share : float
-        Of the robust points at which "stable" and "class blue o" are both true or both false.
-    trivial : float
-        Share that the better of "everywhere" and "nowhere" would reach.
-    points : int
-        Robust points.
+    ``share`` of the points at which "stable" and "class blue o" are both true or both false;
+    ``trivial``, that which the better of "everywhere" and "nowhere" would reach; ``points``.
     """
-
-    share: float
-    trivial: float
-    points: int
-
-
-def agreement(session: Session, plate: bool, which: str) -> Agreement:
-    """Compare fig. 4 with fig. 5, or fig. 6 with fig. 7 (plate)."""
-    motion = motion_map(session, plate)
-    robust = motion.robust
-    hoop = is_class(motion, "motion", "blue_o")[robust]
-    calm = stable(session, plate, which)[robust]
-    return Agreement(
-        share=float(np.mean(hoop == calm)),
-        trivial=float(max(hoop.mean(), 1 - hoop.mean())),
-        points=int(robust.sum()),
-    )
+    robust = motion_map(session, plate).robust
+    hoop = moves(session, plate, "blue_o")[robust]
+    return {
+        "share": float(np.mean(hoop == stable(session, plate, which)[robust])),
+        "trivial": float(max(hoop.mean(), 1 - hoop.mean())),
+        "points": int(robust.sum()),
+    }
 
 
 def own_maps(session: Session, plate: bool, engine: str) -> tuple[Any, Any, Any]:
-    """Return what an engine says of its rotation, and of the motion from rest.
+    """Return an engine's stability of its rotation, and its motion from rest.
 
     Three bool arrays (k,) over the points that it computed in both maps, its motion robust:
     the rotation is stable, hula-hoop motion from rest, and this repeats in each period.
@@ -305,5 +280,5 @@ def own_maps(session: Session, plate: bool, engine: str) -> tuple[Any, Any, Any]
     calm, motion = stability_map(session, plate, engine), motion_map(session, plate, engine)
     known = (calm.computed == 1) & (motion.computed == 1) & motion.robust
     hoop = is_class(motion, "motion", "blue_o")
-    once = hoop & (motion.variables["periods"] == 1)
-    return is_class(calm, "stability", "stable")[known], hoop[known], once[known]
+    first = hoop & (motion.variables["periods"] == 1)
+    return is_class(calm, "stability", "stable")[known], hoop[known], first[known]

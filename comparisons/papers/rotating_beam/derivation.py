@@ -57,7 +57,7 @@ def root(session: Session, who: str, i: int) -> float:
 
 
 def asymptote(session: Session) -> Numbers:
-    """Return how far (2 i - 1) pi/2 is from the roots, from the third on, relative to them."""
+    """Return the relative errors of (2 i - 1) pi/2 as roots, from the third on."""
     i = np.arange(3, 9)
     errors = np.abs((2 * i - 1) * np.pi / 2 / rest_roots(8)[2:] - 1)
     return {"errors": errors, "rises": np.diff(errors)}
@@ -140,7 +140,7 @@ def string_frequency(n: BeamNumbers, degree: int = 12) -> float:
 def extension(session: Session) -> Numbers:
     """Compare a beam that stretches much with one that does not.
 
-    By the extension parameter, and what stretch and Coriolis force change of the first frequency.
+    The extension parameter, and the changes of the first frequency by stretch and Coriolis force.
     """
     n, rows = BeamNumbers(0.0, 5.0), []
     for slenderness in (100.0, BEAM.area * BEAM.length**2 / BEAM.second_moment):

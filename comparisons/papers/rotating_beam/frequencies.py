@@ -45,7 +45,7 @@ def slenderness(session: Session) -> Numbers:
 
 
 def stretch_gap(session: Session, who: str) -> Numbers:
-    """Return by how much stretching lowers the first frequency, with most mass at the tip."""
+    """Return the relative decrease of the first frequency by stretching, most mass at the tip."""
     p = BEAM.replace(mass=LOADS[-1])
     if who == REFERENCE:
         soft = frequencies(p, count=1, continuum="extensible").omega[0]
@@ -55,7 +55,7 @@ def stretch_gap(session: Session, who: str) -> Numbers:
 
 
 def speed_curves(session: Session, who: str = REFERENCE) -> Numbers:
-    """Return whether frequencies fall with the mass at the tip, and their means by mass."""
+    """Return True if frequencies fall with the mass at the tip, and their means by mass."""
     curves = by_speed(session, who).variables[FIRST_VARIABLE]
     return {
         "falls": np.all(np.diff(curves, axis=0) < 0),
@@ -65,7 +65,7 @@ def speed_curves(session: Session, who: str = REFERENCE) -> Numbers:
 
 
 def convexity(session: Session, who: str = REFERENCE) -> Numbers:
-    """Return whether frequencies are convex functions of the mass ratio at all speeds."""
+    """Return True if frequencies are convex functions of the mass ratio at all speeds."""
     curves = by_ratio(session, who).variables[FIRST_VARIABLE]
     return {"convex": np.all(np.diff(curves, 2, axis=1) > 0)}
 
@@ -74,7 +74,7 @@ def convexity(session: Session, who: str = REFERENCE) -> Numbers:
 
 
 def crossings(speed: float, modes: int | None = None) -> list[float]:
-    """Return where each mass crosses the beam without mass at a speed [rad/s]."""
+    """Return the place where each mass crosses the beam without mass at a speed [rad/s]."""
     return [crossover(loaded(mass, speed), modes=modes) for mass in LOADS]
 
 
@@ -177,11 +177,11 @@ def furthest_places(session: Session) -> Numbers:
 
 
 def curves(session: Session, who: str) -> Numbers:
-    """Return what the curves of figure 3 do.
+    """Return properties of the curves of figure 3.
 
-    Whether each with a mass rises first, and turns once; its largest less smallest frequency.
-    Whether more mass lowers the frequency at all places beyond the threshold, and the innermost
-    place inside at which it does not raise it, in words too.
+    ``holds``: each with a mass rises first, and turns once; its largest less smallest frequency.
+    ``falls``: more mass lowers the frequency at all places beyond the threshold. And the innermost
+    place inside at which more mass does not raise it, in words too.
     """
     place, frequency = curves_of_figure_3(session, who)
     outward, by_load = np.diff(frequency[1:], axis=1), np.diff(frequency, axis=0)
@@ -203,7 +203,7 @@ def curves(session: Session, who: str) -> Numbers:
 
 
 def axis_of_figure_2(session: Session) -> Numbers:
-    """Return what the text says of both axes that figure 2 may have."""
+    """Return the text's statements on both axes that figure 2 may have."""
     return {**speed_curves(session), **convexity(session)}
 
 

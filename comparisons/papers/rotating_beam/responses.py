@@ -58,7 +58,7 @@ def by_mass(session: Session, who: str, figure: int, of: Measure) -> Array:
 
 
 def against_none(session: Session, who: str, figure: int, of: Measure) -> Numbers:
-    """Return a measure by mass, by how much more it is than without mass, and whether it grows."""
+    """Return a measure by mass, its ratios to that without mass, and whether it grows evenly."""
     values = by_mass(session, who, figure, of)
     shares = values[1:] / values[0]
     return {
@@ -83,7 +83,7 @@ def hub_after_pulse(motion: Response, p: RotatingBeam) -> float:
 
 
 def order_of_angles(session: Session) -> Numbers:
-    """Return the time [s] from which on the angle falls with the mass, and how little it is then.
+    """Return the time [s] from which on the angle falls with the mass, and its size then.
 
     The latter in percent of the angle after the pulse.
     """
@@ -149,10 +149,10 @@ def linear_pulse(p: RotatingBeam, times: Array, scene: Scene = SCENE) -> Respons
 def pulses(
     session: Session, hub_inertias: Sequence[float] = (10.0,), hub_radii: Sequence[float] = (0.0,)
 ) -> Numbers:
-    """Return what figure 5 shows for several hubs, by hub and mass, linear about rest.
+    """Return the results of figure 5 for several hubs, by hub and mass, linear about rest.
 
-    The hub's angle after the pulse [rad], the largest deflection [m], by how many percent that is
-    more than without mass, and the largest deflection after the pulse [m].
+    The hub's angle after the pulse [rad], the largest deflection [m], its increase over that
+    without mass [percent], and the largest deflection after the pulse [m].
     """
     times = np.linspace(0.0, 20.0, 641)
     angle, largest, left = np.zeros((3, len(hub_inertias) * len(hub_radii), len(MASSES)))
@@ -214,9 +214,9 @@ def models_of_figure_4(session: Session) -> Numbers:
 
 
 def damped_shares(session: Session, ratios: Sequence[float]) -> Numbers:
-    """Return what damping ratios leave of the amplitude in 10 s, 0.4 kg, and the frequency [rad/s].
+    """Return the shares of the amplitude that damping ratios leave in 10 s, with 0.4 kg.
 
-    Of the first mode with a free hub.
+    And the frequency of the first mode with a free hub [rad/s].
     """
     p = FIGURE_5.replace(mass=LOADS[0])
     mass, _, stiffness = linearise(SCENE, p, np.zeros(2 * len(SCENE.coordinates)))
@@ -225,7 +225,7 @@ def damped_shares(session: Session, ratios: Sequence[float]) -> Numbers:
 
 
 def hub_radii(session: Session, radii: Sequence[float]) -> Numbers:
-    """Return by hub radius [m] what `pulses` has, and where 0.4 kg cross the beam without mass.
+    """Return `pulses` by hub radius [m], and the place where 0.4 kg cross the beam without mass.
 
     In words, of two modes and converged, with the best places; without a crossing there are none.
     """

@@ -1,4 +1,4 @@
-"""What the rows and figures on `rotating_beam` share: frequencies, and the runs of figures 4, 5.
+"""Frequencies, and the runs of figures 4 and 5, that the rows and figures of the paper share.
 
 The paper names neither the speed of figures 2 and 3 nor the masses of figures 4 and 5; the
 masses here are those of its section 3.1 and none.
@@ -7,7 +7,7 @@ masses here are those of its section 3.1 and none.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -24,27 +24,27 @@ from ...engines.registry import REFERENCE
 from ...maps.execute import on_this_machine
 from ...maps.store import Map
 from ...queries.simulate import simulate
-from ..session import Session
+from ..session import Session, once
 
 MASSES = (0.0, 0.4, 0.8, 1.2)
-"""[kg], none and those of section 3.1."""
+"""Masses [kg]: none, and those of section 3.1."""
 
 SPEED = 7.0
-"""[rad/s] of figure 3: there two assumed modes have the printed maximum for 0.8 kg."""
+"""Speed of figure 3 [rad/s], at which two assumed modes have the printed maximum for 0.8 kg."""
 
 FASTEST = 12.0
 """Dimensionless speed up to which figure 2 goes."""
 
 HUB_RADIUS = 8.0
-"""[m] of section 3.1."""
+"""Radius of the hub in section 3.1 [m]."""
 
 BEAM = RotatingBeam(hub_radius=HUB_RADIUS, angular_speed=SPEED, ramp_time=0.0)
-"""Of figures 2 and 3."""
+"""Beam of figures 2 and 3."""
 
 PRINTED_MAXIMA = {0.4: 0.442, 0.8: 0.429, 1.2: 0.42}
 
 RODS, SPIN_UP_RODS, MANY_RODS = 16, 24, 32
-"""Segments of the engines' models, in figure 4, and with ``--full``."""
+"""Segments of the engines' models, those of figure 4, and those with ``--full``."""
 
 
 def segments(session: Session) -> int:
@@ -52,29 +52,25 @@ def segments(session: Session) -> int:
     return MANY_RODS if session.full else RODS
 
 
-def by_speed(session: Session, engine: str = REFERENCE, model: str | None = None) -> Map:
-    """Return frequencies over speed (columns) and mass at the tip (rows, `MASSES`)."""
+def frequencies(session: Session, x: Any, y: Any, engine: str, **more: Any) -> Map:
+    """Return a map of frequencies of the beam of figures 2 and 3; ``more`` are parameters."""
+    model = more.pop("model", None)
+    parameters = {"hub_radius": HUB_RADIUS, **more, "segments": float(segments(session))}
     return session.map(
-        SCENE.name,
-        "frequency",
-        ("nondimensional_speed", 0.0, FASTEST, 49 if session.full else 25),
-        ("mass", MASSES[0], MASSES[-1], len(MASSES)),
-        engine=engine,
-        model=model,
-        parameters={"hub_radius": HUB_RADIUS, "segments": float(segments(session))},
+        SCENE.name, "frequency", x, y, engine=engine, model=model, parameters=parameters
     )
+
+
+def by_speed(session: Session, engine: str = REFERENCE) -> Map:
+    """Return frequencies over speed (columns) and mass at the tip (rows, `MASSES`)."""
+    x = ("nondimensional_speed", 0.0, FASTEST, 49 if session.full else 25)
+    return frequencies(session, x, ("mass", MASSES[0], MASSES[-1], len(MASSES)), engine)
 
 
 def by_ratio(session: Session, engine: str = REFERENCE) -> Map:
     """Return frequencies over mass ratio at the tip (columns) and speed (rows)."""
-    return session.map(
-        SCENE.name,
-        "frequency",
-        ("mass_ratio", 0.0, 2.0, 41 if session.full else 17),
-        ("nondimensional_speed", 0.0, FASTEST, 4),
-        engine=engine,
-        parameters={"hub_radius": HUB_RADIUS, "segments": float(segments(session))},
-    )
+    x = ("mass_ratio", 0.0, 2.0, 41 if session.full else 17)
+    return frequencies(session, x, ("nondimensional_speed", 0.0, FASTEST, 4), engine)
 
 
 def by_place(session: Session, engine: str = REFERENCE, model: str | None = None) -> Map:
@@ -82,21 +78,10 @@ def by_place(session: Session, engine: str = REFERENCE, model: str | None = None
 
     Places are ends of rods: there alone a chain converges with order 2.
     """
-    count = segments(session)
-    places = 4 * count if engine == REFERENCE else count
-    return session.map(
-        SCENE.name,
-        "frequency",
-        ("mass_position", 1 / places, 1.0, places),
-        ("mass", MASSES[0], MASSES[-1], len(MASSES)),
-        engine=engine,
-        model=model,
-        parameters={
-            "hub_radius": HUB_RADIUS,
-            "angular_speed": SPEED,
-            "segments": float(count),
-        },
-    )
+    places = (4 if engine == REFERENCE else 1) * segments(session)
+    x = ("mass_position", 1 / places, 1.0, places)
+    y = ("mass", MASSES[0], MASSES[-1], len(MASSES))
+    return frequencies(session, x, y, engine, model=model, angular_speed=SPEED)
 
 
 def maximum(place: Array, frequency: Array) -> float:
@@ -128,10 +113,10 @@ class Response(NamedTuple):
 
 CASES = {4: FIGURE_4, 5: FIGURE_5}
 HORIZONS = {4: 20.0, 5: 16.0}
-"""[s]; the text names none."""
+"""Durations of the runs [s]; the text names none."""
 
 SAMPLES = 16
-"""In a second."""
+"""Samples of a run per second."""
 
 
 def beam_of(figure: int, mass: float) -> RotatingBeam:
@@ -160,21 +145,17 @@ def with_angle(values: Mapping[str, Array], p: RotatingBeam) -> Mapping[str, Arr
     return {**values, "tip_angle": values["theta"] + np.arctan2(values["tip_deflection"], along)}
 
 
+@once
 def runs(session: Session, figure: int, who: str) -> dict[float, Response | str]:
     """Return the motions of figure 4 or 5 by the reference or an engine, by mass."""
     count = max(segments(session), SPIN_UP_RODS if figure == 4 else 0)
     horizon = HORIZONS[figure] * (2 if session.full else 1)
     jobs = [Job(figure, mass, who, horizon, count) for mass in MASSES]
-
-    def carry_out() -> dict[float, Response | str]:
-        execute = on_this_machine(session.workers)
-        motions = {}
-        for done, (i, motion) in enumerate(execute(simulated, jobs), start=1):
-            motions[jobs[i].mass] = motion
-            session.progress(f"{SCENE.name} figure {figure} {who}", done, len(jobs))
-        return motions
-
-    return session.once((SCENE.name, "runs", figure, who), carry_out)
+    motions = {}
+    for done, (i, motion) in enumerate(on_this_machine(session.workers)(simulated, jobs), start=1):
+        motions[jobs[i].mass] = motion
+        session.progress(f"{SCENE.name} figure {figure} {who}", done, len(jobs))
+    return motions
 
 
 def response(session: Session, figure: int, who: str, mass: float) -> Response:
@@ -191,7 +172,7 @@ def response(session: Session, figure: int, who: str, mass: float) -> Response:
     return motion
 
 
-# What rows are made of --------------------------------------------------------------------
+# Measures -----------------------------------------------------------------------------------
 
 LOADS = MASSES[1:]
 UNIT = time_unit(BEAM)
@@ -211,28 +192,23 @@ def curves_of_figure_3(session: Session, engine: str) -> tuple[Array, Array]:
     return curves.x.values, curves.variables[FIRST_VARIABLE]
 
 
+@once
 def furthest(session: Session, mass: float) -> tuple[float, float]:
     """Return the converged maximum that lies farthest out, and its speed [rad/s]."""
-
-    def search() -> tuple[float, float]:
-        best = minimize_scalar(
-            lambda w: -best_mass_position(loaded(mass, w)), bounds=(4, 15), options={"xatol": 0.2}
-        )
-        return -float(best.fun), float(best.x)
-
-    return session.once((SCENE.name, "furthest maximum", mass), search)
+    best = minimize_scalar(
+        lambda w: -best_mass_position(loaded(mass, w)), bounds=(4, 15), options={"xatol": 0.2}
+    )
+    return -float(best.fun), float(best.x)
 
 
+@once
 def matched(session: Session, mass: float) -> float:
     """Return the speed [rad/s] at which two assumed modes have the printed maximum."""
-    return session.once(
-        (SCENE.name, "matched", mass),
-        lambda: matching_speed(loaded(mass), PRINTED_MAXIMA[mass], 2) / UNIT,
-    )
+    return matching_speed(loaded(mass), PRINTED_MAXIMA[mass], 2) / UNIT
 
 
 def crossed(place: float) -> str:
-    """Return where a mass has no effect, or that it lowers the frequency everywhere."""
+    """Return the place where a mass has no effect, or ``nowhere``."""
     return f"{place:.3f}" if np.isfinite(place) else "nowhere"
 
 

@@ -1,12 +1,13 @@
 """Measures of the rotor_pendulum paper's three cases, section 5.2, and of their starts.
 
-(14) is the tangent at working speed. From rest it gives fifty times the working torque; what a
-motor's own curve gives there, the text does not say.
+(14) is the tangent at working speed. From rest it gives fifty times the working torque; the text
+does not give the motor's own curve.
 """
 
 from __future__ import annotations
 
 from itertools import product
+from operator import attrgetter
 
 import numpy as np
 
@@ -17,12 +18,14 @@ from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ..ledger import Numbers, half_unit
 from ..session import Session
+from .derivation import PRINTED_SPEED, RATIOS, motor_slope, spring_inertias
 from .results import (
     CASES,
     CURVE_SECONDS,
     LARGEST,
     PER_SECOND,
     PRINTED_RATIOS,
+    REDUCED,
     StartUp,
     from_rest,
     kind_of,
@@ -74,15 +77,15 @@ def overshoots(run: StartUp) -> Array:
 
 
 def starts(session: Session, case: int) -> Numbers:
-    """Return what the starts of a case are like by (14) and by the motors' curve: pairs.
+    """Compare the starts of a case by (14) and by the motors' curve: pairs.
 
     The largest differences of the speeds, over them; when both rotors are at speed [s]; the rod's
-    largest angle until then [rad]. By the curve alone how much faster rotor 1 is in the mean
-    [rad/s], and `overshoots`.
+    largest angle until then [rad]. By the curve alone the mean lead of rotor 1 in speed [rad/s],
+    and `overshoots`.
     """
     runs = from_rest(session, case), start_by_curve(session, case)
-    gaps = [gap(run) for run in runs]
-    early = [speeding_up(run) for run in runs]
+    gaps, early = [gap(run) for run in runs], [speeding_up(run) for run in runs]
+    curve = overshoots(runs[1])
     return {
         "gaps": gaps,
         "least": min(gaps),
@@ -90,20 +93,16 @@ def starts(session: Session, case: int) -> Numbers:
         "times": [time_to_speed(run) for run in runs],
         "swings": [np.abs(states[3]).max() for states in early],
         "lead": np.mean(early[1][5] - early[1][6]),
-        "curve": overshoots(runs[1]),
-        "most": overshoots(runs[1]).max(),
+        "curve": curve,
+        "most": curve.max(),
     }
 
 
 def starts_of_both_cases(session: Session) -> Numbers:
     """Compare the starts of cases 1 and 2 by both laws: differences of the speeds, swings [rad]."""
     first, second = (starts(session, case) for case in (1, 2))
-    return {
-        "first": first,
-        "second": second,
-        "gaps": np.divide(second["gaps"], first["gaps"]),
-        "swings": np.divide(second["swings"], first["swings"]),
-    }
+    ratios = {name: np.divide(second[name], first[name]) for name in ("gaps", "swings")}
+    return {"first": first, "second": second, **ratios}
 
 
 def run_up_gap(session: Session, who: str, case: int) -> float:
@@ -117,10 +116,10 @@ def overshoot(session: Session, who: str) -> Numbers:
 
 
 def differences(session: Session) -> Numbers:
-    """Return how speeds and phase of cases 1 and 2 move from rest, and at the end.
+    """Return the changes of speeds and phase of cases 1 and 2 from rest, and at the end.
 
-    Largest differences of the speeds, over them; how far the phase moves in the first second,
-    on the whole and in the last half second [rad], its mean over turns.
+    Largest differences of the speeds, over them; ranges of the phase in the first second, on the
+    whole and in the last half second [rad], its mean over turns.
     """
     runs = [from_rest(session, case) for case in (1, 2)]
     phases = [run.turn_means(run.phase) for run in runs]
@@ -139,10 +138,10 @@ PRINTED_POINTS = (("153.8", "3.08"), ("153.5", "3.23"))
 
 
 def one_motor(session: Session) -> Numbers:
-    """Return whether a line, or a motor's curve, passes through the points of cases 1 and 2.
+    """Test if a line, or a motor's curve, passes through the points of cases 1 and 2.
 
-    Ranges of the slope from the speed without load [N m s/rad] that rounding allows, by how much
-    they overlap, and from which speed without load on they do [rad/s]; the range of the largest
+    Ranges of the slope from the speed without load [N m s/rad] that rounding allows, their
+    overlap, and the speed without load from which on they overlap [rad/s]; the range of the largest
     torque of such curves [N m].
     """
     speed, signs = float(CASE_1.synchronous_speed), (-1, 0, 1)
@@ -196,7 +195,7 @@ def theoretical_phase(case: int) -> float:
 
 
 def orbit_of_case_1(session: Session) -> Numbers:
-    """Return what explains case 1's phase and the rod's amplitude.
+    """Return numbers that explain case 1's phase and the rod's amplitude.
 
     The orbit's phase [rad], and its distance from 3.10 on the circle; between which times [s] the
     phase of the run from rest rounds to 3.10 rad; the rod's amplitude [rad] by the linear response
@@ -230,7 +229,7 @@ def other_rods(session: Session) -> Numbers:
 
     Orbits by the damper in words. By the inertia [kg m^2] phase [rad], speed [rad/s], torque [N m]
     and amplitudes of platform and rod [m, rad] in the last second of a start, of the last inertia
-    by name, too; and how far the phase of case 3 moves with it in the last second of its start, and
+    by name, too; and the range of the phase of case 3 with it in the last second of its start, and
     without it [rad].
     """
     runs = [other_start(session, 2, 4.0, inertia=own) for own in INERTIAS]
@@ -247,9 +246,9 @@ def other_rods(session: Session) -> Numbers:
 
 
 def excess_powers(session: Session, who: str) -> Numbers:
-    """Return what (27) sets to zero: the motors' powers less their bearings', over the motors'.
+    """Return the powers that (27) sets to zero: the motors' less their bearings', over the motors'.
 
-    Of both rotors in cases 1 and 2; in case 2 in watts, with what the rod's damper takes.
+    Of both rotors in cases 1 and 2; in case 2 in watts, with the power of the rod's damper.
     """
     shares, watts = [], []
     for case, rotor in product((1, 2), (1, 2)):
@@ -262,9 +261,9 @@ def excess_powers(session: Session, who: str) -> Numbers:
 
 
 def gap_to_theory(session: Session, who: str, case: int) -> Numbers:
-    """Return how far the phase of an orbit is from the theory's, with the rod's damper and without.
+    """Return the distance of an orbit's phase from the theory's [rad], and the theory's.
 
-    And the theory's [rad].
+    With the rod's damper, and without it (``free``).
     """
     alpha, gaps = theoretical_phase(case), []
     undamped = CASES[case].replace(rod_damping=0.0)
@@ -300,7 +299,7 @@ def coupling_torques(session: Session) -> Numbers:
 
 
 def critical_point(session: Session) -> Numbers:
-    """Return the stable root of (30) at beta = pi/2 [rad], and how far the phase jumps there.
+    """Return the stable root of (30) at beta = pi/2 [rad], and the jump of the phase there.
 
     And the orbits of case 3 without and with the rod's damper, in words.
     """
@@ -317,8 +316,8 @@ def critical_point(session: Session) -> Numbers:
 def theory_of_cases(session: Session) -> Numbers:
     """Compare theory and orbits at the three cases.
 
-    The kinds of synchronism by both, the number of cases in which they agree, and how far the
-    phases of cases 1 and 2 are apart [rad].
+    The kinds of synchronism by both, the number of cases in which they agree, and the distances
+    of the phases of cases 1 and 2 [rad].
     """
     kinds = [kind_of(synchronous_orbit(session, p)) for p in CASES.values()]
     cosines = np.cos([theoretical_phase(case) for case in CASES])
@@ -335,7 +334,7 @@ def theory_of_cases(session: Session) -> Numbers:
 
 
 def last_phase(session: Session, who: str, case: int) -> Numbers:
-    """Return the phase [rad] of the last turn from rest, and how far it is from the orbit's."""
+    """Return the phase [rad] of the last turn from rest, and its distance from the orbit's."""
     run, orbit = from_rest(session, case, who), synchronous_orbit(session, CASES[case])
     target, end = orbit_value(orbit, "phase_difference"), float(run.turn_means(run.phase)[-1])
     return {
@@ -368,20 +367,16 @@ def swing_and_fluctuation(session: Session, who: str) -> Numbers:
     """Return the rod's amplitude [rad] and the fluctuation of rotor 2 [rad/s] in cases 1 and 2."""
     both = [from_rest(session, case, who).half_ranges[[3, 6]] for case in (1, 2)]
     swings, speeds = np.transpose(both)
-    return {
-        "swings": swings,
-        "speeds": speeds,
-        "swing_ratio": swings[1] / swings[0],
-        "speed_ratio": speeds[1] / speeds[0],
-    }
+    ratios = {"swing_ratio": swings[1] / swings[0], "speed_ratio": speeds[1] / speeds[0]}
+    return {"swings": swings, "speeds": speeds, **ratios}
 
 
 def slip(session: Session, who: str) -> Numbers:
-    """Return how the rotors part in case 3.
+    """Return the slip of the rotors in case 3.
 
-    What rotor 1 gains on rotor 2 from 1 s on [rad], and in which time [s]; the range of what
-    motor 2 gives more than motor 1, over turns [N m]; how much faster rotor 1 is in the first
-    12 turns [rad/s], and how often.
+    The gain of rotor 1 on rotor 2 from 1 s on [rad], and its duration [s]; the range of the torque
+    by which motor 2 exceeds motor 1, over turns [N m]; the lead of rotor 1 in speed in the first
+    12 turns [rad/s], and how often it leads.
     """
     run = from_rest(session, 3, who)
     gain = float(run.phase[-1] - run.phase[PER_SECOND])
@@ -400,8 +395,105 @@ def slip(session: Session, who: str) -> Numbers:
 
 
 def theoretical_sign(session: Session) -> Numbers:
-    """Return what (30) leaves at case 1's printed phase, and at its negative, by amplitude."""
+    """Return the residual of (30) at case 1's printed phase, and at its negative, by amplitude."""
     n = PRINTED_RATIOS[1]
     size = abs(float(theory.stability(n, theory.stable_phase_difference(n))))
     printed, right = (abs(float(theory.balance(n, a))) / size for a in (3.013, -3.013))
     return {"as_printed": printed, "corrected": right}
+
+
+# Readings
+
+
+def motor_constants(session: Session) -> Numbers:
+    """Return case 1's speed and torque with motors and bearings, by each reading of (14).
+
+    The torque at 153.8 rad/s, the speed of a rotor alone, and its torque there.
+    """
+    several = [CASE_1, CASE_1.replace(friction=0.0)]
+    several += [CASE_1.replace(motor_slope=motor_slope(powers)) for powers in (1, 2)]
+    slopes, speeds = (
+        np.array([float(value(p)) for p in several])
+        for value in (attrgetter("motor_slope"), operating_speed)
+    )
+    free = float(CASE_1.synchronous_speed)
+    return {
+        "torques": slopes * (free - 153.8),
+        "speeds": speeds,
+        "alone": slopes * (free - speeds),
+        "orbit": orbit_in_words(session, CASE_1),
+    }
+
+
+def stiffness_or_ratio(session: Session, case: int) -> Numbers:
+    """Return orbits by the printed stiffnesses, and by the printed ratios with both inertias."""
+    p, n = CASES[case], PRINTED_RATIOS[case]
+    speed, several = float(p.synchronous_speed), [p]
+    for mass, moment in zip(*map(spring_inertias, RATIOS), strict=True):
+        springs = mass * (speed / n.n_x) ** 2, moment * (speed / n.n_phi) ** 2
+        several.append(p.replace(platform_stiffness=springs[0], rod_stiffness=springs[1]))
+    return {"orbits": [orbit_in_words(session, own) for own in several]}
+
+
+def hundred_kilograms(session: Session) -> Numbers:
+    """Return results with 100 kg as the platform's mass, and as all that moves along x.
+
+    The stiffnesses at n_x = 0.1 and 1 [N/m], the speeds that cases 1 and 2 require [rad/s], and
+    the platform's amplitude in case 1 [m].
+    """
+    stiffnesses, speeds, amplitudes = [], [], []
+    for platform in (100.0, 86.0):
+        several = [p.replace(platform_mass=platform) for p in (CASE_1, CASE_2)]
+        mass = spring_inertias("platform")[0] + platform - 100.0
+        stiffnesses.append([mass * (PRINTED_SPEED / n) ** 2 for n in (0.1, 1.0)])
+        ours = [float(theory.ratios(p, speed=1.0).n_x) for p in several]
+        speeds.append([PRINTED_RATIOS[case].n_x / n for case, n in enumerate(ours, start=1)])
+        orbit = synchronous_orbit(session, several[0])
+        amplitudes.append(orbit_value(orbit, "platform_amplitude"))
+    return {"stiffnesses": stiffnesses, "speeds": speeds, "amplitudes": amplitudes}
+
+
+def both_cases(session: Session, placement: str = "absolute", model: str | None = None) -> str:
+    """Return the orbits of cases 1 and 2 in words."""
+    one, two = (
+        orbit_in_words(session, p.replace(motor_placement=placement), model)
+        for p in (CASE_1, CASE_2)
+    )
+    return f"case 1: {one}; case 2: {two}"
+
+
+def motor_placement(session: Session) -> Numbers:
+    """Return orbits with the second motor on the absolute angle of its rotor, and on the rod."""
+    return {name: both_cases(session, name) for name in ("absolute", "relative")}
+
+
+def equations_of_motion(session: Session) -> Numbers:
+    """Return orbits by the exact equations and by (11), and ends of starts with its printed sign.
+
+    Phases [rad], speeds [rad/s] and torques [N m] of cases 2 and 3 by the latter.
+    """
+    printed = [other_start(session, case, 4.0, as_printed=True).ends for case in (2, 3)]
+    reduced = both_cases(session, model=REDUCED)
+    return {"exact": both_cases(session), "reduced": reduced, "printed": printed}
+
+
+def motor_curve(session: Session) -> Numbers:
+    """Return starts of all cases by (14), and by motors with largest torques of 8, 12 and 20 N m.
+
+    The largest differences of the speeds, over them, and when both rotors are at speed [s].
+    """
+    starts = [[from_rest(session, case) for case in CASES]]
+    starts += [
+        [other_start(session, case, 1.0, torque) for case in CASES] for torque in (8, 12, 20)
+    ]
+    return {
+        "gaps": [[gap(run) for run in runs] for runs in starts],
+        "times": [[time_to_speed(run) for run in runs] for runs in starts],
+    }
+
+
+def duration(session: Session) -> Numbers:
+    """Return the modulus of the phase of case 1 from rest at 8, 10, ... 16 s [rad]."""
+    run = from_rest(session, 1)
+    sizes = np.abs(wrapped(run.turn_means(run.phase)))
+    return {"phases": np.interp((8, 10, 12, 14, 16), run.turn_means(run.times), sizes)}

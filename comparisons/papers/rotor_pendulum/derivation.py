@@ -1,4 +1,7 @@
-"""Measures of the rotor_pendulum paper's model and theory: sections 2-4, figure 2, tables."""
+"""Measures of the rotor_pendulum paper's model and theory: sections 2-4, figure 2, tables.
+
+Its equations themselves are texts in ``claims.toml``.
+"""
 
 from __future__ import annotations
 
@@ -41,12 +44,8 @@ LATTICE = np.linspace(*RANGE, 139) + 1e-3
 """Values of a frequency ratio, 0.05 apart; none is 1."""
 
 CASE_2_RATIOS: Values = PRINTED_RATIOS[2]._asdict()
-CASE_2_VALUES: Values = {
-    **CASE_2_RATIOS,
-    "t": 2 * np.pi * np.arange(64) / 64,
-    "alpha_1": 0.9,
-    "alpha_2": 0.2,
-}
+TURN = 2 * np.pi * np.arange(64) / 64
+CASE_2_VALUES: Values = {**CASE_2_RATIOS, "t": TURN, "alpha_1": 0.9, "alpha_2": 0.2}
 """Parameters of case 2, and a turn of it, at which equations of the vibration are compared."""
 
 
@@ -57,26 +56,22 @@ def lattice(beta: float = np.pi / 6) -> theory.Ratios:
 
 # Section 2: model and equations
 
+SYMBOLS = {
+    "platform_mass": "m_0", "rotor_mass": "m", "rod_mass": "m_3", "eccentricity": "r",
+    "rod_length": "l", "platform_stiffness": "k_x", "platform_damping": "f_x",
+    "rod_stiffness": "k_phi", "rod_damping": "f_phi", "installation_angle": "beta",
+}  # fmt: skip
+"""Parameters of the scene and their symbols in the paper."""
+
 
 def scene_at(values: Values) -> Values:
     """Return the scene's energy and accelerations at a state, in the symbols of (7) to (11).
 
     Without motors and bearings where the equations have none.
     """
-    q, v = (
-        np.array([values[f"{letter}_{i}"] for i in range(4)], dtype=float) for letter in ("q", "v")
-    )
+    q, v = (np.array([values[f"{x}_{i}"] for i in range(4)], dtype=float) for x in ("q", "v"))
     p = RotorPendulum(
-        platform_mass=values["m_0"],
-        rotor_mass=values["m"],
-        rod_mass=values["m_3"],
-        eccentricity=values["r"],
-        rod_length=values["l"],
-        platform_stiffness=values["k_x"],
-        platform_damping=values["f_x"],
-        rod_stiffness=values["k_phi"],
-        rod_damping=values["f_phi"],
-        installation_angle=values["beta"],
+        **{name: values[symbol] for name, symbol in SYMBOLS.items()},
         motor_slope=values.get("k_e", 0.0),
         synchronous_speed=values.get("w_s", 1.0),
         friction=values.get("f", 0.0),
@@ -115,10 +110,10 @@ def motor_slope(electric_powers: int) -> float:
 
 
 def equation_14(session: Session) -> Numbers:
-    """Return what (14) gives at 153.8 rad/s: a power [W], with omega_m^2 a torque [N m].
+    """Return the result of (14) at 153.8 rad/s: a power [W], with omega_m^2 a torque [N m].
 
-    And how far the torque is from the 3.08 N m of section 5.2, relative to them; and the torque
-    with the two inductances exchanged [N m].
+    And the relative distance of the torque from the 3.08 N m of section 5.2; and the torque with
+    the two inductances exchanged [N m].
     """
     slip = 50 * np.pi - 153.8
     power, torque = motor_slope(1) * slip, motor_slope(2) * slip
@@ -161,17 +156,18 @@ def level_coupling(session: Session) -> Numbers:
 def strength(session: Session) -> Numbers:
     """Return rank correlations of mu_3, and mu_1 where beta = 0 without mu_3.
 
-    With the torque that couples the rotors, and with what the rod's swing owes to rotor 1.
+    With the torque that couples the rotors, and with the rod's swing by rotor 1.
     """
     n = lattice()
     mu, level = theory.coupling_coefficients(n), theory.coupling_coefficients(lattice(0.0))
     sin, springs = np.sin(n.beta), (1 / n.n_x**2 - 1) * (1 / n.n_phi**2 - 1)
     swing = abs(n.r_m * sin / (springs - n.r_m * sin**2 / n.sigma))  # of (16), by Cramer's rule
-    return {
-        "swing": float(spearmanr(abs(mu.mu_3).ravel(), swing.ravel()).statistic),
-        "rank": float(spearmanr(abs(mu.mu_3).ravel(), torque_size(mu, n.beta).ravel()).statistic),
-        "mu_1_alone": 0.0 if np.any(level.mu_3) else np.max(abs(level.mu_1)),
-    }
+    ranks = [
+        float(spearmanr(abs(mu.mu_3).ravel(), other.ravel()).statistic)
+        for other in (swing, torque_size(mu, n.beta))
+    ]
+    alone = 0.0 if np.any(level.mu_3) else np.max(abs(level.mu_1))
+    return {"swing": ranks[0], "rank": ranks[1], "mu_1_alone": alone}
 
 
 def torque_size(mu: theory.Coupling, beta: float) -> Array:
@@ -179,12 +175,8 @@ def torque_size(mu: theory.Coupling, beta: float) -> Array:
     return np.hypot(mu.mu_1 - mu.mu_3 * np.sin(beta), mu.mu_3 * np.cos(beta))
 
 
-REGIONS = {
-    "before": (0.1, 0.9),
-    "at": (0.9, 1.1),
-    "after": (1.1, 7.0),
-}
-"""Of a frequency ratio, as section 3 divides it."""
+REGIONS = {"before": (0.1, 0.9), "at": (0.9, 1.1), "after": (1.1, 7.0)}
+"""Ranges of a frequency ratio, as section 3 divides it."""
 
 
 def peaks(session: Session) -> Numbers:
@@ -232,9 +224,9 @@ def roots(session: Session) -> Numbers:
 
 
 def springs_decide(session: Session) -> Numbers:
-    """Return how far each spring moves the phase but for half turns [rad], and flips by k_x.
+    """Return the change of the phase by each spring but for half turns [rad], and flips by k_x.
 
-    And how far k_phi and k_x do with mu_1 as printed, at the least of the other ratio.
+    And the changes by k_phi and k_x with mu_1 as printed, at the least of the other ratio.
     """
     alpha = theory.stable_phase_difference(lattice())
     doubled = np.exp(2j * alpha)
@@ -255,7 +247,7 @@ def springs_decide(session: Session) -> Numbers:
 PRINTED_SPEED = 157.0
 """50 pi, rounded, from which table 1's ranges follow [rad/s]."""
 SPEEDS = (151.5, 157.5)
-"""What rounds to table 1's range of the rotors' speed [rad/s]."""
+"""Speeds that round to table 1's range of the rotors' speed [rad/s]."""
 
 
 RATIOS = {"platform": "n_x", "rod": "n_phi"}
@@ -263,7 +255,7 @@ RATIOS = {"platform": "n_x", "rod": "n_phi"}
 
 
 def spring_inertias(spring: str) -> tuple[float, float]:
-    """Return what a spring moves, and what the paper takes for it.
+    """Return the inertia on a spring, and the paper's value of it.
 
     Masses on the platform's spring [kg], or moments of inertia on the rod's [kg m^2].
     """
@@ -276,15 +268,9 @@ def spring_inertias(spring: str) -> tuple[float, float]:
 
 def stiffness(session: Session, ratio: float, spring: str) -> Numbers:
     """Return the stiffness that belongs to a frequency ratio, and that by the paper's inertia."""
-    square = (PRINTED_SPEED / ratio) ** 2
-    right, wrong = spring_inertias(spring)
-    return {
-        "value": right * square,
-        "mistaken": wrong * square,
-        "right": right,
-        "wrong": wrong,
-        "ratio": ratio,
-    }
+    square, (right, wrong) = (PRINTED_SPEED / ratio) ** 2, spring_inertias(spring)
+    own = {"value": right * square, "mistaken": wrong * square}
+    return {**own, "right": right, "wrong": wrong, "ratio": ratio}
 
 
 def frequency_ratio(session: Session, case: int, spring: str) -> Numbers:
@@ -306,15 +292,15 @@ def frequency_ratio(session: Session, case: int, spring: str) -> Numbers:
 
 
 def speeds_of_ratios(session: Session) -> Numbers:
-    """Return the speeds [rad/s] that section 5.2's stiffnesses and frequency ratios ask for.
+    """Return the speeds [rad/s] that section 5.2's stiffnesses and frequency ratios require.
 
     Of n_x and n_phi in cases 1 and 2, with that of both inertias that comes nearer table 1's range.
     """
     takes = [
         frequency_ratio(session, case, spring)["takes"] for case, spring in product((1, 2), RATIOS)
     ]
-    asked = [min(pair, key=lambda speed: abs(speed - np.mean(SPEEDS))) for pair in takes]
-    return {"asked": asked, "slowest": min(asked), "fastest": max(asked)}
+    needed = [min(pair, key=lambda speed: abs(speed - np.mean(SPEEDS))) for pair in takes]
+    return {"needed": needed, "slowest": min(needed), "fastest": max(needed)}
 
 
 def electric_speed(session: Session) -> Numbers:

@@ -13,13 +13,13 @@ import numpy as np
 from ....reference import get_scene
 from ....reference.continuation.along import BoundaryAlong
 from ....reference.rotor_pendulum import CASE_1, CASE_2, theory
-from ....reference.rotor_pendulum.equations import operating_speed
+from ....reference.rotor_pendulum.equations import RotorPendulum, operating_speed
 from ....reference.rotor_pendulum.phase import wrapped
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ...scenes.rotor_pendulum.phase import PHASES
 from ..ledger import Numbers
-from ..session import Session
+from ..session import Session, once
 from .derivation import at_ratios, lattice
 from .results import (
     BETAS,
@@ -36,13 +36,13 @@ from .results import (
 )
 
 SMALL = 0.1
-"""Distance of n_x from resonance that is left out."""
+"""Points nearer to resonance in n_x than this are not judged."""
 FINE = 400
 """Values along each side of a region at which the theory is evaluated."""
 
 Span = tuple[float, float]
 BEFORE, AFTER, ANY = (0.1, 1.0), (1.0, 7.0), (0.0, 8.0)
-"""Of a frequency ratio: before and after resonance, and wherever."""
+"""Ranges of a frequency ratio: before and after resonance, and all."""
 
 
 def kinds_in_regions(
@@ -63,11 +63,13 @@ def kinds_in_regions(
     for region in regions:
         n_x, n_phi = np.meshgrid(*(np.linspace(*ends, FINE + 2)[1:-1] for ends in region))
         n = theory.Ratios(n_x, n_phi, beta=beta)
-        kinds = np.cos(theory.stable_phase_difference(n)) > 0
-        printed = np.mean(np.cos(theory.stable_phase_difference(n, as_printed=True)) > 0)
+        kinds, printed = (
+            np.cos(theory.stable_phase_difference(n, as_printed)) > 0
+            for as_printed in (False, True)
+        )
         synphase.append(np.mean(kinds))
         far.append(np.mean(kinds[(abs(n_x - 1) > SMALL) & (abs(n_phi - 1) > SMALL)]))
-        by_print.append(min(printed, 1 - printed))
+        by_print.append(min(np.mean(printed), 1 - np.mean(printed)))
     return {
         "orbits": shares,
         "theory": [{"synphase": one, "antiphase": 1 - one} for one in synphase],
@@ -90,14 +92,13 @@ def branch_of_33(session: Session) -> Numbers:
 
 
 def level_phases(session: Session) -> Numbers:
-    """Return what the theory says of phases at beta = 0 [rad].
+    """Return the theory's phases at beta = 0 [rad].
 
-    How far they are from pi before, and from 0 after resonance; how they spread along n_phi; and
-    one by the equation as printed.
+    Their largest distance from pi before, and from 0 after resonance; their spread along n_phi;
+    and one by the equation as printed.
     """
     n = lattice(0.0)
-    alpha = theory.stable_phase_difference(n)
-    before = n.n_x[0] < 1
+    alpha, before = theory.stable_phase_difference(n), n.n_x[0] < 1
     printed = theory.stable_phase_difference(theory.Ratios(0.5, 2.0, beta=0.0), as_printed=True)
     return {
         "off": max(np.max(abs(wrapped(alpha[:, before] - np.pi))), np.max(abs(alpha[:, ~before]))),
@@ -107,10 +108,10 @@ def level_phases(session: Session) -> Numbers:
 
 
 def level_orbits(session: Session, who: str) -> Numbers:
-    """Return what orbits are like at beta = 0.
+    """Return the properties of orbits at beta = 0.
 
-    Shares of their kinds before and after the platform's resonance; how their phases spread along
-    n_phi [rad]; and the share of points without any.
+    Shares of their kinds before and after the platform's resonance; the spread of their phases
+    along n_phi [rad]; and the share of points without any.
     """
     plane = phase_map(session, 0.0, who)
     off_resonance = abs(plane.x.values - 1) > SMALL
@@ -129,7 +130,7 @@ def spread(phases: Array) -> float:
 
 
 def figure_3(session: Session, who: str) -> Numbers:
-    """Return what the orbits over figure 3 are like, for each beta, and how far from the theory.
+    """Return the properties of the orbits over figure 3, for each beta.
 
     Shares of their kinds, and the largest of each; shares of points at which the theory has the
     same kind, and of those without a stable orbit; the median difference of the phases [rad]; and
@@ -160,20 +161,17 @@ STARTS: Mapping[str, Mapping[float, float]] = {
     "pi/6": {2.0: 1.7, 3.0: 1.8, 7.0: 2.0},
     "pi/3": {2.0: 2.1, 3.0: 2.65, 7.0: 3.4},
 }
-"""By installation angle and n_x: an n_phi with an orbit, near the fold at which it begins."""
+"""Installation angle -> n_x -> an n_phi with an orbit, near the fold at which it begins."""
 
 
+@once
 def folds(session: Session, angle: str) -> list[BoundaryAlong]:
     """Return where the synchronous orbit begins along k_phi, for each n_x."""
-    return session.once(
-        (SCENE, "folds", angle),
-        lambda: [
-            BoundaryAlong(
-                get_scene(SCENE), at_ratios(n_x, n_phi, BETAS[angle]), "fold", "rod_stiffness"
-            )
-            for n_x, n_phi in STARTS[angle].items()
-        ],
-    )
+    scene, points = get_scene(SCENE), STARTS[angle].items()
+    return [
+        BoundaryAlong(scene, at_ratios(n_x, n_phi, BETAS[angle]), "fold", "rod_stiffness")
+        for n_x, n_phi in points
+    ]
 
 
 def ratio_of(one: BoundaryAlong, place: float) -> float:
@@ -193,35 +191,29 @@ SMALLER = (1.0, 1 / 4, 1 / 16, 1 / 64)
 
 
 def small_parameter(session: Session) -> Numbers:
-    """Return how far orbits are from the theory's phase [rad] as rotors get lighter, and the order.
+    """Return distances of orbits from the theory [rad] as rotors get lighter, and the order.
 
     And that with the rod's mass and spring smaller, too, and dampers weaker still.
     Case 2, dampers in proportion to the masses, motors and bearings to their square, as
     the torque by which vibration couples them.
     """
-    sets = [
-        CASE_2.replace(
-            rotor_mass=CASE_2.rotor_mass * mu,
-            platform_damping=CASE_2.platform_damping * mu,
-            rod_damping=CASE_2.rod_damping * mu,
-            motor_slope=CASE_2.motor_slope * mu**2,
-            friction=CASE_2.friction * mu**2,
-        )
-        for mu in SMALLER
-    ]
-    smallest = SMALLER[-1]
-    light = sets[-1].replace(
-        rod_mass=CASE_2.rod_mass * smallest,
-        rod_stiffness=CASE_2.rod_stiffness * smallest,
-        rod_damping=CASE_2.rod_damping * smallest**3,
-        platform_damping=CASE_2.platform_damping * smallest**2,
-    )
+
+    def lighter(**powers: int) -> list[RotorPendulum]:
+        """Return case 2 with parameters times powers of the small parameter."""
+        return [
+            CASE_2.replace(**{name: getattr(CASE_2, name) * mu**n for name, n in powers.items()})
+            for mu in SMALLER
+        ]
+
+    rotors = {"rotor_mass": 1, "motor_slope": 2, "friction": 2}
+    sets = lighter(**rotors, platform_damping=1, rod_damping=1)
+    light = lighter(**rotors, platform_damping=2, rod_damping=3, rod_mass=1, rod_stiffness=1)[-1]
     apart = []
     for p in (*sets, light):
         phase = orbit_value(synchronous_orbit(session, p), "phase_difference")
         apart.append(float(abs(wrapped(phase - theory.stable_phase_difference(theory.ratios(p))))))
     *gaps, other = apart
-    order = np.log(gaps[-2] / gaps[-1]) / np.log(SMALLER[-2] / smallest)
+    order = np.log(gaps[-2] / gaps[-1]) / np.log(SMALLER[-2] / SMALLER[-1])
     return {
         "factors": SMALLER,
         "gaps": gaps,
@@ -236,3 +228,18 @@ def speeds(session: Session) -> Numbers:
     """Return the speed of motors and bearings alone, and those of cases 1 and 2 [rad/s]."""
     orbits = [orbit_value(synchronous_orbit(session, CASES[i]), "mean_speed") for i in (1, 2)]
     return {"speeds": float(operating_speed(CASE_1)), "orbits": orbits}
+
+
+def limits_of_synphase(session: Session, angle: str) -> Numbers:
+    """Return where orbits leave synphase at n_x > 1: by the theory, and with the dampers.
+
+    The n_phi of resonance at n_x = 7 and 2, and that at which the phase passes pi/2, from the sign
+    of the cosine; n_x and n_phi of folds.
+    """
+    n_x, folds = fold_curve(session, angle)
+    n_phi, antiphase = np.linspace(0.1, 7, 690_001), []
+    for x in (n_x[-1], n_x[0]):
+        alpha = theory.stable_phase_difference(theory.Ratios(x, n_phi, beta=BETAS[angle]))
+        antiphase.append(n_phi[np.cos(alpha) < 0])
+    resonance = [own[0] for own in antiphase]
+    return {"resonance": resonance, "turn": antiphase[0][-1], "n_x": n_x, "folds": folds}

@@ -1,4 +1,4 @@
-"""What figures and ledger of the rotor_pendulum paper share: orbits, runs, maps."""
+"""Orbits, runs and maps that the figures and the ledger of the rotor_pendulum paper share."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from ...queries.orbit import OrbitReport, find
 from ...queries.request import Query
 from ...queries.simulate import simulate
 from ...scenes.rotor_pendulum.phase import PHASES
-from ..session import Session
+from ..session import Session, once
 
 SCENE = "rotor_pendulum"
 REDUCED = "reduced"
@@ -37,7 +37,7 @@ PRINTED_RATIOS: Mapping[int, theory.Ratios] = {
 BETAS = {"0": 0.0, "pi/6": np.pi / 6, "pi/3": np.pi / 3, "5 pi/12": 5 * np.pi / 12}
 """Installation angles [rad] of figure 3, by name."""
 RANGE = (0.1, 7.0)
-"""Of both frequency ratios in figs. 2, 3, and table 2."""
+"""Range of both frequency ratios in figs. 2, 3, and table 2."""
 
 GRID, FULL_GRID = 29, 64
 ENGINE_GRID, ENGINE_FULL_GRID = 8, 22
@@ -45,31 +45,28 @@ ENGINE_GRID, ENGINE_FULL_GRID = 8, 22
 
 HORIZONS: Mapping[int, float] = {1: 16.0, 2: 4.0, 3: 10.0}
 """Time [s] of the simulations, which the text does not give: in case 1 the rotors start
-beside the unstable phase and leave it at 0.5 1/s; in case 3 they slip by 1 rad/s."""
+near the unstable phase and leave it at 0.5 1/s; in case 3 they slip by 1 rad/s."""
 
 PER_SECOND = 1024
-"""Samples of a run: 42 in a turn."""
+"""Samples of a run per second: 42 in a turn."""
 
 STEP = 2.0**-12
 """Step of the engines [s], each with its method of highest order: 170 in a turn."""
 
 RUN_TOLERANCES = {REFERENCE: (1e-10, 1e-8), REDUCED: (1e-7, 1e-6)}
-"""Of the answer and of its check: the runs are long, and (11) is further off than that."""
+"""Tolerances of a run and of its check: the runs are long, and (11) errs by more than that."""
 
 
+@once
 def synchronous_orbit(
     session: Session, p: RotorPendulum, engine: str = REFERENCE, model: str | None = None
 ) -> OrbitReport | None:
     """Return the synchronous orbit, or None if there is none."""
-
-    def search() -> OrbitReport | None:
-        try:
-            asked = Query(SCENE, engine=engine, model=model, parameters=p.as_dict())
-            return find(asked, bounded=False)
-        except NoOrbitError:
-            return None
-
-    return session.once((SCENE, "orbit", p, engine, model), search)
+    query = Query(SCENE, engine=engine, model=model, parameters=p.as_dict())
+    try:
+        return find(query, bounded=False)
+    except NoOrbitError:
+        return None
 
 
 def orbit_value(report: OrbitReport | None, quantity: str) -> float:
@@ -144,20 +141,16 @@ class StartUp:
         return [float(self.turn_means(one)[-24:].mean()) for one in values]
 
 
+@once
 def from_rest(session: Session, case: int, who: str = REFERENCE) -> StartUp:
     """Return the start-up of a case: by the reference, its `REDUCED` equations, or an engine."""
-    p = CASES[case]
+    p, scene = CASES[case], get_scene(SCENE)
     times = np.arange(round((session.seconds or HORIZONS[case]) * PER_SECOND) + 1) / PER_SECOND
-
-    def states() -> Array:
-        scene = get_scene(SCENE)
-        if who in (REFERENCE, REDUCED):
-            own = scene.variants.get(who, scene)
-            return states_at(own, p, np.zeros(8), times, RUN_TOLERANCES[who])
-        run = simulate(SCENE, engine=who, step=STEP, parameters=p.as_dict(), times=times)
-        return np.array([run.observables[name] for name in scene.state_names])
-
-    return session.once((SCENE, "from rest", case, who), lambda: StartUp(p, times, states()))
+    if who in (REFERENCE, REDUCED):
+        equations = scene.variants.get(who, scene)
+        return StartUp(p, times, states_at(equations, p, np.zeros(8), times, RUN_TOLERANCES[who]))
+    run = simulate(SCENE, engine=who, step=STEP, parameters=p.as_dict(), times=times)
+    return StartUp(p, times, np.array([run.observables[name] for name in scene.state_names]))
 
 
 LARGEST = 8.0
@@ -180,6 +173,7 @@ def motor_torque(p: RotorPendulum, largest: float | None, rates: Array) -> Array
     return 2 * largest * slip * at / (slip**2 + at**2)
 
 
+@once
 def other_start(
     session: Session,
     case: int,
@@ -217,14 +211,10 @@ def other_start(
             force[3] -= 2 * c.unbalance * c.length * v[2] ** 2 * np.sin(q[2] - c.beta)
         return np.concatenate([v, np.linalg.solve(matrix, force)])
 
-    def run() -> StartUp:
-        times = np.arange(round(seconds * PER_SECOND) + 1) / PER_SECOND
-        solution = solve_ivp(
-            derivative, times[[0, -1]], np.zeros(8), "DOP853", times, rtol=1e-7, atol=1e-9
-        )
-        return StartUp(p, times, solution.y, largest)
-
-    return session.once((SCENE, "other start", case, seconds, largest, inertia, as_printed), run)
+    times = np.arange(round(seconds * PER_SECOND) + 1) / PER_SECOND
+    span, zero = times[[0, -1]], np.zeros(8)
+    run = solve_ivp(derivative, span, zero, "DOP853", times, rtol=1e-7, atol=1e-9)
+    return StartUp(p, times, run.y, largest)
 
 
 def phase_map(session: Session, beta: float, who: str = REFERENCE) -> Map:
@@ -251,14 +241,14 @@ def stable_phases(plane: Map) -> Array:
 
 
 NEAR = 1e-9
-"""Largest distance of a value from the end of a range that is round-off."""
+"""Distance of a value from the end of a range that round-off may reach."""
 
 
 def inside(plane: Map, x: tuple[float, float], y: tuple[float, float]) -> Any:
     """Return which points of a map lie between two n_x and two n_phi, ends included."""
     n_x, n_phi = np.meshgrid(plane.x.values, plane.y.values)
-    low, high = (x[0] - NEAR, y[0] - NEAR), (x[1] + NEAR, y[1] + NEAR)
-    return (n_x > low[0]) & (n_x < high[0]) & (n_phi > low[1]) & (n_phi < high[1])
+    in_x = (n_x > x[0] - NEAR) & (n_x < x[1] + NEAR)
+    return in_x & (n_phi > y[0] - NEAR) & (n_phi < y[1] + NEAR)
 
 
 def class_shares(plane: Map, where: Any = ...) -> dict[str, float]:

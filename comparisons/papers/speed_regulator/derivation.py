@@ -71,9 +71,9 @@ def motion(values: Values) -> Values:
 
 
 def work_without_friction(session: Session) -> Numbers:
-    """Return by how much the energy that a crank without damper gains misses the motor's work.
+    """Return the relative error of the energy balance of a crank without damper.
 
-    And the share of the time in which its speed falls.
+    Its energy gains the motor's work. And the share of the time in which its speed falls.
     """
     phi, speed = (
         recorded_motion(session, "frictionless").observables[k] for k in ("phi", "phi_dot")
@@ -91,13 +91,13 @@ def slowest_gain(session: Session, who: str) -> float:
 
 
 def opening(session: Session, who: str) -> Numbers | str:
-    """Return how far an engine's loop opens [m]; no words if it has none."""
+    """Return the largest opening of an engine's loop [m]; no words if it has none."""
     violation = recorded_motion(session, "start_8", who).observables.get("position_violation")
     return "" if violation is None else {"opening": np.max(violation)}
 
 
 def crank_angle_error(session: Session, who: str) -> float:
-    """Return how far the crank angle is from the reference's within 10 s from 8 rad/s [rad]."""
+    """Return the largest error of the crank angle within 10 s from 8 rad/s [rad]."""
     truth, own = (recorded_motion(session, "start_8", name) for name in (REFERENCE, who))
     return float(np.max(abs(own.observables["phi"] - truth.observables["phi"])[truth.times <= 10]))
 
@@ -108,7 +108,7 @@ def largest_difference(own: Any, exact: Any) -> float:
 
 
 def reactions(session: Session, who: str) -> Numbers | str:
-    """Return by how much an engine's reactions miss the reference's, relative to the largest."""
+    """Return the largest error of an engine's reactions, relative to the largest reaction."""
     if who == REFERENCE:
         return {}
     case, names = Query(SCENE).case, list(REACTIONS.values())
@@ -124,7 +124,7 @@ def reactions(session: Session, who: str) -> Numbers | str:
 
 
 def accelerations(session: Session, who: str) -> Numbers:
-    """Return by how much an engine's accelerations miss the reference's, and by which model."""
+    """Return the relative error of an engine's accelerations, and its model."""
     if who == REFERENCE:
         return {}
     case = Query(SCENE).case
@@ -136,7 +136,7 @@ def accelerations(session: Session, who: str) -> Numbers:
 
 
 def taken_up_again(session: Session) -> Numbers:
-    """Return how far a motion that is taken up again a second later is from the first [rad]."""
+    """Return the change [rad] of a motion if it is interrupted and continued after a second."""
     times = np.arange(1, 17) / 8
     first = simulate(SCENE, state={"phi": 0.4, "phi_dot": SPEED}, times=times)
     half = {k: float(first.observables[k][7]) for k in ("phi", "phi_dot")}
@@ -145,7 +145,7 @@ def taken_up_again(session: Session) -> Numbers:
 
 
 def nonlinearity(session: Session) -> Numbers:
-    """Return by how much equal steps of the speed, and twice the angle, change phi'' unequally."""
+    """Return differences of phi'' that a linear law lacks: over the speed, and for twice the angle."""
     phi, speed = np.array([0.7, 0.7, 0.7, 1.4]), np.array([0.0, 3.0, 6.0, 0.0])
     rates = get_scene(SCENE).accelerations(0.0, [phi], [speed], coefficients(EXAMPLE))[0]
     still, slow, fast, doubled = rates
@@ -160,7 +160,7 @@ PROBE = 1e-30
 
 
 def halved_slope(session: Session) -> Numbers:
-    """Return what J' as (18) prints it does to a free crank's energy, and to the limit cycle.
+    """Return the effect of J' as (18) prints it on a free crank's energy, and on the limit cycle.
 
     The range of the energy in a turn, relative to its start; mean speeds [rad/s], as printed and
     corrected.
@@ -232,7 +232,7 @@ def remainder(session: Session) -> Numbers:
 
 
 def remainder_everywhere(session: Session, ratios: Sequence[float]) -> Numbers:
-    """Return that mean for several lambda, and the error that 0.000204 makes of (21)."""
+    """Return that mean for several lambda, and the error of (21) by 0.000204."""
     sets = [EXAMPLE.replace(crank_radius=ratio * EXAMPLE.rod_length) for ratio in ratios]
     errors = [float(printed_mean_speed(p) / mean_speed(p) - 1) for p in sets]
     means = [averages(session, ratio)["remainder"] for ratio in ratios]

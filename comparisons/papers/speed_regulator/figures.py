@@ -73,7 +73,7 @@ MODEL_STYLES: tuple[dict[str, Any], ...] = (
     {},
     {"markerfacecolor": "white", "linestyle": (0, (3, 1, 1, 1, 1, 1))},
 )
-"""Of an engine's first model, and of its second."""
+"""Styles of an engine's first model, and of its second."""
 
 
 def largest(gaps: Array) -> Array:
@@ -129,7 +129,7 @@ def speeds_over_time(session: Session, names: Sequence[str], title: str) -> tupl
 
 
 TURNS = 4
-"""Over which the speeds of two motions are averaged before they are compared."""
+"""Turns over which the speeds of two motions are averaged before they are compared."""
 
 
 def turns_apart(own: Simulation, truth: Simulation) -> tuple[Array, Array]:
@@ -169,7 +169,7 @@ PHASE_RUNS = {
     "from_below": ("from 1.5 rad/s", PALETTE[3], (0, (4, 1))),
 }
 LAST_TURNS = 30.0
-"""From when on the braked motion is drawn [s]: its last turns, and how it comes to rest."""
+"""Time from which the braked motion is drawn [s]: its last turns, and how it comes to rest."""
 
 
 def figure_7(session: Session) -> Any:

@@ -27,7 +27,7 @@ from ....reference.speed_regulator.theory import (
 from ...engines.registry import REFERENCE
 from ...queries.simulate import simulate
 from ..ledger import Numbers
-from ..session import Session
+from ..session import Session, once
 from .results import (
     DAMPINGS,
     EXAMPLE,
@@ -47,10 +47,9 @@ from .results import (
 
 
 def own_rotations(session: Session, who: str) -> Numbers:
-    """Return what the rotations for the dampers of figure 5 are like.
+    """Return the mean speeds [rad/s] of the rotations for the dampers of figure 5.
 
-    Their mean speeds [rad/s], changes of these, and damper times speed; errors of (21), and what
-    its exact average changes of it.
+    Changes of these, and damper times speed; errors of (21), and its change by the exact average.
     """
     speeds = own_speeds(session, who)
     formula = np.array([float(printed_mean_speed(damped(c))) for c in DAMPINGS])
@@ -80,9 +79,9 @@ def spring_speeds(session: Session, stiffnesses: Sequence[float]) -> Numbers:
 
 
 def linear_law(session: Session, away: float) -> Numbers:
-    """Return how straight the curves of figure 3 are, and how far (21) is from them.
+    """Return the curvature of figure 3's curves, and the largest error of (21).
 
-    From ``away`` times the least torque of a rotation, and straightness from that torque on.
+    From ``away`` times the least torque of a rotation on, and the curvature from that torque on.
     """
     fine = speed_map(session, fine=True)
     torque, least = fine.x.values, least_torques(session)["least"]
@@ -103,14 +102,15 @@ def linear_law(session: Session, away: float) -> Numbers:
 
 
 def speeds_of_figure_3(session: Session, who: str) -> Numbers:
-    """Return how far the speeds of figure 3 are from the reference's, relative to them."""
+    """Return the largest relative error of the speeds of figure 3."""
     own, true = (speed_map(session, name).variables["mean_speed"] for name in (who, REFERENCE))
     return {"gap": np.nanmax(abs(own / true - 1))}
 
 
+@once
 def limits(session: Session) -> list[Threshold]:
     """Return the least torque of a rotation for each damper of figure 5, with its bound."""
-    return session.once((SCENE, "limits"), lambda: [least_torque(damped(c)) for c in DAMPINGS])
+    return [least_torque(damped(c)) for c in DAMPINGS]
 
 
 def least_torques(session: Session) -> Numbers:
@@ -121,7 +121,7 @@ def least_torques(session: Session) -> Numbers:
 def work_ratio(session: Session, who: str) -> Numbers:
     """Return the damper's work over the motor's in the last turn from 6 rad/s with c = 4.
 
-    And how much faster than the limit cycle this turn is.
+    And the speed of this turn over that of the limit cycle, less 1.
     """
     p, run = parameters_of("damping_4"), recorded_motion(session, "damping_4", who)
     rate, speed = last_turn(run, ("y_dot", "phi_dot"))
@@ -153,9 +153,9 @@ def variation_of_runs(session: Session, who: str) -> Numbers:
 
 
 def braked(session: Session, who: str) -> Numbers:
-    """Return what the braked run ends in, and how often it reverses.
+    """Return the outcome of the braked run, and the number of its reversals.
 
-    Of the reference its parameters too, and the largest gain of energy beside the motor's.
+    For the reference its parameters too, and the largest gain of energy besides the motor's work.
     """
     observables = recorded_motion(session, "braked", who).observables
     phi, speed = observables["phi"], observables["phi_dot"]
@@ -177,17 +177,16 @@ def braked(session: Session, who: str) -> Numbers:
 
 
 def limit_cycles(session: Session) -> Numbers:
-    """Return what a turn leaves of a deviation from the limit cycle, and loses, for each damper.
+    """Return the multiplier of the limit cycle, and its distance from 1, for each damper.
 
     And the range of the speed in a turn over its mean.
     """
     cycles = [rotation(damped(c)) for c in DAMPINGS]
+    ranges = [cycle.maximum_speed - cycle.minimum_speed for cycle in cycles]
     return {
         "multipliers": [cycle.multiplier for cycle in cycles],
         "lost": [1 - cycle.multiplier for cycle in cycles],
-        "variation": [
-            (cycle.maximum_speed - cycle.minimum_speed) / cycle.mean_speed for cycle in cycles
-        ],
+        "variation": [own / cycle.mean_speed for own, cycle in zip(ranges, cycles, strict=True)],
     }
 
 
@@ -201,7 +200,7 @@ def closing_in(session: Session, who: str) -> Numbers:
 
 
 def decay(session: Session, who: str, turn: int) -> float:
-    """Return by which factor a deviation from the limit cycle falls in a turn, c = 4.
+    """Return the factor by which a deviation from the limit cycle falls in a turn, c = 4.
 
     Over ten turns of the run from 6 rad/s, from one by which it is near the limit cycle.
     """
@@ -222,8 +221,8 @@ def designs(session: Session, speeds: Sequence[float]) -> Numbers:
     return {"errors": words, "second": abs(errors[1])}
 
 
-BESIDE = 1e-4
-"""Distance from the saddle at which an engine starts [rad]; the rest is what a direction errs."""
+START = 1e-4
+"""Distance from the saddle at which an engine starts [rad]."""
 
 SECONDS = 40.0
 """Time by which a crank that comes round from there has done so [s]."""
@@ -232,7 +231,7 @@ AROUND, HALVINGS = 0.04, 14
 """Share of the torque around the limit in which an engine's is looked for, and halvings of it."""
 
 NEAR = 0.01
-"""Share of the torque below and above the limit at which motions are looked at."""
+"""Relative distance of the torques below and above the limit at which motions are computed."""
 
 
 def by_weak_damping(p: SpeedRegulator) -> float:
@@ -260,14 +259,14 @@ def comes_round(who: str, p: SpeedRegulator) -> bool:
         SCENE,
         engine=who,
         parameters={"damping": p.damping, "torque": p.torque},
-        state={"phi": saddle + BESIDE, "phi_dot": rate * BESIDE},
+        state={"phi": saddle + START, "phi_dot": rate * START},
         times=np.linspace(0.0, SECONDS, 81),
     )
     return bool(np.max(run.observables["phi"]) > saddle + 2 * math.pi)
 
 
 def braking(session: Session) -> Numbers:
-    """Return limits [N m], bounds, what weak damping gives, and what is just below and above.
+    """Return limits [N m], bounds, errors of weak damping, and motions just below and above.
 
     For dampers of 2, 3 and 4 N s/m; the motions have the last of them.
     """
@@ -289,7 +288,7 @@ def braking(session: Session) -> Numbers:
 
 
 def braking_by(session: Session, who: str) -> Numbers | str:
-    """Return the limits of the reference [N m], or how far an engine's are from them, relative.
+    """Return the limits of the reference [N m], or the relative errors of an engine's limits.
 
     The engine's for the least and the largest damper alone, since each takes 16 runs.
     """
@@ -340,10 +339,10 @@ VARIANTS = {
 
 
 def variants(session: Session, of: str) -> Numbers:
-    """Return what parameters of a reading give, each in words; ``average``, M_m/(c l^2) [1/s].
+    """Return the results of a reading's parameters in words; ``average``, M_m/(c l^2) [1/s].
 
-    The mean speed and the least torque of a rotation, and the equilibria [rad]. And between which
-    limits 5.07 rad/s has M_m/(c l^2) by (21).
+    The mean speed and the least torque of a rotation, and the equilibria [rad]. And the limits of
+    M_m/(c l^2) by (21) for speeds that round to 5.07 rad/s.
     """
     words, rests = [], []
     for p in VARIANTS[of]:
@@ -359,7 +358,7 @@ def variants(session: Session, of: str) -> Numbers:
 def dampers_of_figure_4(session: Session) -> Numbers:
     """Return the limit cycle [rad/s] with its torque for each damper, and its multiplier.
 
-    And the turns in which half of a deviation is gone.
+    And the number of turns in which a deviation falls to a half.
     """
     torques = [EXAMPLE.torque * c / EXAMPLE.damping for c in DAMPINGS]
     cycles = [rotation(damped(c, torque=t)) for c, t in zip(DAMPINGS, torques, strict=True)]
@@ -386,9 +385,9 @@ def axes_of_figure_3(session: Session, dampings: Sequence[float], torque: float)
 
 
 def starts(session: Session, speeds: Sequence[float]) -> Numbers:
-    """Return what a crank comes to that starts at phi = 0, and at pi, by speed [rad/s].
+    """Return the outcome of starts at phi = 0, and at pi, by speed [rad/s].
 
-    That is rotation if it comes round three times within 40 s, and rest otherwise.
+    It is rotation if the crank comes round three times within 40 s, and rest otherwise.
     """
     ends, times = [], np.linspace(0.0, SECONDS, 161)
     for speed in speeds:

@@ -1,4 +1,4 @@
-"""What the figures and the ledger of the speed_regulator paper are made of: runs, maps."""
+"""Runs and maps that the figures and the ledger of the speed_regulator paper share."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from ...maps.store import Map
 from ...queries.simulate import Simulation, simulate
 from ...scenes.quantity import Points
 from ...scenes.speed_regulator.maps import QUANTITIES
-from ..session import Session
+from ..session import Session, once
 
 SCENE = "speed_regulator"
 EXAMPLE = SpeedRegulator()
 """Our choice of what the paper leaves open; c = 2 N s/m."""
 
 DAMPINGS = (2.0, 3.0, 4.0)
-"""Of figure 5 [N s/m]."""
+"""Dampers of figure 5 [N s/m]."""
 STARTS = (2.0, 4.0, 6.0, 8.0)
 """Speeds at phi = 0 for figure 4 [rad/s]; the text has none."""
 SLOW_START = 0.6
-"""One that does not come over the spring [rad/s]."""
+"""Speed at which the crank does not come over the spring [rad/s]."""
 SPACING = 0.125
-"""Between two samples of a run [s]."""
+"""Time between two samples of a run [s]."""
 
 
 def damped(damping: float, **changes: float) -> SpeedRegulator:
@@ -57,8 +57,8 @@ FROM_STARTS = {
 }
 RUNS = {
     **FROM_STARTS,
-    "damping_2": FROM_STARTS["start_6"],
     "start_slow": Experiment(120.0, {"phi_dot": SLOW_START}),
+    "damping_2": FROM_STARTS["start_6"],
     **{
         f"damping_{c:g}": Experiment(100.0, {"phi_dot": 6.0}, {"damping": c}, SPACING / 2)
         for c in DAMPINGS[1:]
@@ -69,16 +69,13 @@ RUNS = {
 }
 
 
+@once
 def recorded_motion(session: Session, name: str, engine: str = REFERENCE) -> Simulation:
     """Return a motion by the reference or an engine's default model."""
-    what = RUNS[name]
-    times = np.linspace(0, what.seconds, round(what.seconds / what.spacing) + 1)
-    return session.once(
-        (SCENE, "run", repr(what), engine),
-        lambda: simulate(
-            SCENE, engine=engine, parameters=what.parameters, state=what.state, times=times
-        ),
-    )
+    run = RUNS[name]
+    times = np.linspace(0, run.seconds, round(run.seconds / run.spacing) + 1)
+    how = {"parameters": run.parameters, "state": run.state}
+    return simulate(SCENE, engine=engine, times=times, **how)
 
 
 def parameters_of(name: str) -> SpeedRegulator:
@@ -87,7 +84,7 @@ def parameters_of(name: str) -> SpeedRegulator:
 
 
 def ending(session: Session, name: str, engine: str = REFERENCE) -> str:
-    """Return what a motion ends in."""
+    """Return the outcome of a motion: rotation or rest."""
     own = recorded_motion(session, name, engine)
     outcome = get_scene(SCENE).outcome
     assert outcome is not None
@@ -136,13 +133,11 @@ def points(engine: str, **values: Any) -> Points:
     return Points(get_scene(SCENE), EXAMPLE.replace(**arrays), places, arrays, engine, model)
 
 
+@once
 def own_speeds(session: Session, engine: str = REFERENCE) -> Array:
-    """Return the mean speed (3,) [rad/s] of the rotation for c = 2, 3, 4, each by its own."""
+    """Return the mean speed (3,) [rad/s] of an engine's rotation for c = 2, 3, 4."""
     at = points(engine, damping=np.array(DAMPINGS))
-    return session.once(
-        (SCENE, "own speeds", engine),
-        lambda: QUANTITIES["mean_speed"].evaluate(at).values["mean_speed"],
-    )
+    return QUANTITIES["mean_speed"].evaluate(at).values["mean_speed"]
 
 
 TORQUE = (0.04, 1.0)

@@ -196,7 +196,7 @@ def test_one_figure_alone(tmp_path: Path) -> None:
 
 
 def test_a_scene_without_a_paper_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match="rigid_body has no paper that is reproduced"):
+    with pytest.raises(UsageError, match="rigid_body has no paper to reproduce"):
         reproduce.reproduce(["rigid_body"], out=tmp_path)
 
 
