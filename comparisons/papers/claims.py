@@ -8,10 +8,12 @@ docs/architecture.md says where to change what; a row and its keys::
     claim = "Synchronous speed."
     verdict = "reproduced"
     printed = "153.8 rad/s"
-    each = {call = "cases.speed_of", case = "case_1"}
+    each = {call = "speed_of", case = "case_1"}
     reproduced_if = ["value rounds to printed", "drift < 1e-6, everyone, ours"]
 
-A measure is a function of the folder's modules, with the arguments that follow ``call``, if any.
+A measure is a function of the folder's ``measures.py``, with arguments after ``call``, if any.
+Without a ``kind`` a row with candidates is a reading, one with an erratum a misprint, and any other
+a claim; it is slow if engines are measured too.
 """
 
 from __future__ import annotations
@@ -116,8 +118,14 @@ def read_paper(scene: str) -> PaperData:
     try:
         data = tomllib.loads(text)
         shared = data.pop("definitions", {})
+        figures = [
+            {"number": int(number), **one, "caption": one["caption"].format(**shared)}
+            for number, one in data["figures"].items()
+        ]
+        causes = [{"name": name, **one} for name, one in data["causes"].items()]
         rows = [read_row(scene, name, row, shared) for name, row in data["rows"].items()]
-        return replace(converted(scene, {**data, "rows": ()}, PaperData), rows=tuple(rows))
+        others = {**data, "figures": figures, "causes": causes, "rows": ()}
+        return replace(converted(scene, others, PaperData), rows=tuple(rows))
     except REFUSALS as error:
         raise MbcheckError(f"{file}: {error}") from error
 
@@ -132,8 +140,12 @@ def read_row(
 ) -> LedgerRow:
     """Return a row of a paper from its table in the file."""
     try:
-        kind = data.get("kind", "claim")
-        row = {"kind": kind, "name": name, **DEFAULTS.get(kind, {}), **data}
+        implied = (
+            "reading" if "candidates" in data else "misprint" if "erratum" in data else "claim"
+        )
+        kind = data.get("kind", implied)
+        own = {"kind": kind, "name": name, "slow": "each" in data}
+        row = {**own, **DEFAULTS.get(kind, {}), **data}
         if not CONDITIONS.keys() & data.keys() and row["verdict"] != NOT_TESTABLE:
             row |= DEFAULT_CONDITIONS.get(kind, {})
         row["judgement"] = {
@@ -196,7 +208,7 @@ RECORDS = {"erratum": Erratum, "equations": Identities, "figures": PaperFigure, 
 
 
 def converted(scene: str, data: Mapping[str, Any], kind: Any) -> Any:
-    """Return a record of a kind; measures are found in the modules of the scene's folder."""
+    """Return a record of a kind; measures are found by their names."""
     check_keys(data, kind)
     return msgspec.convert(data, kind, dec_hook=lambda _, value: measure(scene, value))
 
@@ -213,14 +225,14 @@ def check_keys(data: Mapping[str, Any], kind: Any) -> None:
 
 
 def measure(scene: str, named: str | Mapping[str, Any]) -> Any:
-    """Return the object of this name in the modules of a scene's folder, its arguments filled in.
+    """Return the object of this name in the measures of a scene, its arguments filled in.
 
-    ``derivation.second_order``, or ``{call = "regions.share_of_class", name = "blue_o"}``; an
-    argument may be a function, ``{call = "results.peak"}``.
+    ``second_order``, or ``{call = "share_of_class", name = "blue_o"}``; another module is named
+    before a point, ``figures.figure_2``; an argument may be a function, ``{call = "peak"}``.
     """
     if isinstance(named, str):
         module, _, name = named.rpartition(".")
-        return getattr(import_module(f"{__package__}.{scene}.{module}"), name)
+        return getattr(import_module(f"{__package__}.{scene}.{module or 'measures'}"), name)
     function = measure(scene, named["call"])
     arguments = {name: argument(scene, value) for name, value in named.items() if name != "call"}
     return partial(function, **arguments) if arguments else function

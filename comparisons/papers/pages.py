@@ -262,7 +262,7 @@ def verdict(scene: str, items: Sequence[RowEntry]) -> str:
     """
     text = read_paper(scene).verdict
     known = {
-        item.name: SimpleNamespace(printed=item.printed, **item.numbers.get(REFERENCE, {}))
+        item.name: SimpleNamespace(**{"printed": item.printed, **item.numbers.get(REFERENCE, {})})
         for item in items
         if not item.failure
     }

@@ -9,6 +9,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import wraps
 from hashlib import sha256
+from inspect import signature
 from pathlib import Path
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
@@ -116,14 +117,16 @@ class Session:
 def once(function: Callable[Concatenate[Session, P], T]) -> Callable[Concatenate[Session, P], T]:
     """Let a function of a session compute its value once for the same arguments.
 
-    The key in the session's cache is the function's name, with the folder of its paper, and its
+    The key in the session's cache is the function's name, after that of its paper, and all its
     arguments: ``("hula_hoop.example_orbit", "reference")``.
     """
-    scene = function.__module__.split(".")[-2]
+    scene, parameters = function.__module__.split(".")[-2], signature(function)
 
     @wraps(function)
     def remembered(session: Session, /, *args: P.args, **more: P.kwargs) -> T:
-        key = (f"{scene}.{function.__name__}", *args, *more.items())
+        bound = parameters.bind(session, *args, **more)
+        bound.apply_defaults()
+        key = (f"{scene}.{function.__name__}", *bound.args[1:])
         return session.once(key, lambda: function(session, *args, **more))
 
     return remembered

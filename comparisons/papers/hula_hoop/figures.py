@@ -26,7 +26,7 @@ from ...reports.drawing import (
 )
 from ..drawing import draw_gap, handles_of, outside_legend
 from ..session import Session
-from .results import (
+from .measures import (
     apart,
     approximate_states,
     example_from_rest,

@@ -17,13 +17,13 @@ from ...maps.store import Map
 from ...reports.drawing import INK, NOTE, broad, engine_line, label, new_figure
 from ..drawing import handles_of, outside_legend
 from ..session import Session
-from .frequencies import THRESHOLD
-from .results import (
+from .measures import (
     CASES,
     FIRST_VARIABLE,
     MASSES,
     PRINTED_MAXIMA,
     SAMPLES,
+    THRESHOLD,
     Response,
     by_place,
     by_ratio,

@@ -21,9 +21,19 @@ from ...reports.drawing import (
 )
 from ..drawing import dotted, draw_gap, handles_of, outside_legend
 from ..session import Session
-from .cases import start_by_curve
-from .regions import STARTS, fold_curve
-from .results import BETAS, RANGE, REDUCED, StartUp, from_rest, phase_map, stable_phases, theory_on
+from .measures import (
+    BETAS,
+    RANGE,
+    REDUCED,
+    STARTS,
+    StartUp,
+    fold_curve,
+    from_rest,
+    phase_map,
+    stable_phases,
+    start_by_curve,
+    theory_on,
+)
 
 # Fig. 2
 

@@ -16,7 +16,7 @@ from ...queries.simulate import Simulation
 from ...reports.drawing import INK, NOTE, PALETTE, broad, engine_line, label, new_figure
 from ..drawing import dotted, draw_gap, handles_of, outside_legend
 from ..session import Session
-from .results import (
+from .measures import (
     ANGLES,
     DAMPINGS,
     EXAMPLE,
@@ -26,9 +26,9 @@ from .results import (
     TURN,
     damped,
     last_turn,
-    mean_over_turns,
     recorded_motion,
     speed_map,
+    turn_speeds,
 )
 
 FORMULA_LINE = {
@@ -134,7 +134,7 @@ TURNS = 4
 
 def turns_apart(own: Simulation, truth: Simulation) -> tuple[Array, Array]:
     """Return times, and |difference| of the mean speeds of some turns."""
-    ours, theirs = (mean_over_turns(item, TURNS) for item in (truth, own))
+    ours, theirs = (turn_speeds(item, TURNS) for item in (truth, own))
     count = min(len(ours), len(theirs))
     return np.cumsum(TURN * TURNS / ours)[:count], abs(theirs[:count] - ours[:count])
 

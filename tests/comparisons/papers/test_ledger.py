@@ -101,7 +101,7 @@ def test_corrected_equation_is_told_apart() -> None:
     ],
 )
 def test_conditions(condition: str, value: Any, expected: bool) -> None:
-    assert read_condition(condition).holds({"x": value}) is expected
+    assert read_condition(condition).compare({"x": value}).holds is expected
 
 
 @pytest.mark.parametrize(
