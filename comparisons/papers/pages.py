@@ -294,7 +294,7 @@ def places(items: Sequence[RowEntry]) -> str:
         mine = [one for one in errata if one.kind == kind]
         sizes = [sum(len(one.equations) for one in mine if one.copy or not copy) for copy in (0, 1)]
         lines += [[words, *sizes]] if mine else []
-    heads = ["Places to put right", "All", "Of these perhaps faults of our copy"]
+    heads = ["Places to correct", "All", "Of these perhaps faults of our copy"]
     return table_or_nothing(heads, lines)
 
 

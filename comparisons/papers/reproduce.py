@@ -2,21 +2,175 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, replace
+import json
+import logging
+import shutil
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 from datetime import date
 from pathlib import Path
+from time import perf_counter
 from typing import Annotated
 
+import msgspec
+
+from ...reference import SCENES
 from ...reference.errors import UnknownNameError, UsageError
 from ..documents.fields import JOBS, OptionMark, takes_fields_of
 from ..engines.registry import available, get_engine
 from ..queries.environment import own_commit, versions
-from ..reports.drawing import import_pyplot
+from ..reports.drawing import import_pyplot, save_and_close
+from ..reports.files import write_whole
+from .assess import Assessment, assess, attempt
 from .claims import PaperData, read_paper, scenes_with_ledger
-from .folder import Folder, Papers
-from .outcomes import Findings, Made
+from .ledger import ERROR, LedgerRow, PaperFigure
+from .outcomes import CauseEntry, FigureEntry, Findings, Made, RowEntry
 from .session import Session
+
+FINDINGS, FIGURES = "findings.json", "figures"
+"""The ``reproduce`` document of docs/json.md, which the pages show; the folder of pictures."""
+WORK = ".mbcheck"
+"""Folder of maps that an interrupted run goes on with."""
+SUFFIXES = ("png", "svg")
+DOTS_PER_INCH = 229
+"""Resolution of pictures, which are then 1,600 points wide."""
+
+LOG = logging.getLogger(__name__)
+
+Papers = Mapping[str, PaperData]
+"""Papers, or a selection of their figures and rows, by scene."""
+
+
+class Folder:
+    """The contents of an output folder, and what takes its place there.
+
+    Attributes
+    ----------
+    file, figures, work : Path
+        The document, the folder of pictures, and that of maps.
+    runs : list of Made
+        How things were made; the first is how this run makes what it adds.
+    entries : dict by (scene, number of a figure or name of a row)
+    """
+
+    def __init__(self, out: Path, made: Made) -> None:
+        self.file, self.figures, self.work = out / FINDINGS, out / FIGURES, out / WORK
+        self.runs = [made]
+        self.entries: dict[tuple[str, int | str], FigureEntry | RowEntry] = {}
+        try:
+            for path in (self.figures, self.work):
+                path.mkdir(parents=True, exist_ok=True)
+            self._refresh_work()
+            text = self.file.read_bytes() if self.file.exists() else b""
+        except OSError as error:
+            raise UsageError(f"--out: cannot write {str(out)!r}: {error.strerror}") from None
+        try:
+            if text:
+                self._take(msgspec.json.decode(text, type=Findings))
+        except (msgspec.MsgspecError, LookupError, ValueError, RecursionError):
+            LOG.warning("Warning: %s is damaged, or another document: replaced", self.file)
+
+    def _refresh_work(self) -> None:
+        """Remove the maps of other versions, and remember which these are."""
+        stamp, now = self.work / "versions.json", json.dumps(self.runs[0].versions)
+        if not stamp.exists() or stamp.read_text("utf-8", "replace") != now:
+            shutil.rmtree(self.work)
+            self.work.mkdir()
+            stamp.write_text(now, "utf-8")
+
+    def _take(self, document: Findings) -> None:
+        """Take the entries of a document whose figures and rows the papers still have."""
+        self.runs += [one for one in document.runs if one not in self.runs]
+        for item in document.entries:
+            paper = read_paper(item.scene) if item.scene in SCENES else PaperData()
+            how = {"run": self.runs.index(document.runs[item.run]), "seconds": item.seconds}
+            if isinstance(item, FigureEntry):
+                for figure in paper.figures:
+                    if figure.number == item.number:
+                        self.add(FigureEntry.of(item.scene, figure, item.error, **how))
+                continue
+            for row in paper.rows:
+                if row.name == item.name:
+                    parts = {one.name: getattr(item, one.name) for one in fields(Assessment)}
+                    whole = assess(row, Session()) if row.is_text else Assessment(**parts)
+                    self.add(RowEntry.of(item.scene, row, whole, **how))
+
+    def add(self, entry: FigureEntry | RowEntry) -> None:
+        """Add an entry, in the place of an earlier one of the same figure or row."""
+        key = entry.number if isinstance(entry, FigureEntry) else entry.name
+        self.entries[entry.scene, key] = entry
+
+    def forget_maps(self, scene: str) -> None:
+        """Remove the maps of a scene, so that they are computed again."""
+        for path in self.work.glob(f"{scene}_*"):
+            if path.is_dir():
+                shutil.rmtree(path, ignore_errors=True)
+            else:
+                path.unlink()
+
+    @property
+    def contents(self) -> Findings:
+        """All entries, in the order of the papers."""
+        there = {scene for scene, _ in self.entries}
+        return self.selection({scene: read_paper(scene) for scene in SCENES if scene in there})
+
+    def selection(self, papers: Papers) -> Findings:
+        """Return the entries of some figures and rows."""
+        keys: list[tuple[str, int | str]] = []
+        for scene, paper in papers.items():
+            keys += [(scene, one.number) for one in paper.figures]
+            keys += [(scene, row.name) for row in paper.rows]
+        there = [self.entries[key] for key in keys if key in self.entries]
+        figures = [item for item in there if isinstance(item, FigureEntry)]
+        rows = [item for item in there if isinstance(item, RowEntry)]
+        used = list(dict.fromkeys(item.run for item in (*figures, *rows)))
+        made = self.runs[0]
+        return Findings(
+            made.versions,
+            made.full,
+            tuple(replace(item, run=used.index(item.run)) for item in figures),
+            tuple(replace(item, run=used.index(item.run)) for item in rows),
+            tuple(
+                CauseEntry(**vars(cause), scene=scene)
+                for scene in papers
+                for cause in read_paper(scene).causes
+            ),
+            tuple(self.runs[i] for i in used),
+        )
+
+    def pictures(self, scene: str, figure: PaperFigure) -> list[Path]:
+        """Return the files of a figure."""
+        return [self.figures / f"{scene}_{figure.number}.{suffix}" for suffix in SUFFIXES]
+
+    def has(self, scene: str, item: PaperFigure | LedgerRow) -> bool:
+        """Return True if an item is finished that would be made in the same way again."""
+        is_figure = isinstance(item, PaperFigure)
+        entry = self.entries.get((scene, item.number if is_figure else item.name))
+        if entry is None or entry.failure or self.runs[entry.run].way != self.runs[0].way:
+            return False
+        return not is_figure or all(path.exists() for path in self.pictures(scene, item))
+
+    def make(self, scene: str, session: Session, item: PaperFigure | LedgerRow) -> None:
+        """Draw a figure or assess a row, and write the document."""
+        begin = perf_counter()
+        entry: FigureEntry | RowEntry
+        if isinstance(item, PaperFigure):
+            drawn, failure = attempt(lambda: item.draw(session))
+            if not failure:
+                save_and_close(drawn, *self.pictures(scene, item), dots=DOTS_PER_INCH)
+            entry = FigureEntry.of(scene, item, failure or None, run=0, seconds=0.0)
+        else:
+            assessment, failure = attempt(lambda: assess(item, session))
+            whole = assessment or Assessment(ERROR, failure)
+            entry = RowEntry.of(scene, item, whole, run=0, seconds=0.0)
+        self.add(replace(entry, seconds=round(perf_counter() - begin, 2)))
+        text = json.dumps(self.contents.as_json(), ensure_ascii=False, separators=(",", ":"))
+        lines = text.replace('},{"scene"', '},\n{"scene"')  # a figure or a row each
+        write_whole(self.file, f"{lines}\n".encode())
+
+
+# The verb ------------------------------------------------------------------------------------
+
 
 Progress = Callable[[int, int, str], None]
 

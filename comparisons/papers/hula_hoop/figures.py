@@ -255,12 +255,6 @@ def zones(title: str, plane: Map) -> Panel:
     return Panel(title, plane, by_size(calm, unstable, large))
 
 
-def alike(session: Session, plate: bool, own: Map) -> float:
-    """Return the share of its points at which an engine's rotation is as stable as the true one."""
-    true = on_grid(session, own, stable(session, plate, "exact"))
-    return float(np.mean((is_class(own, "stability", "stable") == true)[own.computed == 1]))
-
-
 def stability_figure(session: Session, plate: bool) -> Any:
     """Draw fig. 4, or 6 (plate)."""
     paper = stability_map(session, plate, model="paper")
@@ -274,7 +268,9 @@ def stability_figure(session: Session, plate: bool) -> Any:
     ]
     for letter, engine in zip("ef", session.engines, strict=False):
         own = stability_map(session, plate, engine)
-        panels.append(zones(f"({letter}) {engine} agrees at {alike(session, plate, own):.1%}", own))
+        true = on_grid(session, own, stable(session, plate, "exact"))
+        alike = np.mean((is_class(own, "stability", "stable") == true)[own.computed == 1])
+        panels.append(zones(f"({letter}) {engine} agrees at {alike:.1%}", own))
     figure, _ = draw_panels(panels, ZONES, 3)
     legend(figure, ZONES)
     return figure

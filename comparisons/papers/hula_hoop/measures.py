@@ -593,9 +593,12 @@ def effect_of_55(session: Session) -> Numbers:
     return {"multipliers": multipliers, "shares": shares}
 
 
-def rate_moduli(solution: ApproximateSolution, count: int = 64) -> Array:
-    """Return moduli of the eigenvalues of A(tau) of (62) over one period, (count, 4)."""
-    c = nondimensional(EXAMPLE)
+def eigenvalues(session: Session, count: int = 64) -> Numbers:
+    """Return the share of a period with an eigenvalue of A(tau) of (62) above 1 in modulus.
+
+    And the largest multiplier. ``count`` times are taken over the period.
+    """
+    solution, c = corrected_solution(EXAMPLE), nondimensional(EXAMPLE)
     tau = 2 * np.pi / c.alpha * np.arange(count) / count
     p_1, p_2, p_3, p_4, p_5 = variational_coefficients(solution, EXAMPLE, tau)
     one, none = np.ones(count), np.zeros(count)
@@ -605,14 +608,9 @@ def rate_moduli(solution: ApproximateSolution, count: int = 64) -> Array:
     )
     lower = np.linalg.solve(np.moveaxis(mass, -1, 0), np.moveaxis(right, -1, 0))
     upper = np.broadcast_to(np.eye(2, 4, 2), (count, 2, 4))
-    return np.abs(np.linalg.eigvals(np.concatenate([upper, lower], axis=1)))
-
-
-def eigenvalues(session: Session) -> Numbers:
-    """Return the share of the period with an eigenvalue of A(tau) above 1; the multiplier."""
-    solution = corrected_solution(EXAMPLE)
+    moduli = np.abs(np.linalg.eigvals(np.concatenate([upper, lower], axis=1)))
     return {
-        "above": np.mean(rate_moduli(solution).max(axis=1) > 1),
+        "above": np.mean(moduli.max(axis=1) > 1),
         "largest": float(abs(floquet_multipliers(solution, EXAMPLE)[0])),
     }
 

@@ -264,7 +264,7 @@ STRAIGHT = {
 """Values of a straight beam's tip, 0.4 kg there, at 1 rad/s, for equations; beta_2 at rest."""
 
 MODES = 16
-"""Assumed modes that come to within 1e-3 of what they converge to."""
+"""Number of assumed modes that is converged to within 1e-3."""
 
 
 def root(session: Session, who: str, i: int) -> float:
@@ -319,7 +319,7 @@ def foreshortening(session: Session) -> Numbers:
 
 
 def pull_of_hub(session: Session) -> Numbers:
-    """Return the first frequency by (18), with its own D_1, and the converged one."""
+    """Return the first frequency by (18), with the D_1 of that equation, and the converged one."""
     own, exact = first_frequency(numbers(BEAM), MODES), first_frequency(numbers(BEAM))
     return {"own": own, "exact": exact, "error": abs(own / exact - 1)}
 

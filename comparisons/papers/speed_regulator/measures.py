@@ -112,14 +112,6 @@ def parameters_of(name: str) -> SpeedRegulator:
     return EXAMPLE.replace(**RUNS[name].parameters)
 
 
-def ending(session: Session, name: str, engine: str = REFERENCE) -> str:
-    """Return the outcome of a motion: rotation or rest."""
-    own = recorded_motion(session, name, engine)
-    outcome = get_scene(SCENE).outcome
-    assert outcome is not None
-    return outcome(own.times, own.observables, parameters_of(name))
-
-
 def turn_speeds(motion: Simulation, turns: int = 0) -> Array:
     """Return the mean speed [rad/s] of each whole turn of a motion that goes forward.
 
@@ -508,16 +500,18 @@ def braked(session: Session, who: str) -> Numbers:
 
     For the reference its parameters too, and the largest gain of energy besides the motor's work.
     """
-    observables = recorded_motion(session, "braked", who).observables
-    phi, speed = observables["phi"], observables["phi_dot"]
-    own: Numbers = {
-        "end": ending(session, "braked", who),
-        "reversals": int(np.sum(np.diff(speed > 0))),
-    }
+    run, p, scene = (
+        recorded_motion(session, "braked", who),
+        parameters_of("braked"),
+        get_scene(SCENE),
+    )
+    phi, speed = run.observables["phi"], run.observables["phi_dot"]
+    assert scene.outcome is not None
+    end = scene.outcome(run.times, run.observables, p)
+    own = {"end": end, "reversals": int(np.sum(np.diff(speed > 0)))}
     if who != REFERENCE:
         return own
-    p = parameters_of("braked")
-    energy = get_scene(SCENE).energy([phi], [speed], coefficients(p))
+    energy = scene.energy([phi], [speed], coefficients(p))
     return {
         **own,
         "torque": p.torque,

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from mbcheck.comparisons.papers import folder, ledger, pages, reproduce
+from mbcheck.comparisons.papers import ledger, pages, reproduce
 from mbcheck.comparisons.papers.assess import assess
 from mbcheck.comparisons.papers.claims import PaperData
 from mbcheck.comparisons.papers.ledger import PaperFigure
@@ -63,7 +63,7 @@ TOY_ROWS = (
 
 def replace_papers(monkeypatch: pytest.MonkeyPatch, figures: Any, rows: Any) -> None:
     """Let scenes have another paper."""
-    for module in (reproduce, folder, pages):
+    for module in (reproduce, pages):
         monkeypatch.setattr(module, "read_paper", lambda scene: PaperData(figures, rows))
 
 
