@@ -138,7 +138,7 @@ def assess(row: LedgerRow, session: Session) -> Assessment:
             for condition in conditions
         ),
         {name: float(own["value"]) for name, _, own in sources if row.quantity},
-        {name: found for name, text, own in sources if (found := numbers_in(text, own))},
+        {name: used for name, text, own in sources if (used := numbers_in(text, own))},
     )
 
 

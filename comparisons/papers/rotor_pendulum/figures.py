@@ -120,8 +120,8 @@ def figure_3(session: Session, betas: Mapping[str, float] = BETAS) -> Any:
     for letter, (name, beta), (by_theory, orbits) in zip("abcd", betas.items(), axes, strict=False):
         true = phase_map(session, beta)
         for panel, phases in ((by_theory, theory_on(true, beta)), (orbits, stable_phases(true))):
-            shown = np.ma.masked_invalid(phases)
-            mesh = panel.pcolormesh(true.x.values, true.y.values, shown, **CELLS, **PHASE)
+            valid = np.ma.masked_invalid(phases)
+            mesh = panel.pcolormesh(true.x.values, true.y.values, valid, **CELLS, **PHASE)
         orbits.patch.set(**NONE)
         draw_theory_curves(by_theory, beta)
         if name in STARTS:
