@@ -328,7 +328,7 @@ def own_maps(session: Session, plate: bool, engine: str) -> tuple[Any, Any, Any]
     return is_class(calm, "stability", "stable")[known], hoop[known], first[known]
 
 
-# The derivation -----------------------------------------------------------------------------------
+# Sections 1 to 4 ----------------------------------------------------------------------------------
 
 
 PHASES = 2 * np.pi * np.arange(256) / 256
@@ -887,7 +887,7 @@ def starts(session: Session) -> Numbers:
     return {"ends": ends, "robust": np.mean(motion_map(session, False).variables["robust"] == 1)}
 
 
-# Figures of regions -------------------------------------------------------------------------------
+# Sections 5.2 and 6: figures 4 to 7 ---------------------------------------------------------------
 
 
 SMALL = 0.1

@@ -118,7 +118,7 @@ def maximum(place: Array, frequency: Array) -> float:
     return float(at[np.argmax(spline(at))])
 
 
-# Runs ---------------------------------------------------------------------------------------
+# Runs ---------------------------------------------------------------------------------------------
 
 
 class Response(NamedTuple):
@@ -188,7 +188,7 @@ def response(session: Session, figure: int, who: str, mass: float) -> Response:
     return motion
 
 
-# Measures -----------------------------------------------------------------------------------
+# Properties of curves and motions -----------------------------------------------------------------
 
 LOADS = MASSES[1:]
 UNIT = time_unit(BEAM)
@@ -248,7 +248,7 @@ def free_amplitude(motion: Response, p: RotatingBeam) -> float:
     return float(np.max(np.abs(free(motion, p))))
 
 
-# The derivation -----------------------------------------------------------------------------------
+# Sections 1 and 2 ---------------------------------------------------------------------------------
 
 
 FIRST_AXIAL = np.pi / 2 / BEAM.length * np.sqrt(BEAM.youngs_modulus / BEAM.density)

@@ -271,7 +271,7 @@ def class_shares(plane: Map, where: Any = ...) -> dict[str, float]:
     return {name: share for name, share in shares.items() if share > 0}
 
 
-# The derivation -----------------------------------------------------------------------------------
+# Sections 2 to 4, and tables ----------------------------------------------------------------------
 
 
 def at_ratios(n_x: float, n_phi: float, beta: float) -> RotorPendulum:
@@ -561,7 +561,7 @@ def dimensionless(session: Session, name: str) -> Numbers:
     return {"value": float(entries[name])}
 
 
-# Section 5.2 and its starts -----------------------------------------------------------------------
+# Section 5.2: the three cases ---------------------------------------------------------------------
 
 
 AT_SPEED = 0.9
@@ -1022,7 +1022,7 @@ def duration(session: Session) -> Numbers:
     return {"phases": np.interp((8, 10, 12, 14, 16), run.turn_means(run.times), sizes)}
 
 
-# Figures of regions -------------------------------------------------------------------------------
+# Section 5.1: figure 3 ----------------------------------------------------------------------------
 
 
 SMALL = 0.1

@@ -180,7 +180,7 @@ def speed_map(
     )
 
 
-# The derivation -----------------------------------------------------------------------------------
+# Sections 1 to 3, to equation (20) ----------------------------------------------------------------
 
 
 SPEED = 5.07
@@ -388,7 +388,7 @@ def remainder_everywhere(session: Session, ratios: Sequence[float]) -> Numbers:
     }
 
 
-# Motions ------------------------------------------------------------------------------------------
+# Sections 3 and 4: formula (21), figures 3 to 7 ---------------------------------------------------
 
 
 # The stabilised speed: (21), figures 3 to 5
