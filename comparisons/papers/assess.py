@@ -130,7 +130,10 @@ def assess(row: LedgerRow, session: Session) -> Assessment:
         verdict_of(row, numbers, engines) if row.judgement else row.verdict,
         reason_of(row, numbers),
         fill(row.reference, numbers),
-        {name: fill(template, able[name]) if name in able else engines[name] for name in engines},
+        {
+            name: own if isinstance(own, str) else fill(template, own)
+            for name, own in engines.items()
+        },
         tuple((way, fill(result, numbers)) for way, result in row.candidates.items()),
         tuple(
             condition.compare(numbers, row.printed, verdict)

@@ -123,7 +123,7 @@ class Folder:
         there = [self.entries[key] for key in keys if key in self.entries]
         figures = [item for item in there if isinstance(item, FigureEntry)]
         rows = [item for item in there if isinstance(item, RowEntry)]
-        used = list(dict.fromkeys(item.run for item in (*figures, *rows)))
+        used = list(dict.fromkeys([item.run for item in figures] + [item.run for item in rows]))
         made = self.runs[0]
         return Findings(
             made.versions,
@@ -144,11 +144,12 @@ class Folder:
 
     def has(self, scene: str, item: PaperFigure | LedgerRow) -> bool:
         """Return True if an item is finished that would be made in the same way again."""
-        is_figure = isinstance(item, PaperFigure)
-        entry = self.entries.get((scene, item.number if is_figure else item.name))
+        name = item.number if isinstance(item, PaperFigure) else item.name
+        entry = self.entries.get((scene, name))
         if entry is None or entry.failure or self.runs[entry.run].way != self.runs[0].way:
             return False
-        return not is_figure or all(path.exists() for path in self.pictures(scene, item))
+        paths = self.pictures(scene, item) if isinstance(item, PaperFigure) else []
+        return all(path.exists() for path in paths)
 
     def make(self, scene: str, session: Session, item: PaperFigure | LedgerRow) -> None:
         """Draw a figure or assess a row, and write the document."""
@@ -226,10 +227,13 @@ def reproduce(request: ReproduceRequest) -> Findings:
     papers = selected(request.scenes or scenes_with_ledger(), request.figure, request.rows)
     made = Made(versions(available()), request.full, date.today().isoformat(), own_commit())
     folder = Folder(Path(request.out), made)
-    figures = [(scene, item) for scene, paper in papers.items() for item in paper.figures]
-    rows = [(scene, item) for scene, paper in papers.items() for item in paper.rows]
-    names = [f"{scene} figure {item.number}" for scene, item in figures]
-    names += [f"{scene} {item.name}" for scene, item in rows]
+    items: list[tuple[str, PaperFigure | LedgerRow]] = []
+    items += [(scene, one) for scene, paper in papers.items() for one in paper.figures]
+    items += [(scene, row) for scene, paper in papers.items() for row in paper.rows]
+    names = [
+        f"{scene} figure {one.number}" if isinstance(one, PaperFigure) else f"{scene} {one.name}"
+        for scene, one in items
+    ]
     done = 0
 
     def tell_map(name: str, finished: int, total: int) -> None:
@@ -240,7 +244,7 @@ def reproduce(request: ReproduceRequest) -> Findings:
     is_part = request.resume or request.rows or request.figure is not None
     for scene in () if is_part else papers:
         folder.forget_maps(scene)
-    for done, (scene, item) in enumerate((*figures, *rows)):
+    for done, (scene, item) in enumerate(items):
         request.progress(done, len(names), names[done])
         if not (request.resume and folder.has(scene, item)):
             folder.make(scene, sessions[scene], item)

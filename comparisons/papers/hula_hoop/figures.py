@@ -116,7 +116,7 @@ def draw_motion(
     figure, axes = new_figure(3, 2, height=1.9, sharex=True)
     for (left, right), title, (place, factor, unit) in zip(axes, titles, OBSERVABLES, strict=True):
         for name, values in approximate.items():
-            line = APPROXIMATE_LINES[name] | {"linewidth": 1.0}
+            line = {**APPROXIMATE_LINES[name], "linewidth": 1.0}
             left.plot(times, factor * values[place], zorder=3, **line)
             right.plot(times, factor * apart(values, truth)[place], **line)
         broad(left, times, factor * truth[place], label=REFERENCE, zorder=1)
@@ -198,10 +198,10 @@ def scatter(axes: Any, panel: Panel, styles: Mapping[str, Style]) -> None:
             axes.plot(x[column], y[row], **how, **styles[name])
     for number, where in panel.regions.items():
         depth = distance_transform_edt(np.pad(where, 1))[1:-1, 1:-1]
-        row, column = np.unravel_index(np.argmax(depth), depth.shape)
+        i, j = np.unravel_index(np.argmax(depth), depth.shape)
         box = {"boxstyle": "round", "facecolor": "white", "edgecolor": INK, "linewidth": 0.6}
         middle = {"ha": "center", "va": "center", "fontsize": 9, "bbox": box}
-        axes.annotate(number, (x[column], y[row]), **middle)
+        axes.annotate(number, (x[j], y[i]), **middle)
 
 
 def draw_panels(

@@ -694,7 +694,7 @@ def errors_of_solutions(session: Session) -> Numbers:
     And the share of the printed solution's error of theta that Newton's method leaves.
     """
     size = example_orbit(session).harmonics["y"].terms[0].amplitude
-    errors, numbers = approximation_errors(session), {}
+    errors, numbers = approximation_errors(session), dict[str, float]()
     for name, (y, theta, *_) in errors.items():
         numbers |= {name: 1e3 * y, f"{name}_share": y / size, f"{name}_theta": theta}
     left = [errors[name][1] / errors["paper"][1] for name in ("refined", "corrected")]

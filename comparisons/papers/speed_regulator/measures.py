@@ -103,8 +103,7 @@ def recorded_motion(session: Session, name: str, engine: str = REFERENCE) -> Sim
     """Return a motion by the reference or an engine's default model."""
     run = RUNS[name]
     times = np.linspace(0, run.seconds, round(run.seconds / run.spacing) + 1)
-    how = {"parameters": run.parameters, "state": run.state}
-    return simulate(SCENE, engine=engine, times=times, **how)
+    return simulate(SCENE, engine=engine, parameters=run.parameters, state=run.state, times=times)
 
 
 def parameters_of(name: str) -> SpeedRegulator:
