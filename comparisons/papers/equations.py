@@ -50,7 +50,7 @@ def join_lines(*texts: str) -> str:
 def sides(text: str) -> list[tuple[str, str]]:
     """Return the left- and right-hand sides of the equations in a text.
 
-    A line that is indented further goes on with the one before.
+    A line with a deeper indentation continues the one before.
     """
     lines = re.sub(r"\n+", "\n", re.sub(r"\n +", " ", dedent(text).strip())).splitlines()
     return [(left, right) for left, _, right in (line.partition(" = ") for line in lines)]

@@ -264,7 +264,7 @@ STRAIGHT = {
 """Values of a straight beam's tip, 0.4 kg there, at 1 rad/s, for equations; beta_2 at rest."""
 
 MODES = 16
-"""Number of assumed modes that is converged to within 1e-3."""
+"""Number of assumed modes, converged to within 1e-3."""
 
 
 def root(session: Session, who: str, i: int) -> float:
