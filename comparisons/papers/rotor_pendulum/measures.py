@@ -605,21 +605,17 @@ def overshoots(run: StartUp) -> Array:
     return np.asarray(size[:, :PER_SECOND].max(axis=1) / size[:, -PER_SECOND:].max(axis=1))
 
 
-def starts(session: Session, who: str, case: int) -> Numbers:
-    """Return the largest difference of the speeds in the run-up of a case, and `overshoots`.
+def compare_starts(session: Session, case: int) -> Numbers:
+    """Compare the starts of a case by (14) and by the motors' curve: pairs.
 
-    For the reference it compares the starts by (14) and by the motors' curve, in pairs: these
-    differences; when both rotors are at speed [s]; the rod's largest angle until then [rad]. By
-    the curve alone the mean lead of rotor 1 in speed [rad/s], and `overshoots`.
+    The largest differences of the speeds, over them; when both rotors are at speed [s]; the rod's
+    largest angle until then [rad]. By the curve alone the mean lead of rotor 1 in speed [rad/s],
+    and `overshoots`.
     """
-    run = from_rest(session, case, who)
-    own = {"value": gap(run), "ratios": overshoots(run)}
-    if who != REFERENCE:
-        return own
-    runs = run, start_by_curve(session, case)
+    runs = from_rest(session, case), start_by_curve(session, case)
     gaps, early = [gap(run) for run in runs], [speeding_up(run) for run in runs]
     curve = overshoots(runs[1])
-    return own | {
+    return {
         "gaps": gaps,
         "least": min(gaps),
         "largest": max(gaps),
@@ -631,9 +627,16 @@ def starts(session: Session, who: str, case: int) -> Numbers:
     }
 
 
+def starts(session: Session, who: str, case: int) -> Numbers:
+    """Return the largest difference of the speeds in the run-up of a case, and `overshoots`."""
+    run = from_rest(session, case, who)
+    others = compare_starts(session, case) if who == REFERENCE else {}
+    return {"value": gap(run), "ratios": overshoots(run), **others}
+
+
 def starts_of_both_cases(session: Session) -> Numbers:
     """Compare the starts of cases 1 and 2 by both laws: differences of the speeds, swings [rad]."""
-    first, second = (starts(session, REFERENCE, case) for case in (1, 2))
+    first, second = (compare_starts(session, case) for case in (1, 2))
     ratios = {name: np.divide(second[name], first[name]) for name in ("gaps", "swings")}
     return {"first": first, "second": second, **ratios}
 
