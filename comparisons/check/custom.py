@@ -1,4 +1,4 @@
-"""Checks at a user's own parameters: the case that they make, and how far a reference can judge."""
+"""Checks at a user's own parameters: their case, and the range in which the reference can judge."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ NAME = "custom"
 """The name of the case in ids."""
 
 USUAL_PERIODS = 32
-"""Most periods of the fastest motion in a horizon that is not given."""
+"""Most periods of the fastest motion in a default horizon."""
 
 LEAST_PERIODS = 0.25
 """Least periods of the fastest motion in a horizon: a few steps of the best method."""
@@ -50,11 +50,11 @@ SINGULAR = 1e-9
 inertias of the coordinates elsewhere."""
 
 POSITIONS = 16
-"""Positions at which these inertias are looked up."""
+"""Number of positions at which these inertias are evaluated."""
 
 RESOLVED = 1e-4
 """Largest error bound of a reference that can judge an engine, in the size of each observable: a
-tenth of the effect of a mass that is off by 0.1 %."""
+tenth of the effect of a mass with an error of 0.1 %."""
 
 CONSERVED = 1e-8
 """Largest relative drift over the reference of a quantity that counts as conserved."""
@@ -68,7 +68,7 @@ class CustomCase:
     ----------
     case : Case
     horizon_source : str
-        What the horizon follows from, in words.
+        Origin of the horizon, in words.
     permitted : float
         Part of the horizon [s] over which a small error stays small.
     growth : float
@@ -85,7 +85,7 @@ class CustomCase:
 
     @property
     def reference(self) -> CustomReference:
-        """What reports tell of the reference."""
+        """Summary of the reference for reports."""
         scene = get_scene(self.case.scene)
         bounds = map(float, self.solution.bound)
         return CustomReference(
@@ -258,23 +258,23 @@ def applied(checks: Sequence[Check], custom: CustomCase) -> list[Check]:
 
 
 def why_inapplicable(custom: CustomCase, kind: str) -> str:
-    """Return why a kind of check does not apply; empty where it does."""
+    """Return the reason for which a kind of check does not apply; empty if it does."""
     return next(filter(None, (MISSING[need](custom) for need in KINDS[kind].needs)), "")
 
 
 def why_no_rest(custom: CustomCase) -> str:
-    """Return why there is no state of rest; empty where there is one."""
+    """Return a reason if there is no state of rest; empty otherwise."""
     return "" if custom.case.about else "these parameters leave the scene no state of rest"
 
 
 def why_no_motion(custom: CustomCase) -> str:
-    """Return why nothing can be followed; empty where something moves."""
+    """Return a reason if no coordinate moves; empty otherwise."""
     coordinates = custom.solution.states[: len(get_scene(custom.case.scene).coordinates)]
     return "" if moves(coordinates) else "nothing moves from this state: give --state"
 
 
 def why_no_orbit(custom: CustomCase) -> str:
-    """Return why there is no periodic orbit that can be followed; empty where there is one."""
+    """Return a reason if no run can stay on a periodic orbit; empty otherwise."""
     case, scene = custom.case, get_scene(custom.case.scene)
     try:
         orbit = true_orbit(case.scene, case.parameters)
@@ -288,7 +288,7 @@ def why_no_orbit(custom: CustomCase) -> str:
 
 
 def why_no_energy(custom: CustomCase) -> str:
-    """Return why nothing is conserved that a drift can be related to; empty where all is."""
+    """Return a reason if an invariant drifts or starts near 0; empty otherwise."""
     case, equations = custom.case, scene_equations(custom.case)
     end = float(equations.scene.drive_end_time(case.parameters))
     if end >= custom.permitted:
@@ -310,4 +310,4 @@ MISSING: Mapping[str, Callable[[CustomCase], str]] = {
     "orbit": why_no_orbit,
     "conserved": why_no_energy,
 }
-"""By what a kind of check needs, why a case does not have it."""
+"""Requirement of a kind of check -> function that gives the reason if a case lacks it."""

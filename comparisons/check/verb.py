@@ -17,6 +17,7 @@ from ..terminal.budget import QUERY, budget_option, budgeted
 from ..terminal.options import with_options_of
 from ..terminal.page_options import HTML, write_page
 from ..terminal.program import (
+    BADGE,
     INTERRUPTED,
     JSON,
     JUNIT,
@@ -73,6 +74,7 @@ def new_file(
 @JUNIT
 @SARIF
 @MARKDOWN
+@BADGE
 @click.option(
     "--write-known",
     "draft_file",
@@ -100,6 +102,7 @@ def check_verb(
     junit_file: Destination | None,
     sarif_file: Destination | None,
     markdown_file: Destination | None,
+    badge_file: Destination | None,
     draft_file: Destination | None,
     annotations: bool | None,
     html_file: Destination | None,
@@ -120,7 +123,7 @@ def check_verb(
     """
     if quiet and verbose:
         raise UsageError("--quiet and --verbose contradict each other")
-    files = (json_file, junit_file, sarif_file, markdown_file, draft_file, html_file)
+    files = (json_file, junit_file, sarif_file, markdown_file, badge_file, draft_file, html_file)
     refuse_conflicts(*files)
     from ..checks import known
     from ..engines.registry import in_this_process
@@ -145,6 +148,8 @@ def check_verb(
         junit_file.write(sections.run_junit(outcome))
     if sarif_file:
         sarif_file.write(sections.run_sarif(outcome))
+    if badge_file:
+        badge_file.write(json_text(sections.run_badge(outcome)))
     summary = sections.run_summary(outcome)
     if markdown_file:
         markdown_file.write(summary)

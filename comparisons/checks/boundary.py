@@ -33,7 +33,7 @@ SETTLED = 0.25
 
 
 def quantities(setup: Setup) -> tuple[str, ...]:
-    """Return the names of what is measured: of models with the scene's own equations alone."""
+    """Return the names of the quantities; none for a model with other equations than the scene."""
     same = setup.bound.is_exact and setup.bound.coordinates == setup.scene.coordinates
     return ("boundary", "extrapolated") if same else ()
 
@@ -48,7 +48,7 @@ def true_boundary(scene: str, parameters: Any, point: BoundarySearch) -> Boundar
 
 @dataclass(frozen=True)
 class EnginePoint:
-    """Where an engine's orbits lose their stability, with a number of steps in a period.
+    """Point at which an engine's orbits lose stability, with a number of steps per period.
 
     Attributes
     ----------
@@ -191,5 +191,5 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
 
 
 def shift(size: float, unit: str) -> str:
-    """Return how far a boundary point is shifted, in words."""
+    """Return the shift of a boundary point in words."""
     return f"{size:.3g}" if unit == "1" else f"{size:.3g} {unit}"

@@ -52,12 +52,12 @@ from .verdict import (
 
 
 class Task(ABC):
-    """What `run_checks` runs: one measurement, of one quantity or several.
+    """One measurement of one quantity or several, as `run_checks` runs it.
 
     Attributes
     ----------
     engine : str
-        The engine that is measured.
+        Name of the engine.
     quantities : tuple of str
     loaded_as : str or None
         ``package.module:Class`` of an engine that was given so.
@@ -70,7 +70,7 @@ class Task(ABC):
     @property
     @abstractmethod
     def subject(self) -> Subject:
-        """What its results are about."""
+        """The subject of its results."""
 
     @property
     def effort(self) -> float:
@@ -80,10 +80,10 @@ class Task(ABC):
     @property
     @abstractmethod
     def group(self) -> tuple[str, str, str]:
-        """Owner, scene and case: what it shares with others that run in the same process.
+        """Owner, scene and case: tasks of one group run in the same process.
 
-        Those of an engine of others stand apart, by its name: its code may change what it runs
-        beside. The owner of all others is empty.
+        A third-party engine owns its tasks, by its name: its code may change others in the same
+        process. The owner of all other tasks is empty.
         """
 
     @property
@@ -107,7 +107,7 @@ class Task(ABC):
 
     @property
     def prefix(self) -> str:
-        """What the ids of its results have in common."""
+        """The common part of the ids of its results."""
         return self.subject.prefix
 
     @property
@@ -180,7 +180,7 @@ class Check(Task):
     provoked_by: str = ""
 
     def setup(self, engine: Adapter | None = None) -> Setup:
-        """Return what is checked, of the engine of this name or of another one."""
+        """Return the setup of the check, of the engine of this name or of another one."""
         if engine is None and self.variant is not None:
             engine = self.variant.make()
         engine = engine or get_engine(self.loaded_as or self.engine)
@@ -193,7 +193,7 @@ class Check(Task):
 
     @property
     def subject(self) -> Subject:
-        """What its results are about."""
+        """The subject of its results."""
         how, method = self.model, None
         if self.method is not None:
             method = self.method.name
@@ -206,7 +206,7 @@ class Check(Task):
 
     @property
     def group(self) -> tuple[str, str, str]:
-        """What it shares with others: the reference of its case."""
+        """Owner, scene and case; checks of one group share the reference of the case."""
         owner = "" if self.engine in ENGINES else self.engine
         return owner, self.case.scene, self.case.name
 
@@ -245,12 +245,12 @@ def plan(
     ids : sequence of str
         Shell patterns (``*``, ``?``) for ids.
     full : bool
-        Include what is left out of the default set.
+        Include checks beyond the default set.
 
     Raises
     ------
     UsageError
-        For an unknown name, an engine asked for that is not there, or no check left.
+        For an unknown name, a requested engine that is missing, or if no check matches.
     """
     scenes, engines = resolve_selection(scenes, engines)
     every = [get_scene(scene) for scene in scenes]
@@ -330,7 +330,7 @@ def narrowed(tasks: Sequence[T], option: str, keeps: Callable[[T], bool]) -> lis
 
 
 def planned(kind: str, case: Case, engine_name: str) -> list[Check]:
-    """Return the checks of `checks_of`; none of an engine that fails as it is asked."""
+    """Return the checks of `checks_of`; none if the engine fails."""
     try:
         return list(checks_of(kind, case, engine_name))
     except BrokenEngineError:
@@ -342,8 +342,8 @@ def planned(kind: str, case: Case, engine_name: str) -> list[Check]:
 def quick(checks: Iterable[Check]) -> list[Check]:
     """Return checks that give a quick answer: each level once, in its first case.
 
-    Of *parts*, *algebra* and *step* that is of each model that is not another's twin, of *step* of
-    twins too whose case is the default model's; of *trajectory* it is the best method of that.
+    *parts*, *algebra* and *step* of each model but twins, *step* also of twins with another case
+    than the default model's, and *trajectory* by the best method of the default model.
     """
     seen, first, steps = set[tuple[str, ...]](), list[Check](), set[tuple[str, ...]]()
     for check in checks:
@@ -424,7 +424,7 @@ def later_motions(scene: str) -> list[str]:
 def integrators(setup: Setup, kind: str) -> tuple[Method | None, ...]:
     """Return the methods that a kind of check is made with.
 
-    An engine whose solvers differ in accelerations is asked for them by each.
+    If the solvers of an engine differ in accelerations, each is checked.
     """
     case = setup.case
     if not KINDS[kind].integrates or case.watch == "elements":
@@ -444,7 +444,7 @@ def best_method(setup: Setup) -> Method | None:
 
 
 def matches(check: Task, patterns: Iterable[str]) -> bool:
-    """Return whether a pattern matches one of the check's ids."""
+    """Return True if a pattern matches one of the check's ids."""
     return any(fnmatchcase(name, pattern) for name in check.ids for pattern in patterns)
 
 
@@ -497,9 +497,9 @@ def run_check(
 def with_causes(
     results: list[Result], setup: Setup, kind: Kind, measured: Measured
 ) -> list[Result]:
-    """Return results, those that deviate with where that comes from, and what rules say of the run.
+    """Return results; those that deviate name their cause and the rules that warn of the run.
 
-    Where no mistake alone explains all, the measure in which an observable is told is.
+    If no mistake alone explains all, the unit or sign of each observable may explain it.
     """
     verdicts = {one.quantity: one.verdict for one in results if one.verdict != "skipped"}
     if "deviation" not in verdicts.values() or not kind.level:

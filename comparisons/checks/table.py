@@ -151,7 +151,7 @@ KINDS = {
         refuse=refuse_unstable,
     ),
 }
-"""From the model to its motion: what is wrong on one level is mostly wrong on those below."""
+"""Kinds from the model to its motion: a fault on one level mostly shows on those below."""
 
 EXTREMES = {
     "limits": Kind("", limits.quantities, limits.measure),

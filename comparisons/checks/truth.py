@@ -1,4 +1,4 @@
-"""What a correct engine computes, the error of its step apart: solutions of model equations."""
+"""Reference solutions of model equations, with bounds on their errors."""
 
 from __future__ import annotations
 
@@ -33,20 +33,20 @@ MOST_AMPLIFICATION = 1e5
 """Horizons are cut so that an initial error grows by no more than this."""
 
 MOST_ROUNDING = 1e-2
-"""Horizons are cut so that rounding leaves no more than this of a quantity's size unknown."""
+"""Horizons are cut so that round-off stays below this share of a quantity's size."""
 
 VIBRATION_GROWTH = 1e3
-"""What an initial error of a beam may grow to over its case, in the sizes of its states: 741 by
-the variational equations of its spin-up, which cost more than all that they permit."""
+"""Growth factor of an initial error of a beam over its case, in the sizes of its states: 741 by the
+variational equations of its spin-up, which cost too much to be solved in each case."""
 
 RATIO, WORST_RATIO = 0.5, 0.9
 """Least and largest part of a refinement's change that the next one is taken to make."""
 
 SMOOTH = 1e-5
-"""Change of a refinement, relative to the size, below which no further one is looked at."""
+"""Change of a refinement, relative to the size, below which it is the last."""
 
 ROUGH = (1e-6, 1e-5)
-"""Tolerances where the size of a motion is all that is asked."""
+"""Tolerances of solutions from which only the size of a motion is used."""
 
 STILL = 1e-9
 """A coordinate that changes by less (SI, or relative to its largest value) does not move."""
@@ -55,7 +55,7 @@ MARKS = 8
 """Places where a horizon may be cut."""
 
 SHARP = 1e-14
-"""Relative tolerance of what is solved down to round-off."""
+"""Relative tolerance of solutions down to round-off."""
 
 RANDOM_STATES = 16
 SEED = 2011
@@ -172,9 +172,9 @@ def truncated(
 ) -> Truth:
     """Return a solution whose bound counts what all other coordinates of a continuum change.
 
-    Each refinement is taken to change `RATIO` times what the last one did, and no further one is
-    looked at, unless a drive so short that it excites what the first leaves out shows that more
-    of them matter: then the ratio is measured.
+    Each refinement is taken to change `RATIO` times as much as the last one. Further ones are
+    computed only if a short drive excites coordinates that the first leaves out: then the ratio is
+    measured.
     """
     values = dict(zip(equations.scene.state_names, state, strict=True))
     coarse, bound, changes = solution, solution.bound, [np.zeros(len(names))]
@@ -386,7 +386,7 @@ def permitted_horizon(
 
 
 def simulated_horizon(case: Case, step: float, scheme: str | None, epsilon: float = EPS) -> float:
-    """Return the part of the permitted horizon [s] that is run with this step."""
+    """Return the part of the permitted horizon [s] simulated with this step."""
     horizon, _ = permitted_horizon(case, step, epsilon)
     if get_scene(case.scene).discretisation_coordinates:
         return horizon if case.full_only else min(horizon, MOST_STEPS * step)

@@ -18,7 +18,7 @@ from ..checks.table import KINDS
 from ..documents import SCHEMA
 from ..engines.registry import checked_engines, get_engine, known, usable
 from ..maps.request import axis_names, quantities
-from ..reports.text import matrix_by_kind, print_line, print_table, print_wrapped
+from ..reports.text import matrix_by_kind, print_line, print_table
 from ..reports.words import assignments
 
 
@@ -191,7 +191,7 @@ def print_overview(console: Console, overview: Mapping[str, Any]) -> None:
         for item in overview["engines"]
     ]
     print_table(console, ["engine", "version", "methods (order)"], engines)
-    print_wrapped(console, f"kinds of check: {', '.join(overview['kinds'])}")
+    print_line(console, f"kinds of check: {', '.join(overview['kinds'])}")
     print_line(console, "more about a scene: mbcheck list SCENE")
 
 
@@ -212,10 +212,10 @@ def print_coverage(console: Console, coverage: Mapping[str, Any]) -> None:
 def print_scene(console: Console, sheet: Mapping[str, Any]) -> None:
     """Print a scene: source, parameters, states, places of rest, models, cases."""
     paper = sheet["paper"]
-    print_wrapped(console, f"{sheet['scene']}: {sheet['title']}")
+    print_line(console, f"{sheet['scene']}: {sheet['title']}")
     where = [paper["journal"], f"doi {paper['doi']}" if paper["doi"] else ""]
     source = ", ".join(filter(None, [paper["title"], *where]))
-    print_wrapped(console, f"{paper['authors']} ({paper['year']}), {source}")
+    print_line(console, f"{paper['authors']} ({paper['year']}), {source}")
     names = ("name", "symbol", "default", "unit", "source", "meaning")
     rows = [[item[name] for name in names] for item in sheet["parameters"]]
     print_table(console, ["parameter", *names[1:]], rows)
@@ -228,7 +228,7 @@ def print_scene(console: Console, sheet: Mapping[str, Any]) -> None:
         lines[f"models of {engine}:"] = ", ".join(models) or "none"
     for label, text in lines.items():
         if text:
-            print_wrapped(console, f"{label} {text}")
+            print_line(console, f"{label} {text}")
     console.print()
     cases = [
         [

@@ -8,6 +8,7 @@ from importlib import import_module
 from typing import Annotated
 
 import click
+from click.shell_completion import CompletionItem
 
 from ...reference.errors import UnknownNameError, UsageError
 from ..documents.fields import OptionMark
@@ -53,6 +54,15 @@ class Verbs(Program):
         verb: click.Command = getattr(import_module(f"..{module}", __package__), name)
         return verb
 
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+        """Return the verbs that begin so, none of which is loaded for it, and options."""
+        verbs = [
+            CompletionItem(name, help=VERBS[name][1])
+            for name in self.list_commands(ctx)
+            if name.startswith(incomplete)
+        ]
+        return verbs + click.Command.shell_complete(self, ctx, incomplete)
+
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write what the verbs do."""
         with formatter.section("Commands"):
@@ -80,7 +90,9 @@ def show_versions(context: click.Context, option: click.Parameter, wanted: bool)
         "mbcheck check                 is the simulator right?",
         "mbcheck list hula_hoop        what is there?",
         "mbcheck simulate hula_hoop --times 0:1:0.1 --csv -",
-        "                              numbers to hold a simulator against",
+        "                              numbers to compare a simulator with",
+        'eval "$(_MBCHECK_COMPLETE=bash_source mbcheck)"',
+        "                              complete words in bash; zsh_source, fish_source",
     ),
 )
 @click.option(

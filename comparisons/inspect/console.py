@@ -9,7 +9,7 @@ from rich.console import Console
 
 from ..reports.item import LEVELS, Level, ReportItem
 from ..reports.sections import Section, print_sections
-from ..reports.text import STYLES, print_line, print_table
+from ..reports.text import STYLES, print_line, print_table, print_unbroken
 from ..reports.words import number, plural
 from .batch import Inspections, omissions
 from .inspection import Inspection
@@ -69,7 +69,7 @@ def print_lines(console: Console, every: Inspections, fail_on: str) -> None:
     """Print a line for each finding of several files, and one that counts them."""
     for item in every.items(fail_on):
         if item.severity:
-            print_line(console, item.text)
+            print_unbroken(console, item.text)
     for one in every.models:
         if words := omissions(one["left_out"]):
             print_line(console, f"{one['file']}: {words}")

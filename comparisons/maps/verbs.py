@@ -100,7 +100,7 @@ def map_(
 
 def print_map(console: Any, result: Any) -> None:
     """Print what a map shows in a few lines."""
-    from ..reports.text import print_line, print_table, print_wrapped
+    from ..reports.text import print_line, print_table
     from ..reports.words import number, with_unit
     from .compare import called
 
@@ -124,7 +124,7 @@ def print_map(console: Any, result: Any) -> None:
         )
     if result.problems:
         x, y, words = result.problems[0]
-        print_wrapped(
+        print_line(
             console,
             f"no value at {len(result.problems)} points; the first, at "
             f"{result.x.name}={number(x, 6)} {result.y.name}={number(y, 6)}: {words}",

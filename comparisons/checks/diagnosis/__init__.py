@@ -1,5 +1,5 @@
-"""Where a deviation comes from: known mistakes of engines, tried one by one on what they predict.
+"""Causes of deviations: known mistakes of engines, each compared with what it would predict.
 
-A mistake is named where it explains what an engine computes, to a small share of its error, alone
-or to a small share of what the next one leaves. Else nothing is said but what was measured.
+A mistake is named if it alone explains an engine's results to a small share of their error, or to a
+small share of the error that the next best mistake leaves. Otherwise no cause is named.
 """

@@ -28,16 +28,16 @@ from ..verdict import Finding, judge
 from .runs import Deviation, after_steps
 
 ENTRY = 1e-8
-"""Part of a matrix by which an entry is off that is no rounding."""
+"""Relative error of an entry of a matrix above which it is no round-off."""
 
 FEW_JOINTS = 4
-"""Joints of which every order is tried."""
+"""Up to so many joints every order is tried."""
 
 MOST_JOINTS = 8
-"""Joints of which each pair is tried."""
+"""Up to so many joints each exchange of a pair is tried."""
 
 RIGHT = 1e-3
-"""Relative error that other joints' numbers do not leave."""
+"""Relative error below which an order of joints explains the results."""
 
 
 # Accelerations and matrices
@@ -89,7 +89,7 @@ def of_accelerations(deviation: Deviation) -> str:
 
 
 def of_parts(deviation: Deviation) -> str:
-    """Return the same of a model whose parts leave something unexplained."""
+    """Return the same for a model with forces that no share of a part explains."""
     wrong = deviation.verdicts.get("unexplained") == "deviation"
     return of_accelerations(deviation) if wrong else ""
 
@@ -114,9 +114,9 @@ def of_softness(setup: Setup, closed: float) -> str:
 
 
 def of_motion(setup: Setup, moved: Array, right_moved: Array) -> str:
-    """Return that accelerations are right at rest and wrong in motion, where that is so.
+    """Return a sentence if accelerations are right at rest and wrong in motion; empty otherwise.
 
-    Where nothing acts at rest there is nothing to be right.
+    Empty too if no force acts at rest.
     """
     (answer, right), back = (accelerations_of(setup, by) for by in (0.0, -1.0))
     acts = np.max(np.abs(right)) > ROUNDING * np.max(np.abs(right_moved))
@@ -133,7 +133,7 @@ def of_motion(setup: Setup, moved: Array, right_moved: Array) -> str:
 
 
 def of_matrices(deviation: Deviation) -> str:
-    """Return which of M, C and K are off, and where one alone is."""
+    """Return the names of those of M, C and K that are wrong, and the entries if one alone is."""
     setup = deviation.setup
     if setup.scene.continuum.spectrum:
         return ""
@@ -164,7 +164,7 @@ def of_matrices(deviation: Deviation) -> str:
 
 
 def of_placement(deviation: Deviation) -> str:
-    """Return what is wrong with how a model is turned; empty of one that is wrong as it stands."""
+    """Return the mistake in how a model is turned; empty if the unturned model deviates too."""
     setup = deviation.setup
     if not setup.case.placement:
         return ""
@@ -179,7 +179,7 @@ def of_placement(deviation: Deviation) -> str:
 
 
 def of_frames(setup: Setup) -> str:
-    """Return which frame was mistaken for which, if one such mistake explains a mass matrix."""
+    """Return the confusion of frames that alone explains a mass matrix; empty if none does."""
     if not setup.engine.reads_mjcf:
         return ""
     times, states = random_states(setup.bound.equations, setup.case, setup.bound.coordinates)
@@ -208,7 +208,7 @@ def of_frames(setup: Setup) -> str:
 
 
 def of_reactions(setup: Setup) -> str:
-    """Return that reactions are those in the frame of the world, where they are."""
+    """Return a sentence if reactions are those in the frame of the world; empty otherwise."""
     case, equations, names = setup.case, setup.bound.solved_equations, setup.bound.coordinates
     reactions = setup.bound.reaction_names
     if not reactions:
@@ -224,11 +224,11 @@ def of_reactions(setup: Setup) -> str:
         error = np.max(np.abs(values - force))
         if not error > 0 or np.max(np.abs(values - axes @ force)) > EXPLAINED * error:
             return ""
-    return "reactions are told along the axes of the world, not of the model"
+    return "reactions have their components along the axes of the world, not of the model"
 
 
 def of_joints(deviation: Deviation) -> str:
-    """Return which joints are exchanged, if that explains wrong accelerations or single steps."""
+    """Return the exchange of joints that explains wrong accelerations or single steps."""
     setup = deviation.setup
     if setup.scene.discretisation_coordinates or not setup.engine.reads_mjcf:
         return ""

@@ -31,31 +31,31 @@ from ..truth import after_starts, simulated_horizon
 from ..verdict import Finding, judge
 
 DISTINCT = 8
-"""Numbers that are not taken for numbers of 32 bits by chance."""
+"""So many numbers do not fit 32 bits by chance."""
 
 SHORT = 512
-"""Steps of a run whose first part is looked at before the whole; a continuum's take long."""
+"""Steps in the first part of a run, which is examined before the whole."""
 
 FEW = 3
-"""Steps after which a force that is held shows whether it is late as well: in the first of a run
-there is none before."""
+"""Steps after which a sampled force shows if it is late as well: the first step of a run has no
+earlier sample."""
 
 PARTS = (2, 4, 8, 16)
-"""Into how many steps the longest is divided, to see by what order its error shrinks."""
+"""Divisions of the longest step by which the order of its error is measured."""
 
 SETTLED_PARTS = tuple(one_step.SETTLED * parts for parts in (1, 2, 4))
-"""The same of a method that is no published scheme."""
+"""The same for a method without a published scheme."""
 
 CLEAR = 0.2
-"""An order is told where what is measured is as near as that to a whole number."""
+"""A measured order counts as a whole number within this distance."""
 
 LEAST = 1e-11
-"""Relative error that is no rounding of so few steps."""
+"""Relative error above round-off of so few steps."""
 
 ANOTHER_MODEL = (
     "it converges with its order, but to another motion: the model differs, not the method"
 )
-"""Of steps whose changes shrink as declared where they are halved, and whose limit is off."""
+"""Cause if changes by halving the step shrink as declared, and the limit is wrong."""
 
 UNMOVED = 1e-3
 """Share of an error of rates by which they would move positions in some steps, were they used."""
@@ -96,16 +96,16 @@ class Deviation:
 
     @cached_property
     def numbers(self) -> Array:
-        """What `repeated` returned first."""
+        """The first result of `repeated`."""
         return self.repeated()
 
 
 Search = Callable[[Deviation], str]
-"""The mistake that explains a deviation, in words, empty if none of those that it tries does."""
+"""Function that returns the mistake that explains a deviation in words, empty if none does."""
 
 
 def cause(deviation: Deviation, searches: Sequence[Search]) -> str:
-    """Return where a check's deviations come from, by the first search that finds it."""
+    """Return the cause of a check's deviations by the first search that finds one."""
     for search in searches:
         try:
             said = search(deviation)
@@ -120,7 +120,7 @@ def cause(deviation: Deviation, searches: Sequence[Search]) -> str:
 
 
 def of_run(deviation: Deviation) -> str:
-    """Return the mistake in a free run: in its first part, if that is wrong, or in the whole."""
+    """Return the mistake in a free run: in its first part, if it is wrong, or in the whole."""
     return mistake_in_run(deviation.setup, deviation.runs)
 
 
@@ -154,7 +154,7 @@ def mistake_in_run(setup: Setup, runs: EngineRuns | None = None) -> str:
 
 
 def free_run(setup: Setup, step: float, length: float) -> EngineRuns:
-    """Return what an engine computes in a free run with a step over a length [s]."""
+    """Run an engine freely with a step over a length [s]."""
     numbers = sample_numbers(length, step)
     answer = setup.simulate(step, numbers).matrix(setup.scene.observables)
     return with_expected(setup, step, [Part(setup.case, numbers)], answer)
@@ -171,7 +171,7 @@ def of_steps(deviation: Deviation) -> str:
 
 
 def after_steps(setup: Setup, count: int) -> EngineRuns:
-    """Return what an engine computes in so many steps from each start."""
+    """Run an engine for so many steps from each start."""
     step = setup.default_step
     cases = one_step.starts(setup, step, setup.scheme)
     answer = one_step.after(setup, cases, count * step, count)[: len(setup.scene.observables)]
@@ -182,9 +182,9 @@ def after_steps(setup: Setup, count: int) -> EngineRuns:
 
 
 def of_order(deviation: Deviation) -> str:
-    """Return that steps are not those of the declared scheme, or not of the declared order.
+    """Return a sentence if steps are not of the declared scheme, or not of the declared order.
 
-    Only where halved steps lead to what is right: then the equations of motion are.
+    Only if halved steps converge to the reference: then the equations of motion are right.
     """
     setup = deviation.setup
     if setup.bound.discrete or not one_step.quantities(setup):
@@ -218,7 +218,7 @@ def of_order(deviation: Deviation) -> str:
     if behind < EXPLAINED * np.max(errors[rates], initial=0.0):
         return "rates are half a step behind positions, as those of a leapfrog are"
     if np.max(errors) > LEAST and np.all(errors[~rates] < UNMOVED * np.max(errors)):
-        return "positions are right, and the rates that are told with them are not"
+        return "positions are right, and the rates returned with them are wrong"
     off = relative(answers[-1] - right.values)
     *_, before, last = (relative(coarse - fine) for coarse, fine in pairwise(answers))
     shrinks = last < LEAST or before > 2 ** (order - CLEAR) * last
@@ -240,7 +240,7 @@ def of_order(deviation: Deviation) -> str:
 
 
 def order_of(errors: list[float]) -> int:
-    """Return by what order errors shrink as steps are halved, 0 where that is not clear."""
+    """Return the order at which errors shrink as steps are halved, 0 if it is no whole number."""
     slopes = [float(np.log2(coarse / fine)) for coarse, fine in pairwise(errors) if fine > LEAST]
     whole = round(slopes[-1]) if slopes else 0
     clear = len(slopes) > 1 and all(abs(slope - whole) < CLEAR for slope in slopes[-2:])
@@ -248,7 +248,7 @@ def order_of(errors: list[float]) -> int:
 
 
 def wrong_forces(setup: Setup) -> bool | None:
-    """Return whether accelerations at random states are wrong, None if an engine tells none."""
+    """Return True if accelerations at random states are wrong, None if an engine has none."""
     try:
         findings = algebra.measure(setup).findings
     except (CannotJudgeError, EngineError):
@@ -260,7 +260,7 @@ def wrong_forces(setup: Setup) -> bool | None:
 
 
 def of_limit(deviation: Deviation) -> str:
-    """Return what halved steps lead to, of kinds that halve them."""
+    """Return a sentence on the limit of halved steps, for kinds that halve them."""
     verdicts = deviation.verdicts
     if verdicts.get("extrapolated") == "pass":
         return "extrapolated to h -> 0 it is right"
@@ -269,7 +269,7 @@ def of_limit(deviation: Deviation) -> str:
 
 
 def of_repetition(deviation: Deviation) -> str:
-    """Return that an engine does not repeat itself."""
+    """Return a sentence if two identical calls of an engine differ."""
     first, second = deviation.numbers, deviation.repeated()
     size = np.max(np.abs(first), axis=1, keepdims=True)
     apart = float(np.max(np.abs(second - first) / np.where(size > 0, size, 1.0)))
@@ -279,7 +279,7 @@ def of_repetition(deviation: Deviation) -> str:
 
 
 def of_numbers(deviation: Deviation) -> str:
-    """Return that an engine's numbers have 32 bits, of one that does not declare it."""
+    """Return a sentence if an engine's numbers have 32 bits and it does not declare them."""
     if deviation.setup.epsilon > EPS:
         return ""
     with np.errstate(over="ignore"):  # what no 32 bits hold

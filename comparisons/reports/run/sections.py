@@ -6,6 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 from rich.console import Console
 
@@ -16,7 +17,7 @@ from ..item import Outcome, ReportItem
 from ..junit import junit
 from ..sarif import sarif
 from ..sections import Section, markdown_sections, print_sections
-from ..text import STYLES, Cell, matrix_by_kind, print_line, print_wrapped
+from ..text import STYLES, Cell, matrix_by_kind, print_line
 from ..words import number, plural, with_unit
 from .blocks import HEADS, blocks
 from .located import located
@@ -81,7 +82,7 @@ def print_report(console: Console, report: Report, verbosity: int = 0) -> None:
         sections = [*failure_sections(report, most), *tracebacks(report.results, verbosity > 0)]
         sections += result_sections(report) if verbosity > 0 else ()
         print_sections(console, [*sections, *closing_sections(report)])
-        print_wrapped(console, origin(report))
+        print_line(console, origin(report))
         print_line(console, report.counts_line)
     print_line(console, report.summary_line, STYLES[report.verdict])
 
@@ -125,7 +126,7 @@ def tracebacks(results: Sequence[Result], whole: bool) -> Iterator[Section]:
     for (traceback,), members in raised.items() if whole else ():
         others = f" and {len(members) - 1} more" if members[1:] else ""
         title = f"TRACEBACK {members[0].id}{others}"
-        yield Section(title, verbatim=traceback.splitlines(), verdict="error")
+        yield Section(title, lines=traceback.splitlines(), verdict="error")
 
 
 def result_sections(report: Report, repeat: bool = False) -> Iterator[Section]:
@@ -298,3 +299,16 @@ def run_junit(report: Report) -> str:
 def run_sarif(report: Report) -> str:
     """Return the SARIF of a run: what failed, and stale entries of the known deviations."""
     return sarif(run_items(report), RULES, report.versions["mbcheck"])
+
+
+BADGE_COLOURS = {"PASS": "brightgreen", "FAIL": "red"}
+"""Colour of a badge by `Report.word`; the badge of any other run is grey and has that word."""
+
+
+def run_badge(report: Report) -> dict[str, Any]:
+    """Return the badge of a run, as the endpoint of shields.io reads it."""
+    counts, message, colour = report.summary, report.word.lower(), "lightgrey"
+    if report.word in BADGE_COLOURS:
+        bad = [plural(counts[name], name) for name in FAILURES[::-1] if counts[name]]
+        message, colour = ", ".join([f"{counts['pass']} passed", *bad]), BADGE_COLOURS[report.word]
+    return {"schemaVersion": 1, "label": "mbcheck", "message": message, "color": colour}
