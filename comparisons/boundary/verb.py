@@ -32,10 +32,10 @@ OFTEN = 1.0
 
 @click.command(
     epilog=examples(
-        "mbcheck boundary hula_hoop --x force_frequency=1:10 --y force_amplitude=5:150 \\",
-        "    -o boundary.json --plot boundary.png",
-        "mbcheck boundary hula_hoop --engine mujoco --step 0.005 --lines 2 -o mujoco.json \\",
-        "    --x force_frequency=5:6 --y force_amplitude=15:35",
+        "mbcheck boundary hula_hoop --x force_frequency=1:10 --y force_amplitude=5:150 "
+        "-o boundary.json --plot boundary.png",
+        "mbcheck boundary hula_hoop --engine mujoco --step 0.005 --lines 2 -o mujoco.json "
+        "--x force_frequency=5:6 --y force_amplitude=15:35",
     ),
 )
 @with_options_of(BoundaryRequest)

@@ -41,7 +41,7 @@ def select(request: CheckRequest, custom: CustomCase | None = None) -> Sequence[
     Raises
     ------
     UsageError
-        For unknown names, a requested engine that is missing, or if no check matches.
+        For unknown names, a missing engine, or if no check matches.
     """
     if request.source not in SOURCES:
         raise UnknownNameError("source", request.source, SOURCES)

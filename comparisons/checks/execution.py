@@ -89,8 +89,8 @@ def run_checks(
 def unavailable(requested: Sequence[str] = (), source: str = "verification") -> list[Result]:
     """Return a result for each engine, requested or of all, that cannot be used here.
 
-    An engine that is not installed is skipped. One that is installed is an error, lest half a run
-    pass for a whole one.
+    An engine is skipped if it is not installed, and an error if it is, lest half a run pass for a
+    whole one.
     """
     reasons: dict[str, EngineUnavailableError] = dict(broken_engines(requested))
     for name in () if requested else checked_engines():

@@ -101,7 +101,7 @@ class Execution:
         Processes, on which results do not depend; by default one for each core on the command line,
         and one in Python.
     fail_fast : bool
-        Stop at the first deviation or error that is new.
+        Stop at the first new deviation or error.
     time_limit : float or None
         Stop a check that takes longer [s]: an error, and the others go on.
     memory_limit : float or None

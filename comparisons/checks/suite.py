@@ -250,7 +250,7 @@ def plan(
     Raises
     ------
     UsageError
-        For an unknown name, a requested engine that is missing, or if no check matches.
+        For an unknown name, a missing engine, or if no check matches.
     """
     scenes, engines = resolve_selection(scenes, engines)
     every = [get_scene(scene) for scene in scenes]

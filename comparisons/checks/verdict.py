@@ -15,7 +15,7 @@ from ..documents.fields import HIDDEN, Number, documented
 Verdict = Literal["pass", "deviation", "known", "skipped", "error"]
 
 NOT_APPLICABLE = "-"
-"""Placeholder in documents for the scene, case, ... of an engine that is missing."""
+"""Placeholder in documents for the scene, case, ... of a missing engine."""
 
 ENGINE, GUARD, HALVING, REFERENCE = "engine", "guard", "halving", "reference"
 RULE = "rule:"
@@ -166,7 +166,7 @@ class Result(Subject):
     reference : float or None
         the true value
     error : float or None
-        distance that is compared with the tolerance
+        distance to compare with the tolerance
     tolerance : float or None
         largest error that passes, `--profile` included
     verdict : Verdict

@@ -1,4 +1,4 @@
-"""What there is: scenes, engines, methods, models, kinds, and what a scene consists of."""
+"""Contents: scenes, engines, methods, models and kinds of check, and the parts of a scene."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from ..reports.words import assignments
 
 
 def overview() -> dict[str, Any]:
-    """Return scenes, engines and kinds of check: what ``mbcheck list --json`` writes."""
+    """Return scenes, engines and kinds of check, as ``mbcheck list --json`` writes them."""
     scenes = [get_scene(name) for name in SCENES]
     return {
         "schema": SCHEMA,
@@ -34,7 +34,7 @@ def overview() -> dict[str, Any]:
 
 
 def coverage() -> dict[str, Any]:
-    """Return how many checks of each kind there are: what ``mbcheck list --coverage`` writes.
+    """Return the number of checks of each kind, as ``mbcheck list --coverage`` writes it.
 
     Returns
     -------
@@ -73,7 +73,7 @@ def why_none(
     reasons: Mapping[tuple[str, str, str], str],
     cell: tuple[str, str, str],
 ) -> str | None:
-    """Return why a cell of the coverage has no check by default, or None."""
+    """Return the reason if a cell of the coverage has no check by default, else None."""
     if counts.get((*cell, "checks")):
         return None
     if counts.get((*cell, "full")):
@@ -97,7 +97,7 @@ def engine_entry(name: str) -> dict[str, Any]:
 
 
 def scene_sheet(name: str) -> dict[str, Any]:
-    """Return what a scene consists of: what ``mbcheck list SCENE --json`` writes.
+    """Return the parts of a scene, as ``mbcheck list SCENE --json`` writes them.
 
     Raises
     ------
@@ -159,7 +159,7 @@ def parameters(scene: Scene) -> list[dict[str, Any]]:
 
 
 def case_entry(case: Case) -> dict[str, Any]:
-    """Return a case: how it starts, how long it runs, what it feeds."""
+    """Return a case: its parameters, start, horizon and kinds of check."""
     changed = {
         name: value
         for name, value in case.parameters.as_dict().items()
@@ -223,7 +223,7 @@ def print_scene(console: Console, sheet: Mapping[str, Any]) -> None:
     for on_request, label in ((False, "also observed:"), (True, "on request (--observe):")):
         lines[label] = with_units([o for o in sheet["outputs"] if o["on_request"] == on_request])
     lines["states of rest (--about):"] = ", ".join(sheet["about"])
-    lines["drive:"] = sheet["drive"] or "none that is a function of time"
+    lines["drive:"] = sheet["drive"] or "no function of time"
     for engine, models in sheet["models"].items():
         lines[f"models of {engine}:"] = ", ".join(models) or "none"
     for label, text in lines.items():

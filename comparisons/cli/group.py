@@ -23,18 +23,21 @@ VERBS: Mapping[str, tuple[str, str]] = {
     "orbit": ("cli.verbs.orbit", "Find the periodic orbit of a scene."),
     "frequencies": ("cli.verbs.frequencies", "Find the modes about a state of rest."),
     "export": ("cli.verbs.export", "Write a scene's MJCF with these parameters."),
-    "list": ("cli.group.list_", "List what there is, what a scene has, or what is checked."),
+    "list": ("cli.group.list_", "List scenes and engines, the parts of a scene, or all checks."),
     "compare": ("compare.verb.compare_models", "Compare two readings of one model."),
-    "diff": ("diff.verb.diff", "Tell what changed between two runs of `mbcheck check --json`."),
+    "diff": ("diff.verb.diff", "Compare two runs of `mbcheck check --json`."),
     "map": ("maps.verbs.map_", "Map a quantity of a scene over two of its parameters."),
-    "boundary": ("boundary.verb.boundary", "Follow where orbits and equilibria lose stability."),
+    "boundary": (
+        "boundary.verb.boundary",
+        "Trace stability boundaries of orbits and equilibria.",
+    ),
     "compare-maps": ("maps.verbs.compare_maps", "Compare two maps of a scene."),
-    "reproduce": ("papers.verbs.reproduce_papers", "Draw the figures of the papers again."),
+    "reproduce": ("papers.verbs.reproduce_papers", "Reproduce figures and claims of the papers."),
     "tradeoff": ("tradeoff.verb.tradeoff", "Measure what accuracy costs, and recommend settings."),
-    "extremes": ("extremes.verb.extremes", "Push engines to where they break."),
-    "inspect": ("inspect.verbs.inspect", "Inspect MJCF models: what is wrong, how they move."),
+    "extremes": ("extremes.verb.extremes", "Check engines at extremes, up to where they fail."),
+    "inspect": ("inspect.verbs.inspect", "Find mistakes in MJCF models, and their modes."),
 }
-"""Where each verb stands below `comparisons`, and what it does. Verbs are loaded when they run."""
+"""Function of each verb, below `comparisons`, and its purpose. Verbs are loaded when they run."""
 
 
 class Verbs(Program):
@@ -87,12 +90,12 @@ def show_versions(context: click.Context, option: click.Parameter, wanted: bool)
     invoke_without_command=True,
     context_settings={"help_option_names": ["-h", "--help"]},
     epilog=examples(
-        "mbcheck check                 is the simulator right?",
-        "mbcheck list hula_hoop        what is there?",
+        "mbcheck check                 check the installed engines",
+        "mbcheck list hula_hoop        show the parts of a scene",
         "mbcheck simulate hula_hoop --times 0:1:0.1 --csv -",
         "                              numbers to compare a simulator with",
         'eval "$(_MBCHECK_COMPLETE=bash_source mbcheck)"',
-        "                              complete words in bash; zsh_source, fish_source",
+        "                              complete verbs and options: bash, zsh, fish",
     ),
 )
 @click.option(
@@ -117,12 +120,12 @@ def program(context: click.Context) -> None:
 
 @dataclass(frozen=True)
 class ListRequest:
-    """What is listed.
+    """The contents to list.
 
     Attributes
     ----------
     scene : str or None
-        This scene alone, with all that it has.
+        Show all parts of this scene.
     coverage : bool
         Show which kinds of check each scene has.
     """
@@ -142,7 +145,7 @@ class ListRequest:
 @with_options_of(ListRequest)
 @JSON
 def list_(scene: str | None, coverage: bool, json_file: Destination | None) -> None:
-    """List what there is, what a scene consists of, or what is checked."""
+    """List scenes and engines, the parts of a scene, or all checks."""
     from . import catalogue
 
     if coverage and scene is not None:

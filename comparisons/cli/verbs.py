@@ -28,8 +28,8 @@ from ..terminal.program import (
     epilog=examples(
         "mbcheck simulate hula_hoop --times 0:1:0.1",
         "mbcheck simulate hula_hoop --times 0.1,0.25,1 --set force_amplitude=80 --csv truth.csv",
-        "mbcheck simulate hula_hoop --engine mujoco --method RK4 --step 0.001 \\",
-        "    --state theta=0.5 --times 0:0.5:0.01 --json -",
+        "mbcheck simulate hula_hoop --engine mujoco --method RK4 --step 0.001 "
+        "--state theta=0.5 --times 0:0.5:0.01 --json -",
     ),
 )
 @with_options_of(SimulateRequest)

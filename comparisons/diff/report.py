@@ -1,4 +1,4 @@
-"""Reports on what changed between two runs: console and Markdown."""
+"""Reports on the changes between two runs: console and Markdown."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MOST_GROUPS = 4
 
 
 def summary_line(diff: Diff) -> str:
-    """Return what changed in one line."""
+    """Return the changes in one line."""
     if not diff.changes:
         return f"NO CHANGE: {plural(diff.compared, 'result')}, the same in both"
     word = "REGRESSED" if diff.regressions else "NO REGRESSION"
@@ -30,15 +30,15 @@ def summary_line(diff: Diff) -> str:
 
 
 def side_line(name: str, side: Document) -> str:
-    """Return what one of the runs was."""
+    """Return the description of one of the runs."""
     versions = ", ".join(f"{what} {text}" for what, text in side.versions.items())
     return f"{name} {side.file}: {plural(len(side.results), 'result')}; {versions}"
 
 
 def numbers(change: Change) -> str:
-    """Return what verdict and error were, and what they are."""
+    """Return verdict and error before and after."""
     sides = (change.old, change.new)
-    verdicts = " -> ".join("not there" if s is None else s.verdict for s in sides)
+    verdicts = " -> ".join("missing" if s is None else s.verdict for s in sides)
     errors = [s for s in sides if s is not None and s.error is not None]
     if not errors:
         return verdicts
@@ -49,13 +49,13 @@ def numbers(change: Change) -> str:
 
 
 def reason(change: Change) -> str:
-    """Return why the newer result is what it is, where that is news."""
+    """Return the reason of the newer result if it is a new failure."""
     wanted = change.regression and change.new is not None and change.new.verdict != "pass"
     return change.result.reason if wanted else ""
 
 
 def diff_sections(diff: Diff, verbose: bool) -> Iterator[Section]:
-    """Yield what was compared, then each sort of change; ``verbose`` lists every change."""
+    """Yield the two runs, then each sort of change; ``verbose`` lists every change."""
     sides = [side_line("old", diff.old), side_line("new", diff.new)]
     yield Section(lines=[*sides, *(f"  {note}" for note in diff.notes)])
     for name, sort in SORTS.items():
@@ -84,7 +84,7 @@ def change_lines(change: Change, title: str = "") -> list[str]:
 
 
 def print_diff(console: Console, diff: Diff, verbose: bool = False) -> None:
-    """Print what was compared, then what changed, then one line."""
+    """Print the two runs, then the changes, then a summary."""
     print_sections(console, diff_sections(diff, verbose))
     print_line(console, summary_line(diff), STYLES["deviation" if diff.regressions else "pass"])
 

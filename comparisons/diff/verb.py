@@ -15,7 +15,7 @@ from ..terminal.program import JSON, MARKDOWN, console, examples, json_text, to_
 
 @dataclass(frozen=True)
 class DiffRequest:
-    """Two documents of `mbcheck check`, and how much is printed of what changed.
+    """Two documents of `mbcheck check`, and the length of the report.
 
     Attributes
     ----------
@@ -46,11 +46,11 @@ def diff(
     markdown_file: Destination | None,
     verbose: bool,
 ) -> int:
-    """Tell what changed between two runs of `mbcheck check --json`.
+    """Compare two runs of `mbcheck check --json`.
 
-    New deviations and errors come first, then errors that grew beyond their noise, and what is
-    not checked any more; what got better comes last. Exit code 0 without a regression, 1 with
-    one, 2 if there is nothing to compare.
+    New deviations and errors come first, then errors that grew beyond their noise, and results that
+    are missing; improvements come last. Exit code 0 without a regression, 1 with one, 2 if there is
+    nothing to compare.
     """
     refuse_conflicts(json_file, markdown_file)
     from ..reports.github import append_step_summary

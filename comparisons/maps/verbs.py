@@ -31,10 +31,10 @@ if TYPE_CHECKING:
 @click.command(
     "map",
     epilog=examples(
-        "mbcheck map hula_hoop --quantity floquet -o floquet.nc --plot floquet.png \\",
-        "    --x force_frequency=1:10:30 --y force_amplitude=5:150:30",
-        "mbcheck map speed_regulator --quantity regime --engine mujoco --refine -o regime.nc \\",
-        "    --x damping=0.5:6:17 --y torque=0.02:1.2:17",
+        "mbcheck map hula_hoop --quantity floquet -o floquet.nc --plot floquet.png "
+        "--x force_frequency=1:10:30 --y force_amplitude=5:150:30",
+        "mbcheck map speed_regulator --quantity regime --engine mujoco --refine -o regime.nc "
+        "--x damping=0.5:6:17 --y torque=0.02:1.2:17",
     ),
 )
 @with_options_of(Request)

@@ -52,7 +52,7 @@ class Section:
     digits : int
         Significant digits of the numbers in the table.
     folded : bool
-        Whether HTML shows it only when asked to.
+        Whether HTML folds it away.
     figures : sequence
         Pictures, in HTML.
     """
@@ -101,7 +101,7 @@ def markdown_sections(title: str, sections: Iterable[Section]) -> str:
 
 
 def short_table(heads: Sequence[str], rows: Rows) -> str:
-    """Return a table of texts from outside; one that is too long is cut, and says so."""
+    """Return a table of texts from outside; a long one is cut, with a note."""
     lines = [[markdown_text(value) for value in row] for row in rows]
     text = markdown_table([plain(head) for head in heads], lines[:MOST_ROWS]) + "\n"
     left = len(lines) - MOST_ROWS

@@ -15,7 +15,7 @@ from rich.cells import cell_len
 from rich.console import Console, JustifyMethod
 from rich.text import Text
 
-from .words import Markdown, number, printable
+from .words import Markdown, number, printable, shell_lines
 
 STYLES: Mapping[str, str] = {
     "pass": "green",
@@ -62,14 +62,8 @@ def print_unbroken(console: Console, text: str, style: str = "") -> None:
 
 
 def print_command(console: Console, command: str) -> None:
-    """Print a shell command, indented; a backslash ends each line but the last."""
-    lines = [" "]
-    for word in SHELL_WORD.findall(command):
-        if len(lines[-1]) + len(word) + len(CONTINUED) >= console.width and lines[-1].strip():
-            lines[-1] += CONTINUED
-            lines.append("     ")
-        lines[-1] += f" {word}"
-    for line in lines:
+    """Print a shell command, indented."""
+    for line in shell_lines(f"  {command}", console.width):
         print_unbroken(console, line, "cyan")
 
 
@@ -88,12 +82,6 @@ DIGITS = 10
 
 NUMBER = re.compile(r"[-+]?(\d[\d.]*(e[-+]?\d+)?|inf|nan|any|none)?%?")
 """Cells that stand to the right: numbers, and the dash or nothing in their place."""
-
-SHELL_WORD = re.compile(r"(?:'[^']*'|\S)+")
-"""A word of a shell command, blanks in quotes included."""
-
-CONTINUED = " \\"
-"""End of a line of a shell command that goes on."""
 
 LEAST_PROSE = 14
 """Columns of text are wrapped to this width, or to half of what they need, and no further."""

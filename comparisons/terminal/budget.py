@@ -12,7 +12,7 @@ from .options import NUMBER
 from .program import progress_bar
 
 QUERY, MAP = 600.0, 86400.0
-"""Time [s] that a query and a map may take, unless the user gives more."""
+"""Default budgets of a query and of a map [s]."""
 
 
 def budget_option(seconds: float) -> Callable[[Any], Any]:
@@ -23,13 +23,13 @@ def budget_option(seconds: float) -> Callable[[Any], Any]:
         default=seconds,
         show_default=True,
         metavar="SECONDS",
-        help="Refuse what is seen to take longer, with an estimate.",
+        help="Refuse work with a longer estimated time.",
     )
 
 
 @contextmanager
 def budgeted(seconds: float, what: str) -> Iterator[None]:
-    """Do something within a budget [s], and tell how far it is, on a terminal or line by line."""
+    """Work within a budget [s], and show progress on a terminal or line by line."""
     from ...reference.cost import within
 
     with (

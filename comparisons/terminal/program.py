@@ -1,4 +1,4 @@
-"""What all verbs of the command line share: exit codes, options, printing, progress."""
+"""Common parts of all verbs: exit codes, options, printing, progress."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ import click
 
 from ...reference.errors import MbcheckError, UsageError
 from ..reports.files import Destination, collect_unwritten, discard_output
-from ..reports.words import printable
+from ..reports.words import printable, shell_lines
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -35,8 +35,11 @@ LONGEST = 299
 PAUSE = 10.0
 """Seconds between two lines of progress."""
 
+HELP_WIDTH = 76
+"""Columns of a help text, which click indents."""
+
 LEAST_SHARE = 0.02
-"""Share of the work from which on its rest is estimated."""
+"""Share of the work after which the remaining time is estimated."""
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -68,7 +71,7 @@ class Program(click.Group):
             return 128 + interrupted() if interrupted() else code
 
     def outcome(self, *args: Any, **extra: Any) -> int:
-        """Run a command line; return its exit code, with its error told in one line."""
+        """Run a command line; print its error in one line, and return its exit code."""
         extra.update(prog_name="mbcheck", standalone_mode=False)
         try:
             return int(super().main(*args, **extra) or 0)
@@ -100,10 +103,9 @@ class Program(click.Group):
 
 @contextmanager
 def interrupts() -> Iterator[Callable[[], int]]:
-    """Lend a function that returns the signal by which the program was asked to end, or 0.
+    """Yield a function that returns the signal that interrupts the program, or 0.
 
-    Ctrl-C and SIGTERM both raise a KeyboardInterrupt, which an engine may turn into an error of
-    its own.
+    Ctrl-C and SIGTERM both raise a KeyboardInterrupt, which an engine may catch.
     """
     seen: list[int] = []
 
@@ -201,7 +203,7 @@ def console(*destinations: Destination | None) -> Console:
 
 
 def to_stdout(*destinations: Destination | None) -> bool:
-    """Return whether a document goes to standard output."""
+    """Return True if a document goes to standard output."""
     return any(item is not None and item.standard_output for item in destinations)
 
 
@@ -222,7 +224,7 @@ def deliver(
 
 
 def time_left(seconds: float, share: float) -> str:
-    """Return in words how long work goes on of which this share took so long [s]."""
+    """Return the remaining time of work in words, from a share and its time [s]."""
     if share < LEAST_SHARE:
         return ""
     left = max(0.0, seconds * (1 - share) / share)
@@ -231,11 +233,11 @@ def time_left(seconds: float, share: float) -> str:
 
 @contextmanager
 def progress_bar(wanted: bool, what: str, lines: bool = False) -> Iterator[Callable[..., None]]:
-    """Show progress on a terminal; lends a function ``(done, total, what, share)``.
+    """Show progress on a terminal; yields a function ``(done, total, what, share)``.
 
-    Engines run with the descriptors of standard output and error redirected, so the bar
-    has a duplicate of its own. With ``lines`` it is told elsewhere too, every `PAUSE`. The share
-    of the work that is done is that of the number, unless it is known better.
+    Engines run with the descriptors of standard output and error redirected, so the bar has a
+    duplicate. With ``lines`` a log gets a line every `PAUSE`. The share of finished work is
+    ``done / total`` unless it is given.
     """
     begin = monotonic()
     if not (wanted and sys.stderr.isatty()):
@@ -276,7 +278,7 @@ def unseen(done: int, total: int, now: str = "", share: float | None = None) -> 
 
 @contextmanager
 def progress_lines(what: str, begin: float) -> Iterator[Callable[..., None]]:
-    """Tell of progress on standard error, a line at a time and not often."""
+    """Report progress on standard error, a line every `PAUSE`."""
     try:
         own = os.dup(sys.stderr.fileno())
     except (OSError, ValueError):  # it is no file
@@ -299,7 +301,7 @@ def progress_lines(what: str, begin: float) -> Iterator[Callable[..., None]]:
 
 
 def finished(states: Iterable[tuple[int, int, str]], what: str) -> bool:
-    """Follow work that tells ``(done, total, what)`` to its end; return False if interrupted."""
+    """Follow work that yields ``(done, total, what)`` to its end; return False if interrupted."""
     try:
         with progress_bar(True, what) as advance, interrupts() as pressed:
             for state in states:
@@ -311,6 +313,7 @@ def finished(states: Iterable[tuple[int, int, str]], what: str) -> bool:
     return True
 
 
-def examples(*lines: str) -> str:
-    """Return command lines as the last paragraph of a help text, its line breaks kept."""
-    return "\n".join(["\b", "Examples:", *(f"  {line}" for line in lines)])
+def examples(*commands: str) -> str:
+    """Return shell commands as the last paragraph of a help text, its line breaks kept."""
+    lines = [line for one in commands for line in shell_lines(f"  {one}", HELP_WIDTH)]
+    return "\n".join(["\b", "Examples:", *lines])

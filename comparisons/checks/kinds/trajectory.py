@@ -2,9 +2,9 @@
 
 A method whose scheme is published must make exactly the error of that scheme
 (`scheme_residual`); for the others the error is predicted from three steps, and what they
-extrapolate to must be the reference (`extrapolated`). Where the model's equations are not
-the scene's, all that is against the model's own, and `model_error` is what remains between
-the two when the step's error is taken away.
+extrapolate to must be the reference (`extrapolated`). If the model's equations are not the scene's,
+all these are compared with the model's own, and `model_error` is the distance between the two
+without the error of the step.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from ..truth import permitted_horizon, rounding, simulated_horizon, truth
 from ..verdict import Finding, Inconclusive
 
 SAMPLES, RUN_SAMPLES = 32, 256
-"""Samples of a run; more where its peak is looked for between them."""
+"""Samples of a run; more if its peak between them is estimated."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class FreeRun(RunComparison):
 
 
 def quantities(setup: Setup) -> tuple[str, ...]:
-    """Return the names of what is measured: every observable, and the test of the method."""
+    """Return the names of the measured quantities: observables, and the test of the method."""
     last = "scheme_residual" if setup.scheme else "extrapolated"
     scene = setup.scene
     whole = tuple(scene.run_quantities.units) if scene.run_quantities else ()
@@ -95,7 +95,7 @@ def measure(setup: Setup) -> Measured:
     if not setup.bound.is_exact:
         exact = truth(scene_equations(setup.case), setup.case, run.right.times, run.names).values
         off, expected = (run.largest(one - exact) for one in (prediction.limit, run.right.values))
-        reason = f"the model is off the scene by {expected:.2g} of the range at any step: "
+        reason = f"the model differs from the scene by {expected:.2g} of the range at any step: "
         findings.append(
             run.limit(
                 "model_error", off, expected, reason + setup.bound.solved_equations.scene.title
@@ -124,7 +124,7 @@ def with_step(setup: Setup, step: float) -> FreeRun:
     Raises
     ------
     CannotJudgeError
-        If rounding alone may hide what is wrong.
+        If round-off alone may hide a mistake.
     """
     case, scheme, names = setup.case, setup.scheme, setup.bound.observables
     horizon = simulated_horizon(case, step, scheme, setup.epsilon)
@@ -132,7 +132,7 @@ def with_step(setup: Setup, step: float) -> FreeRun:
     _, growth = permitted_horizon(case, step, setup.epsilon)
     room = rounding(int(numbers[-1]), growth, setup.epsilon)
     if room > CAP:
-        raise CannotJudgeError(f"rounding may leave {room:.2g} of each size: nothing is known")
+        raise CannotJudgeError(f"round-off may reach {room:.2g} of each observable: not judged")
     right = truth(setup.bound.solved_equations, case, case.start_time + numbers * step, names)
     values, finer = setup.simulate(step, numbers).matrix(names), list[Array]()
     parts, units = [Part(case, numbers)], setup.scene.units
@@ -189,7 +189,7 @@ def in_window(run: FreeRun) -> FreeRun:
 
 
 def run_quantities(run: FreeRun) -> list[Finding | Inconclusive]:
-    """Judge what a scene derives of a run with h, h/2, h/4 and, of elements, half as many.
+    """Judge quantities derived from runs with h, h/2, h/4 and, for elements, half as many.
 
     Errors that halved steps predict are granted only where they shrink as declared.
     """

@@ -1,5 +1,6 @@
-"""The catalogue of likely mistakes: each is tried on what it predicts.
+"""The catalogue of likely mistakes: each is compared by its prediction.
 
-Of what is told (`observables`), of how it moves (`motions`), of what a reader of a file adds, loses
-or takes for another frame (`terms`), and of shares of the parts of a model (`shares`).
+Mistakes in returned observables (`observables`), in motions (`motions`), in terms and frames that a
+reader of a file adds, drops or confuses (`terms`), and in shares of the parts of a model
+(`shares`).
 """

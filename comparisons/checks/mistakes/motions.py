@@ -1,4 +1,4 @@
-"""Mistakes in a motion: each is tried on the motion that it makes."""
+"""Mistakes in a motion: each is compared by the motion that it predicts."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ LONG = 32
 """Steps of a continuum that take long to predict."""
 
 PARTS = 8
-"""Steps of RK44 in one of a method that is no published scheme."""
+"""Steps of RK44 in one step of a method without a published scheme."""
 
 FOLLOWED = 256
 """Steps in which a reset is looked for."""
@@ -30,35 +30,36 @@ STRETCH, MOST_STRETCH = 1e-7, 1e-3
 """Shares by which steps are tried to be longer, and up to which motions change in proportion."""
 
 SHARES = (32, 8, 2, 1)
-"""Of the samples of a run, one in so many is looked at before more are predicted."""
+"""Divisors of the number of samples of a run: the first share of them is compared before the
+next."""
 
 SAMPLED: tuple[tuple[str, dict[str, Any]], ...] = (
-    ("the force is held: that at the start of each step", {"frozen": 0.0}),
-    ("the force is held: that in the middle of each step", {"frozen": 0.5}),
-    ("the force is held: that at the end of each step", {"frozen": 1.0}),
+    ("the force is constant in each step, as at its start", {"frozen": 0.0}),
+    ("the force is constant in each step, as in its middle", {"frozen": 0.5}),
+    ("the force is constant in each step, as at its end", {"frozen": 1.0}),
     *(
         (
-            "the force is held, one step late: that at the start of the step before",
+            "the force is constant in each step, as at the start of the step before",
             {"frozen": 0.0, "late": 1.0, "waits": waits},
         )
         for waits in (False, True)  # in the middle of it is hardly told from late alone
     ),
     *(
         (
-            "the force is held over several steps: that at the start of the first",
+            "the force is constant over several steps, as at the start of the first",
             {"frozen": 0.0, "hold": count},
         )
         for count in (2, 3, 4, 5, 8, 10, 16, 20)
     ),
 )
-"""How engines and controllers of a lower rate hold a force."""
+"""Ways in which engines and controllers of a lower rate sample a force."""
 
 SHIFTED: tuple[tuple[str, dict[str, Any]], ...] = (
     ("the force is one step late", {"late": 1.0}),
     ("the force is one step late", {"late": 1.0, "waits": True}),
     ("the force is one step early", {"late": -1.0}),
 )
-"""By how many steps they shift it."""
+"""Shifts of the force in time."""
 
 STARTS: dict[str, Callable[[str], bool]] = {
     "": bool,
@@ -75,7 +76,7 @@ STARTS: dict[str, Callable[[str], bool]] = {
 
 @dataclass(frozen=True)
 class Seen(Observed):
-    """What an engine computed in some parts with a step [s], and what it should have."""
+    """Computed and expected values of an engine in some parts with a step [s]."""
 
     setup: Setup
     step: float
@@ -118,7 +119,7 @@ class ChangedDrive(schemes.ScalarEquations):
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """What an engine would compute: a motion from the start of a case.
+    """The motion that an engine with a mistake would compute from the start of a case.
 
     Attributes
     ----------
@@ -130,17 +131,17 @@ class Hypothesis:
     scene : optional
         Equations in place of the model's.
     late : float
-        By how many steps the drive is late.
+        Number of steps by which the drive is late.
     waits : bool
-        Whether it stays what it is at the start until then.
+        Whether the drive keeps its initial value until then.
     end : float
-        Time [s] at which it ends all the same.
+        Time [s] at which the drive ends all the same.
     frozen : float or None
-        Where in each step the drive that is held over it is evaluated: 0 is its start, 1 its end.
+        Time in each step at which a sampled drive is evaluated: 0 is its start, 1 its end.
     hold : int
-        Over how many steps it is.
+        Number of steps over which a sampled drive is constant.
     stretch : float
-        By which share steps are longer than asked for.
+        Relative excess of the length of steps.
     """
 
     case: Case
@@ -181,7 +182,7 @@ class Hypothesis:
 
 
 def mistakes(seen: Seen) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
-    """Yield the mistakes that are tried, each with the motion that it makes of a part."""
+    """Yield the likely mistakes, each with the motion of a part that it predicts."""
     setup = seen.setup
     starts = []
     for words, keeps in STARTS.items():
@@ -197,7 +198,7 @@ def mistakes(seen: Seen) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
     if setup.scheme is None and setup.integrator.order < 2:
         return  # the error of a right one is of the size of what follows
     if stretch := longer_steps(seen):
-        words = f"its steps are {'longer' if stretch > 0 else 'shorter'} than the one that is given"
+        words = f"its steps are {'longer' if stretch > 0 else 'shorter'} than the given one"
         yield f"{words}, by {abs(stretch):.3g} of it", partial(changed, stretch=stretch)
     yield "samples are one step late", partial(changed, ahead=-1)
     yield "samples are one step early", partial(changed, ahead=1)
@@ -219,7 +220,7 @@ def mistakes(seen: Seen) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
 
 
 def longer_steps(seen: Seen) -> float:
-    """Return by which share steps would be longer that explain what is seen best."""
+    """Return the relative excess of the length of steps that explains the results best."""
     parts = (changed(part, stretch=STRETCH) for part in seen.parts)
     slope = (np.hstack([seen.rows_of(one) for one in parts]) - seen.right) / STRETCH / seen.size
     size = float(np.sum(slope**2))
@@ -230,13 +231,13 @@ def longer_steps(seen: Seen) -> float:
 def changed(
     part: Part, keeps: Callable[[str], bool] = bool, ahead: int = 0, **how: Any
 ) -> Hypothesis:
-    """Return the motion of a part from what is left of its start, seen some steps ahead."""
+    """Return the motion of a part from some values of its start, sampled some steps ahead."""
     state = {name: value for name, value in part.case.state.items() if keeps(name)}
     return Hypothesis(replace(part.case, state=state), part.numbers + ahead, **how)
 
 
 def seen_in(runs: EngineRuns) -> Seen:
-    """Return runs as what an engine computed, beside what it should have."""
+    """Return runs as computed and expected observables."""
     size = np.max(np.abs(runs.expected), axis=1, keepdims=True)
     size, scene = np.where(size > 0, size, 1.0), runs.setup.scene
     observed = scene.observables, runs.values, runs.expected, size
@@ -244,7 +245,7 @@ def seen_in(runs: EngineRuns) -> Seen:
 
 
 def with_expected(setup: Setup, step: float, parts: Sequence[Part], values: Array) -> EngineRuns:
-    """Return what an engine computed with a step [s] (k, n), beside what it should have."""
+    """Return an engine's results (k, n) with a step [s], and the expected ones."""
     names = setup.scene.observables
     if takes_long(setup, parts):  # as the check itself has solved it
         ((case, numbers),) = parts
@@ -257,13 +258,13 @@ def with_expected(setup: Setup, step: float, parts: Sequence[Part], values: Arra
 
 
 def takes_long(setup: Setup, parts: Sequence[Part]) -> bool:
-    """Return whether it takes long to predict parts of a run: many steps of a continuum."""
+    """Return True if predicting parts of a run takes long: many steps of a continuum."""
     longest = max(np.max(part.numbers) for part in parts)
     return bool(setup.scene.discretisation_coordinates) and longest > LONG
 
 
 def explanation(seen: Seen) -> str:
-    """Return the only mistake that explains what is seen, if there is one."""
+    """Return the mistake that alone explains the results; empty if there is none."""
     error = seen.error
     if not SEEN < error < np.inf:
         return ""
@@ -281,7 +282,7 @@ def explanation(seen: Seen) -> str:
 
 
 def after_drive(seen: Seen) -> Iterator[str]:
-    """Yield that only what follows the end of the drive is wrong."""
+    """Yield a sentence if only the motion after the end of the drive is wrong."""
     case = seen.setup.case
     end = float(seen.setup.scene.drive_end_time(case.parameters))
     times = [part.case.start_time + part.numbers * seen.step for part in seen.parts]
@@ -292,7 +293,7 @@ def after_drive(seen: Seen) -> Iterator[str]:
 
 
 def reset(seen: Seen) -> str:
-    """Return when a run is put back to its start, or to the origin, if that is all that it does."""
+    """Return the time of a reset to the start or the origin that explains all; empty if none."""
     if seen.setup.scene.discretisation_coordinates:
         return ""
     ((case, numbers),) = seen.parts

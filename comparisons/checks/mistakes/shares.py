@@ -1,4 +1,4 @@
-"""Which few parts of a model explain what an engine has beside what it should have."""
+"""The few parts of a model that explain the difference of an engine from the file."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ import numpy as np
 from ....reference.scene import Array
 
 VISIBLE = 1e-2
-"""A share that rounding could move by more cannot be told."""
+"""A share that round-off could change by more than this is not judged."""
 
 APART = 1e-6
-"""Share of a part that others could stand for, above which they cannot all be told apart."""
+"""Parts that differ by less than this share cannot be separated."""
 
 DISTINCT = 1e-9
 """Parts whose forces differ by less count as the same."""
@@ -38,20 +38,21 @@ SHARES = {
     np.pi / 180: "degrees were taken for radians",
     180 / np.pi: "radians were taken for degrees",
 }
-"""What shares of a part mean."""
+"""Meanings of shares of a part."""
 
 Words = Callable[[Array, Array], str]
-"""Meaning of numbers (k,) by how much rounding moves them, empty where no reader does that."""
+"""Function of numbers (k,) and their round-off that returns their meaning, empty if no reader errs
+so."""
 
 
 class Effect(NamedTuple):
-    """A part of a model, or what a reader of files may add or lose.
+    """A part of a model, or a term that a reader of files may add or drop.
 
     Attributes
     ----------
     name : str
     columns : array (m, k)
-        What it adds to the rows by each of k numbers, all 0 where an engine follows the file.
+        Its contribution to the rows by each of k numbers, all 0 if an engine follows the file.
     words : callable
     added : bool
         Whether it is none of the file's parts.
@@ -67,24 +68,24 @@ class Effect(NamedTuple):
 
 
 class Explanation(NamedTuple):
-    """What explains the rows.
+    """An explanation of the rows.
 
     Attributes
     ----------
     effects : tuple of Effect
         Whose numbers are fitted.
     values : mapping of str to array (k,)
-        Of each part and of what is added, beside what the file says.
+        Deviation of the number of each part or addition from the file.
     tolerances : mapping of str to array (k,)
-        By how much rounding could move them.
+        Changes of these by round-off.
     said : mapping of str to str
-        What the numbers of each effect mean.
+        Meaning of the numbers of each effect.
     left, granted : float
-        What the shares of parts leave of the rows, and what rounding may.
+        Norm of the rows that the shares of parts leave, and of round-off.
     unique : bool
         Whether this explains all, and nothing else does.
     others : mapping of str to tuple of str
-        In words, what would explain the same in place of an effect.
+        Descriptions of other effects that would explain the same.
     """
 
     effects: Sequence[Effect]
@@ -98,7 +99,7 @@ class Explanation(NamedTuple):
 
     @property
     def added(self) -> tuple[str, ...]:
-        """What an engine adds or loses that is no part, in words."""
+        """Additions and omissions of an engine beyond the parts of the file, in words."""
         names = [one.name for one in self.effects if one.added]
         return tuple(", or ".join([self.said[n], *self.others.get(n, ())]) for n in names)
 
@@ -122,18 +123,18 @@ def of_share(name: str, x: Array, moved: Array) -> str:
 def explain(
     parts: Sequence[Effect], additions: Sequence[Effect], rows: Array, room: float
 ) -> Explanation:
-    """Explain rows (m,) by shares of parts, and by what readers of files add or lose.
+    """Explain rows (m,) by shares of parts, and by terms that readers of files add or drop.
 
-    By the fewest numbers that leave no more than rounding, if all others as few leave `RUNNER_UP`
-    times that: those of one candidate, of two, or of all parts.
+    The explanation has the fewest numbers that leave no more than round-off, if all others as few
+    leave `RUNNER_UP` times that: those of one candidate, of two, or of all parts.
 
     Parameters
     ----------
     parts, additions : sequence of Effect
     rows : array (m,)
-        What an engine has beside what it should have, relative.
+        Difference of an engine from the file, relative.
     room : float
-        What rounding may leave of a row.
+        Round-off of a row.
     """
     error, whole = float(np.linalg.norm(rows)), fitted(parts, rows, room)
     if error <= whole.granted:

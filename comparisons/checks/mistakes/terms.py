@@ -1,4 +1,4 @@
-"""What readers of files add to a model, lose of it, or take for another frame: by its effects."""
+"""Terms that readers of files add to a model or drop, frames that they confuse, and the effects."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ UNITS = {
     "a damper": ("N s/m", "N m s/rad"),
     "dry friction": ("N", "N m"),
 }
-"""Units of what is added to a slide, and to a joint that turns."""
+"""Units of a term on a slide, and on a joint that turns."""
 
 
 class Inertia(NamedTuple):
-    """What is added to mass matrices.
+    """A change of mass matrices.
 
     Attributes
     ----------
@@ -61,12 +61,12 @@ class Inertia(NamedTuple):
 
 
 def in_words(said: str, file: float, least: float, x: Array, moved: Array) -> str:
-    """Return words for what makes a number of the file larger, and more than the least."""
+    """Return words for a number that exceeds that of the file, and the least."""
     return said.format(file + x[0]) if file + x[0] > least else ""
 
 
 def if_whole(said: str, x: Array, moved: Array) -> str:
-    """Return words for what is either done or not."""
+    """Return words for a mistake without a size."""
     return said if abs(x[0] - 1) < SAME else ""
 
 
@@ -111,7 +111,7 @@ def with_tensor(number: int, units: Array, one: Mechanism, x: Array) -> Mechanis
 
 
 def added_inertias(whole: Mechanism, visible: tuple[str, ...]) -> Iterator[Inertia]:
-    """Yield the inertias that a reader may add to mass matrices, beside the parts seen there."""
+    """Yield the inertias that a reader may add to mass matrices, besides the visible parts."""
     pairs = combinations_with_replacement(np.eye(3), 2)
     entries = np.array([np.outer(a, b) + np.outer(b, a) for a, b in pairs])
     file = inertias(whole, np.linspace(0.3, 1.3, whole.layout.size[0]))
@@ -163,7 +163,7 @@ def of_entries(body: Body, entries: Array, x: Array, moved: Array) -> str:
 def added_forces(
     whole: Mechanism, system: System
 ) -> Iterator[tuple[str, Callable[..., Array], Words]]:
-    """Yield the forces that a reader may add, beside the file's parts.
+    """Yield the forces that a reader may add to the file's parts.
 
     A name, forces (n,) by time, positions and velocities, and the meaning of their number.
     """

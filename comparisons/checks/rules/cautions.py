@@ -1,7 +1,7 @@
-"""What rules say of a run that is to be made.
+"""Warnings of rules before a run.
 
-They need no run: what they say follows from the case, from the equations that the model has,
-linearised, and from what the method makes of free vibrations.
+They follow from the case, from the linearised equations of the model, and from the effect of the
+method on free vibrations.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from .run import RunConditions
 
 @dataclass(frozen=True)
 class Caution:
-    """What a rule says of a run that is to be made.
+    """The warning of a rule before a run.
 
     Attributes
     ----------
     rule : str
         name of the rule
     message : str
-        what is wrong, with its numbers, and what to do
+        the problem, with its numbers, and a remedy
     """
 
     rule: str
@@ -36,7 +36,7 @@ class Caution:
 
 @dataclass(frozen=True)
 class Rule:
-    """What a rule means, and what it says of a run, if anything."""
+    """The meaning of a rule, and the function that finds a violation in a run."""
 
     meaning: str
     find: Callable[[RunConditions], Statement | None]
@@ -65,7 +65,7 @@ RULES: Mapping[str, Rule] = {
 
 
 def cautions(setup: Setup, horizon: float, rules: Mapping[str, Rule] = RULES) -> list[Caution]:
-    """Return what rules say of a run over a horizon [s] that the engine does not refuse."""
+    """Return the warnings of rules about a run over a horizon [s]."""
     with np.errstate(all="ignore"):
         run = RunConditions(
             setup.engine, setup.case, setup.model, setup.method, setup.step, horizon=horizon
@@ -75,10 +75,10 @@ def cautions(setup: Setup, horizon: float, rules: Mapping[str, Rule] = RULES) ->
 
 
 def noticing_rules(cautions: list[Caution]) -> tuple[str, ...]:
-    """Return the rules that warn of a run, each once, as who notices."""
+    """Return the rules that warn of a run, each once, as witnesses."""
     return tuple(dict.fromkeys(f"{RULE}{one.rule}" for one in cautions))
 
 
 def explained(reason: str, cautions: list[Caution]) -> str:
-    """Append to a reason what rules say."""
+    """Append the warnings of rules to a reason."""
     return "; ".join([reason, *(f"rule {one.rule}: {one.message}" for one in cautions)])

@@ -1,4 +1,4 @@
-"""Rules about step, method and motion: what is lost, where a run starts, how errors grow in it."""
+"""Rules about step, method and motion: errors of the method, the start of a run, chaos."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ from .conditions import Statement
 from .run import QUARTERS, RunConditions
 
 PHASE, TURN = CAP, 0.2 * np.pi
-"""Angles [rad] by which a motion may be late at the end of a run, where that is known exactly, of a
-mode, and where only its order of magnitude is."""
+"""Acceptable phase errors [rad] at the end of a run: of a mode, where it is known exactly, and of a
+turn, where only its order of magnitude is known."""
 
 LOSS = CAP
-"""Part of an amplitude that a method may take or add."""
+"""Relative change of an amplitude that a method may cause."""
 
 VISIBLE = 1.5
 """Modes faster than this many times the fastest that the exact motion has are not seen in it."""
 
 NEWTON = 1e-6
-"""Where Newton's method may stop, as a share of the motion."""
+"""Largest acceptable tolerance of Newton's method, as a share of the motion."""
 
 REST = 1e-9
 """How far [rad, m] from a state of rest a run counts as started there."""
@@ -58,10 +58,10 @@ def step_limit(run: RunConditions) -> Statement | None:
 
 
 def mode_errors(run: RunConditions) -> list[tuple[float, float, float]]:
-    """Return what the method makes of the modes that the motion shows, until the end of the run.
+    """Return the errors of the method in the modes of the motion, at the end of the run.
 
-    Of each the modulus of its eigenvalue [1/s], the phase that it loses [rad], and the logarithm of
-    what its amplitude grows by. A mode counts for as long as its own damping leaves it.
+    They are the modulus of the eigenvalue [1/s], the phase error [rad], and the logarithm of the
+    growth factor of the amplitude of each mode. A mode counts until its own damping ends it.
     """
     errors = []
     for at in run.places:
@@ -93,7 +93,7 @@ def coarse_step(run: RunConditions) -> Statement | None:
 
 
 def numerical_damping(run: RunConditions) -> Statement | None:
-    """Compare what the method takes from a mode with what its own damping does."""
+    """Compare the numerical damping of a mode with its own damping."""
     errors = mode_errors(run) or [(0.0, 0.0, 0.0)]
     omega, _, gain = max(errors, key=lambda error: abs(error[2]))
     if abs(gain) <= LOSS:
@@ -133,9 +133,9 @@ def newton_tolerance(run: RunConditions) -> Statement | None:
 
 
 def motion_size(run: RunConditions) -> dict[str, float]:
-    """Return how far each coordinate of the exact scene goes, at least; 1 rad if it turns.
+    """Return the least amplitude of each coordinate of the exact scene; 1 rad if it turns.
 
-    Starts, what speeds at the start make of them in a mode, and deflections under static loads.
+    It follows from initial positions, initial speeds in a mode, and deflections by static loads.
     """
     scene = run.scene
     q, v = np.split(scene.state(run.case.state), 2)
@@ -173,7 +173,7 @@ def engine_range(run: RunConditions) -> Statement | None:
         return None
     return Statement(
         f"accelerations of {expected:.2g} (SI) are to be expected, and {run.engine.name} "
-        f"takes what is above {largest:g} for a failure",
+        f"takes values above {largest:g} for a failure",
         "choose other units, or a softer model",
     )
 
@@ -204,7 +204,7 @@ def dead_centre(run: RunConditions) -> Statement | None:
 
 
 def inconsistent_start(run: RunConditions) -> Statement | None:
-    """Tell what is declared: a start off the constraints of the scene."""
+    """Report a start that violates the constraints of the scene."""
     if not run.case.inconsistency:
         return None
     offsets = ", ".join(
@@ -213,12 +213,12 @@ def inconsistent_start(run: RunConditions) -> Statement | None:
     )
     return Statement(
         f"the start is off the scene's constraints on purpose ({offsets}): a soft closure pulls it "
-        "together in its own time, and the motion after that is another one"
+        "together within its time constant, and the motion afterwards is another one"
     )
 
 
 def unstable_start(run: RunConditions) -> Statement | None:
-    """Look for a start that is a state of rest, and from which something grows."""
+    """Look for a start at an unstable state of rest."""
     (scene, parameters), n = run.bound.equations, len(run.start) // 2
     growing = float(np.max(run.start_and_rests[0].rates.real))
     if np.any(run.start[n:]) or not growing * run.horizon > 1:
@@ -229,16 +229,16 @@ def unstable_start(run: RunConditions) -> Statement | None:
     if moved > REST * growing**2:
         return None
     return Statement(
-        f"the start is a state of rest that a disturbance leaves with {growing:.3g} /s: rounding "
+        f"the start is a state of rest that a disturbance leaves at {growing:.3g} /s: round-off "
         "alone decides where the run goes, and when",
         "start it off by a known amount",
     )
 
 
 def amplification(run: RunConditions) -> Statement | None:
-    """Ask how much an initial error grows within the first `LONG` periods.
+    """Estimate the growth of an initial error within the first `LONG` periods.
 
-    Later than that only the reference can tell.
+    Later growth shows only in the reference.
     """
     case, scene = run.case, run.scene
     if scene.discretisation_coordinates:
@@ -249,8 +249,8 @@ def amplification(run: RunConditions) -> Statement | None:
     if growth is None or growth <= MOST_AMPLIFICATION:
         return None
     return Statement(
-        f"an initial error grows {growth:.2g} times within {seen:.4g} s: no method can follow this "
-        "motion to its end"
+        f"an initial error grows by a factor of {growth:.2g} within {seen:.4g} s: no method "
+        "can follow this motion to its end"
     )
 
 
@@ -264,8 +264,8 @@ def _growth(
 ) -> float | None:
     """Return the growth of a small initial error, by RK4 with complex steps: to a few percent.
 
-    Coordinates and rates are measured in what the run has of either, by its fastest frequency.
-    None where the motion is too stiff for these steps, so that they do not tell.
+    Coordinates and rates are relative to their sizes in the run, by its fastest frequency. None if
+    the motion is too stiff for these steps.
     """
     (t, seen), n = span, len(state) // 2
     rate, x = scene.right_hand_side(parameters), probed(np.array(state))

@@ -1,4 +1,4 @@
-"""Rules about an engine's model: what it is beside the scene."""
+"""Rules about an engine's model: its distance from the scene."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ STEADY = "rotation"
 
 
 def inertia_floor(run: RunConditions) -> Statement | None:
-    """Look for masses that the model has and the scene has not, or that the engine refuses."""
+    """Look for inertias that the model adds to the scene, or that the engine refuses."""
     engine, scene, p = run.engine, run.scene, run.case.parameters
     for item in dataclasses.fields(p):
         value, unit = getattr(p, item.name), item.metadata["unit"]
@@ -71,7 +71,7 @@ def closure_softness(run: RunConditions) -> Statement | None:
 
 
 def shortest_length(parameters: Any) -> float:
-    """Return the least parameter that is a length and positive by its nature [m], or 1 m."""
+    """Return the least of the parameters that are positive lengths [m], or 1 m."""
     lengths = (
         getattr(parameters, item.name)
         for item in dataclasses.fields(parameters)
@@ -82,7 +82,7 @@ def shortest_length(parameters: Any) -> float:
 
 @lru_cache(maxsize=1024)
 def _opening(equations: ModelEquations, state: tuple[float, ...]) -> float:
-    """Return how far the loop would open if the load at a state stayed [m]."""
+    """Return the opening of the loop under the constant load at a state [m]."""
     scene, parameters = equations
     x, n = np.array(state), len(state) // 2
     moment = 1e-6
@@ -116,7 +116,7 @@ def discretisation(run: RunConditions) -> Statement | None:
 def frequency_error(engine: Adapter, model: str, scene: str, steady: Any) -> float | None:
     """Return the relative error of the first frequency about steady rotation.
 
-    None where the engine fails to linearise; it says so when it runs.
+    None if the engine fails to linearise, which a run reports.
     """
     setup = Setup(engine, Case(scene, "", steady), model)
     case, equations = setup.case, setup.bound.equations
@@ -140,7 +140,7 @@ def first_frequency(equations: ModelEquations) -> float:
 
 
 def ill_conditioned(run: RunConditions) -> Statement | None:
-    """Look at the condition of the scaled mass matrix, and at the spread of the modes.
+    """Judge the condition of the scaled mass matrix, and the spread of the modes.
 
     Stiffness that acts through coordinates of its own costs no digits, however large; in
     redundant coordinates it acts through differences.

@@ -73,14 +73,14 @@ class Block:
 
 
 def blocks(results: Sequence[Result]) -> list[Block]:
-    """Return the failures: the first level that is wrong first, then errors, then the worst.
+    """Return the failures: the first wrong level first, then errors, then the worst.
 
     Checks that an engine fails by the same cause are one block.
     """
     checks = []
     for members in grouped(results, lambda r: (r.check_id,)).values():
         failed = [item for item in members if item.verdict in FAILURES]
-        # a quantity with a unit is seen at a time, and says more than one derived of all times
+        # a quantity with a unit is measured at one time, and says more than one of all times
         failed.sort(key=lambda r: (r.verdict != "error", r.unit == "1", -ratio(r), r.id))
         count = sum(item.verdict != "skipped" for item in members)
         checks += [Block(tuple(failed), count)] if failed else []

@@ -1,4 +1,4 @@
-"""Where a deviation comes from: the first level on which an engine is wrong."""
+"""Location of deviations: the first level on which an engine is wrong."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ from ..words import with_unit
 from .results import error_size, grouped
 
 FAILED = {
-    "clock": "its clock does not show the times that were asked for",
-    "step_count": "it takes or counts other steps than it was asked for",
-    "work_count": "it takes or counts other steps than it was asked for",
-    "non_finite": "what it returns is not finite",
-    "returned": "what it returns is refused",
+    "clock": "its clock does not show the requested times",
+    "step_count": "it takes or counts other steps than requested",
+    "work_count": "it takes or counts other steps than requested",
+    "non_finite": "its results are not finite",
+    "returned": "its results are refused",
     "timeout": "it takes longer than the time limit",
     "crashed": "its process ended",
 }
-"""What is wrong where all that fails is an error of such a kind."""
+"""Heading of a level on which all failures are errors of such a kind."""
 
 MASS_SHARES = ("mass.", "inertia.", "products.", "armature.")
-"""What quantities begin with that are shares of a mass matrix."""
+"""Beginnings of the names of shares of a mass matrix."""
 
 MOST = 8
 """Lines for one engine."""
 
 
 def located(results: Sequence[Result]) -> list[str]:
-    """Return, of each engine that deviates, on which level it first does, and in what."""
+    """Return for each engine that deviates the first level, and its faults there."""
     wrong = [item for item in results if item.verdict in ("deviation", "error")]
     lines = []
     for engine in dict.fromkeys(item.engine for item in wrong):
@@ -53,7 +53,7 @@ def located(results: Sequence[Result]) -> list[str]:
         causes = any(item.cause not in (None, ANOTHER_MODEL) for item in mine)
         skipped = (item.reason for item in own if item.verdict == "skipped")
         if deviates and not causes and any(NO_ACCELERATIONS in reason for reason in skipped):
-            lines.append("  its accelerations would tell which part of the model: docs/engines.md")
+            lines.append("  its accelerations would show which part of the model: docs/engines.md")
     return lines
 
 
@@ -70,10 +70,10 @@ def head(level: str, here: Sequence[Result]) -> str:
 
 
 def faults(results: Sequence[Result], every: Sequence[Result]) -> Iterator[str]:
-    """Yield what is wrong, each thing once, with the scenes where it is.
+    """Yield the faults, each once, with their scenes.
 
-    Of a cause also in how many checks of every level it was seen, if in more than one. A mass
-    matrix is off by the masses and inertias that are, where these are named.
+    A cause has the number of its checks on all levels, if more than one. The error of a mass matrix
+    is left out if the masses and inertias that explain it are named.
     """
     explained = {item.check_id for item in results if item.quantity.startswith(MASS_SHARES)}
     own = [
@@ -91,7 +91,7 @@ def faults(results: Sequence[Result], every: Sequence[Result]) -> Iterator[str]:
 
 
 def fault(result: Result) -> str:
-    """Return what is wrong in one result: its cause, of a part what happened to it, or its name."""
+    """Return the fault of a result: its cause, the fate of a part, or the name of the quantity."""
     if result.verdict == "error":
         return result.reason
     if result.cause and result.cause != ANOTHER_MODEL:
@@ -103,5 +103,5 @@ def fault(result: Result) -> str:
 
 
 def off(result: Result) -> str:
-    """Return that a quantity is off."""
+    """Return the name of a quantity with the word that it is wrong."""
     return f"{result.method} {result.quantity} off" if result.method else f"{result.quantity} off"

@@ -35,7 +35,7 @@ MOST_FIGURES = 24
 """Deviations that are drawn by default."""
 
 GENERATOR = b'<meta name="generator" content="mbcheck">'
-"""What tells a page of ours, which may be overwritten, from another."""
+"""Mark of a page of mbcheck, which may be overwritten."""
 
 INDEX = "index.html"
 
@@ -59,7 +59,7 @@ def page_file(name: str) -> Destination:
     place = Destination("--html", os.path.join(name, INDEX))
     if place.path.is_file() and GENERATOR not in place.path.read_bytes()[:4096]:
         raise UsageError(
-            f"--html: {place.name!r} is there already, and no page of mbcheck; name another folder"
+            f"--html: {place.name!r} exists and is no page of mbcheck; name another folder"
         )
     return place
 
@@ -112,12 +112,12 @@ def facts(report: Report, when: datetime | None) -> list[tuple[str, str]]:
 
 
 def selection(asked: CheckRequest) -> str:
-    """Return in words what a run was restricted to."""
+    """Return the selection of a run in words."""
     named = {key: getattr(asked, key) for key in ("scenes", "engines", "kinds", "methods", "ids")}
     parts = [f"{key} {', '.join(names)}" for key, names in named.items() if names]
     parts += [] if asked.profile == "default" else [f"profile {asked.profile}"]
     parts += [f"with --{name}" for name in ("full", "quick") if getattr(asked, name)]
-    return "; ".join(parts) or "everything that is checked by default"
+    return "; ".join(parts) or "the default set of checks"
 
 
 def drawn(report: Report, most: int) -> Iterator[Section]:

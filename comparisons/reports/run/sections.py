@@ -38,7 +38,7 @@ from .results import (
 )
 
 MOST = 10
-"""Failing checks that are shown, unless all are asked for."""
+"""Failing checks that are shown without --verbose."""
 
 MOST_IN_MARKDOWN = 50
 """The same of a page of Markdown, which GitHub refuses above 1 MiB."""
@@ -55,7 +55,7 @@ RULES = {
        for name, kind in KINDS.items()},
     STALE_RULE: ("stale known deviation", "an entry of --known that nothing needs: docs/ci.md"),
 }  # fmt: skip
-"""What items of a run point at: kinds of checks, from the model to its motion."""
+"""Rules of the items of a run: kinds of checks, from the model to its motion."""
 
 
 # Sections
@@ -68,7 +68,7 @@ def origin(report: Report) -> str:
 
 
 def print_report(console: Console, report: Report, verbosity: int = 0) -> None:
-    """Print where an engine is wrong, then what failed, then the rest.
+    """Print the location of deviations, then the failures, then the rest.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def print_report(console: Console, report: Report, verbosity: int = 0) -> None:
 
 
 def run_summary(report: Report) -> str:
-    """Return the Markdown of a run, which CI services show."""
+    """Return the Markdown of a run, for CI services."""
     about = Section(lines=[report.counts_line, origin(report)])
     failures = failure_sections(report, MOST_IN_MARKDOWN)
     title = f"mbcheck: {report.summary_line}"
@@ -96,7 +96,7 @@ def run_summary(report: Report) -> str:
 
 
 def failure_sections(report: Report, most: int | None) -> Iterator[Section]:
-    """Yield what a run is of, the first level that is wrong, and at most so many failures."""
+    """Yield the subject of a run, its first wrong level, and at most so many failures."""
     if report.header:
         yield Section(lines=[report.header])
     if where := located(report.results):
@@ -114,7 +114,7 @@ def failure_sections(report: Report, most: int | None) -> Iterator[Section]:
         )
     if more := len(failures[limit:]):
         yield Section(
-            lines=[f"and {plural(more, 'more check')} that fail otherwise: -v shows them"]
+            lines=[f"and {plural(more, 'more check')} with other failures: -v shows them"]
         )
 
 
@@ -151,7 +151,7 @@ def result_sections(report: Report, repeat: bool = False) -> Iterator[Section]:
 
 
 def closing_sections(report: Report) -> Iterator[Section]:
-    """Yield the matrix of verdicts, accuracy, and what is known, stale and skipped."""
+    """Yield the matrix of verdicts, accuracy, and known, stale and skipped results."""
     results = report.results
     cells = grouped(ran(results), lambda r: (r.scene, r.engine, r.kind))
     if cells:
@@ -209,7 +209,7 @@ OUTCOMES: Mapping[Verdict, Outcome] = {
     "skipped": "skipped",
     "error": "error",
 }
-"""What test pages of CI services call a verdict."""
+"""Names of verdicts on test pages of CI services."""
 
 
 def run_items(report: Report) -> list[ReportItem]:
