@@ -11,11 +11,12 @@ import click
 
 from ...reference.cost import within
 from ..reports.files import Destination, refuse_conflicts
-from ..terminal.budget import MAP, budget_option
 from ..terminal.options import COUNT, with_options_of
 from ..terminal.program import (
     INTERRUPTED,
+    MAP,
     PLOT,
+    budget_option,
     console,
     destination,
     examples,

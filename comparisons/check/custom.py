@@ -67,35 +67,15 @@ class CustomCase:
     Attributes
     ----------
     case : Case
-    horizon_source : str
-        Origin of the horizon, in words.
-    permitted : float
-        Part of the horizon [s] over which a small error stays small.
-    growth : float
-        Amplification of an initial error over that part.
     solution : Truth
         Observables and states of the reference.
+    reference : CustomReference
+        Summary of the reference for reports.
     """
 
     case: Case
-    horizon_source: str
-    permitted: float
-    growth: float
     solution: Truth
-
-    @property
-    def reference(self) -> CustomReference:
-        """Summary of the reference for reports."""
-        scene = get_scene(self.case.scene)
-        bounds = map(float, self.solution.bound)
-        return CustomReference(
-            self.case.horizon,
-            self.horizon_source,
-            self.permitted,
-            self.growth,
-            dict(zip(scene.observables, bounds, strict=True)),
-            {name: scene.units[name] for name in scene.observables},
-        )
+    reference: CustomReference
 
     def cases(self, full: bool) -> tuple[Case, ...]:
         """Return the case of runs, of elements where the scene is a continuum, and of the orbit.
@@ -149,7 +129,11 @@ def custom_case(
             "another state or a shorter horizon"
         ) from error
     case = replace(case, about=place_of_rest(case))
-    return CustomCase(case, source, permitted, growth, solution)
+    scene = get_scene(case.scene)
+    bounds = dict(zip(scene.observables, map(float, solution.bound), strict=True))
+    units = {name: scene.units[name] for name in scene.observables}
+    reference = CustomReference(case.horizon, source, permitted, growth, bounds, units)
+    return CustomCase(case, solution, reference)
 
 
 def with_horizon(case: Case, horizon: float | None) -> tuple[Case, str]:
@@ -253,7 +237,7 @@ def applied(checks: Sequence[Check], custom: CustomCase) -> list[Check]:
             setup = check.setup()
             if setup.bound.approximates_continuum and not setup.bound.discrete:
                 reason = "elements converge to the continuum, and have no closed form"
-        skipped.append(replace(check, why_not=reason or check.why_not))
+        skipped.append(replace(check, unsupported_reason=reason or check.unsupported_reason))
     return skipped
 
 
@@ -291,7 +275,7 @@ def why_no_energy(custom: CustomCase) -> str:
     """Return a reason if an invariant drifts or starts near 0; empty otherwise."""
     case, equations = custom.case, scene_equations(custom.case)
     end = float(equations.scene.drive_end_time(case.parameters))
-    if end >= custom.permitted:
+    if end >= custom.reference.permitted:
         return f"the scene is driven until t = {end:.3g} s, and the run ends before"
     states: Mapping[str, Array] = dict(
         zip(equations.scene.state_names, custom.solution.states, strict=True)

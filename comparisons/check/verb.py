@@ -13,17 +13,19 @@ import click
 from ...reference.errors import UsageError
 from ..checks.request import CheckRequest, Execution
 from ..reports.files import Destination, refuse_conflicts
-from ..terminal.budget import QUERY, budget_option, budgeted
 from ..terminal.options import with_options_of
-from ..terminal.page_options import HTML, write_page
 from ..terminal.program import (
     BADGE,
+    HTML,
     INTERRUPTED,
     JSON,
     JUNIT,
     MARKDOWN,
+    QUERY,
     QUIET,
     SARIF,
+    budget_option,
+    budgeted,
     complain,
     console,
     destination,
@@ -129,6 +131,7 @@ def check_verb(
     from ..engines.registry import in_this_process
     from ..reports import github
     from ..reports.run import sections
+    from ..reports.run.page import write_reports
     from .request import CheckRun, plan_checks
 
     asked = CheckRun(**options)
@@ -144,20 +147,17 @@ def check_verb(
         outcome = checked(plan, asked, bar=not quiet)
     if json_file:
         json_file.write(json_text(outcome.as_json()))
-    if junit_file:
-        junit_file.write(sections.run_junit(outcome))
-    if sarif_file:
-        sarif_file.write(sections.run_sarif(outcome))
-    if badge_file:
-        badge_file.write(json_text(sections.run_badge(outcome)))
-    summary = sections.run_summary(outcome)
-    if markdown_file:
-        markdown_file.write(summary)
-    if html_file:
-        write_page(html_file, outcome)
+    write_reports(
+        outcome,
+        junit=junit_file,
+        sarif=sarif_file,
+        badge=badge_file,
+        markdown=markdown_file,
+        html=html_file,
+    )
     if draft_file and not outcome.interrupted:
         draft_file.write(known.draft(outcome.results))
-    github.append_step_summary(summary)
+    github.append_step_summary(sections.run_summary(outcome))
     items = partial(sections.run_annotations, outcome)
     with github.annotated(items, annotations, err=to_stdout(*files)):
         sections.print_report(console(*files), outcome, verbosity=int(verbose) - int(quiet))

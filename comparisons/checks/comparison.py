@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from ...reference.scene import Array, Case
 from ...reference.solve import schemes
 from ..engines.setup import Setup
 from .free_vibrations import excitation
+from .mistakes.observables import Observed
 from .truth import Truth, rows
 from .verdict import PROFILES, Finding, Inconclusive, Series
 
@@ -80,17 +81,22 @@ class Part(NamedTuple):
     numbers: Any
 
 
-class EngineRuns(NamedTuple):
-    """Computed and expected values of an engine in some parts of runs with a step [s].
-
-    Values and expected ones are arrays (k, n) of the scene's observables, all parts side by side.
-    """
+@dataclass(frozen=True)
+class EngineRuns(Observed):
+    """Observables of an engine in some parts of runs with a step [s], all parts side by side."""
 
     setup: Setup
     step: float
     parts: Sequence[Part]
-    values: Array
-    expected: Array
+
+    @classmethod
+    def of(
+        cls, setup: Setup, step: float, parts: Sequence[Part], values: Array, right: Array
+    ) -> Self:
+        """Return runs with these values and expected ones (k, n) of the scene's observables."""
+        size = np.max(np.abs(right), axis=1, keepdims=True)
+        size, scene = np.where(size > 0, size, 1.0), setup.scene
+        return cls(scene, scene.observables, values, right, size, setup, step, parts)
 
 
 class Measured(NamedTuple):
@@ -300,10 +306,6 @@ class Prediction:
             reason=f"{self.reason}; elements are off by up to {float(np.max(share)):.2g}",
         )
 
-    def concludes(self, finding: Finding, change: float) -> Finding | Inconclusive:
-        """Return a finding, unless it may come from vibrations that steps do not resolve."""
-        return conclusion(finding, change, self.unfollowed)
-
 
 def exact_prediction(errors: Array, values: Array) -> Prediction:
     """Return that of errors (k,) which are granted as they are, of values (k, n) at any step."""
@@ -452,7 +454,7 @@ class Comparison:
                 Series("time", self.right.times[seen], value, right) if over_time else None,
             )
             change = float(np.max(self.prediction.change[i, seen]))
-            findings.append(self.prediction.concludes(finding, change))
+            findings.append(conclusion(finding, change, self.prediction.unfollowed))
         return findings
 
     def unit(self, name: str) -> str:
@@ -478,7 +480,8 @@ class Comparison:
                 "use more elements or a shorter step",
             )
         finding = Finding(name, "1", value, reference, error, granted, reason)
-        return self.prediction.concludes(finding, self.largest(self.prediction.change))
+        change = self.largest(self.prediction.change)
+        return conclusion(finding, change, self.prediction.unfollowed)
 
 
 @dataclass(frozen=True)
@@ -495,7 +498,8 @@ class RunComparison(Comparison):
         count, expected = len(self.setup.scene.observables), self.right.values
         if self.setup.scheme:
             expected = expected + self.values - self.prediction.limit
-        return EngineRuns(self.setup, self.step, self.parts, self.values[:count], expected[:count])
+        values = self.values[:count]
+        return EngineRuns.of(self.setup, self.step, self.parts, values, expected[:count])
 
 
 def largest_share(errors: Array, size: Array) -> float:

@@ -35,7 +35,6 @@ from ..engines.setup import Setup
 from ..faults.variants import Variant
 from .comparison import Measured
 from .diagnosis.runs import Deviation, cause
-from .mistakes.motions import seen_in
 from .mistakes.observables import other_measures
 from .refusals import refuse_undriven
 from .rules.cautions import Caution, cautions, explained, noticing_rules
@@ -153,8 +152,8 @@ class Check(Task):
         Whether the model is the engine's first.
     full_only : bool
         Left out of the default set.
-    why_not : str or None
-        Why it cannot run; then it is skipped.
+    unsupported_reason : str or None
+        Why it cannot run, in which case it is skipped.
     loaded_as : str or None
         ``package.module:Class`` of an engine that was given so.
     step : float or None
@@ -173,7 +172,7 @@ class Check(Task):
     quantities: tuple[str, ...]
     default_model: bool = True
     full_only: bool = False
-    why_not: str | None = None
+    unsupported_reason: str | None = None
     loaded_as: str | None = None
     step: float | None = None
     variant: Variant | None = None
@@ -350,7 +349,7 @@ def quick(checks: Iterable[Check]) -> list[Check]:
         level = check.case.scene, check.engine, check.kind
         here = *level, check.case.label
         key = level if check.kind == "trajectory" else (*level, check.model)
-        if not KINDS[check.kind].quick or key in seen or check.why_not is not None:
+        if not KINDS[check.kind].quick or key in seen or check.unsupported_reason is not None:
             continue
         twins = check.setup().engine.twins(check.case.scene)
         if check.model in twins and not (check.kind == "step" and here in steps):
@@ -455,8 +454,8 @@ def run_check(
 
     With ``explain`` they say where deviations may come from, which may run the engine again.
     """
-    if check.why_not is not None:
-        return check.skipped(check.why_not, (ENGINE,))
+    if check.unsupported_reason is not None:
+        return check.skipped(check.unsupported_reason, (ENGINE,))
     begin, kind = perf_counter(), EVERY_KIND[check.kind]
     setup: Setup | None = None
     try:
@@ -509,7 +508,7 @@ def with_causes(
     )
     said, measures = cautioned(setup), dict[str, str]()
     if measured.runs and not where:
-        measures = other_measures(seen_in(measured.runs), least=0.0)
+        measures = other_measures(measured.runs, least=0.0)
     rules, explained_results = noticing_rules(said), []
     for one in results:
         if one.verdict == "deviation":

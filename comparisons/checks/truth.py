@@ -274,7 +274,7 @@ def roundoff_reference(
     equations: ModelEquations, case: Case, times: Array, names: tuple[str, ...]
 ) -> Truth:
     """Return the solution over a short time, down to round-off unless it is stiff."""
-    return _roundoff_references(equations, [case], times[:, None], names)[0]
+    return after_starts(equations, [case], times - case.start_time, names)
 
 
 def after_starts(
@@ -284,12 +284,20 @@ def after_starts(
     names: tuple[str, ...],
     tolerance: float = SHARP,
 ) -> Truth:
-    """Return the same (k, n m) some times (m,) [s] after each of n starts.
+    """Return the same (k, n m) some times (m,) [s] after each of n starts, solved together.
 
     A relative tolerance larger than `SHARP` saves the steps that fight with round-off.
     """
-    times = np.add.outer(np.atleast_1d(after), [one.start_time for one in cases])
-    solutions = _roundoff_references(equations, cases, times, names, tolerance)
+    begins = [one.start_time for one in cases]
+    columns = map(tuple, np.add.outer(np.atleast_1d(after), begins).T.tolist())
+    states = (tuple(map(float, equations.start(one))) for one in cases)
+    each = tuple(zip(states, begins, columns, strict=True))
+    solutions = (
+        [_truth(equations, state, begin, column, column[-1] - begin, names)
+         for state, begin, column in each]
+        if equations.scene.stiff
+        else _sharp(equations, each, names, tolerance)
+    )  # fmt: skip
     return Truth(
         times=np.concatenate([one.times for one in solutions]),
         values=np.hstack([one.values for one in solutions]),
@@ -298,25 +306,6 @@ def after_starts(
         scale=np.max([one.scale for one in solutions], axis=0),
         states=np.hstack([one.states for one in solutions]),
     )
-
-
-def _roundoff_references(
-    equations: ModelEquations,
-    cases: Sequence[Case],
-    times: Array,
-    names: tuple[str, ...],
-    tolerance: float = SHARP,
-) -> tuple[Truth, ...]:
-    """Return solutions from some starts, each at times (n_t, k) of its own; solved together."""
-    begins, columns = [one.start_time for one in cases], list(map(tuple, times.T.tolist()))
-    states = [tuple(map(float, equations.start(one))) for one in cases]
-    each = list(zip(states, begins, columns, strict=True))
-    if equations.scene.stiff:
-        return tuple(
-            _truth(equations, state, begin, column, column[-1] - begin, names)
-            for state, begin, column in each
-        )
-    return _sharp(equations, tuple(each), names, tolerance)
 
 
 @lru_cache(maxsize=64)

@@ -47,8 +47,8 @@ def coverage() -> dict[str, Any]:
     reasons: dict[tuple[str, str, str], str] = {}
     for check in plan(full=True):
         cell = (check.case.scene, check.engine, check.kind)
-        if check.why_not is not None:
-            reasons[cell] = check.why_not
+        if check.unsupported_reason is not None:
+            reasons[cell] = check.unsupported_reason
             continue
         counts[*cell, "full" if check.full_only else "checks"] += 1
         counts[*cell, "results"] += 0 if check.full_only else len(check.ids)

@@ -10,10 +10,12 @@ from ...reference.errors import UsageError
 from ..engines import REFERENCE
 from ..queries.request import FrequenciesRequest, MethodQuery, ModelQuery, SimulateRequest
 from ..reports.files import Destination, refuse_conflicts
-from ..terminal.budget import QUERY, budget_option, budgeted
 from ..terminal.options import with_options_of
 from ..terminal.program import (
     JSON,
+    QUERY,
+    budget_option,
+    budgeted,
     console,
     deliver,
     destination,

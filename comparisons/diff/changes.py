@@ -128,36 +128,24 @@ def run_of(file: str, content: Any) -> Document:
 # Changes
 
 
-@dataclass(frozen=True)
-class Sort:
-    """A sort of change.
-
-    Attributes
-    ----------
-    title : str
-    regression : bool
-    """
-
-    title: str
-    regression: bool = False
-
-
-SORTS = {
-    "new_error": Sort("new errors", True),
-    "new_deviation": Sort("new deviations", True),
-    "grew": Sort("errors that grew", True),
-    "vanished": Sort("missing now", True),
-    "now_skipped": Sort("now skipped", True),
-    "other_failure": Sort("errors, now deviations"),
-    "now_known": Sort("now known"),
-    "fixed": Sort("fixed"),
-    "shrank": Sort("errors that shrank"),
-    "now_runs": Sort("no longer skipped"),
-    "appeared": Sort("new without failure"),
-    "left_out": Sort("not compared: left out of the new run"),
-    "dropped": Sort("missing now, and skipped before"),
+SORTS: Mapping[str, str] = {
+    "new_error": "new errors",
+    "new_deviation": "new deviations",
+    "grew": "errors that grew",
+    "vanished": "missing now",
+    "now_skipped": "now skipped",
+    "other_failure": "errors, now deviations",
+    "now_known": "now known",
+    "fixed": "fixed",
+    "shrank": "errors that shrank",
+    "now_runs": "no longer skipped",
+    "appeared": "new without failure",
+    "left_out": "not compared: left out of the new run",
+    "dropped": "missing now, and skipped before",
 }
-"""Sorts of changes, the most important first."""
+"""Titles of sorts of changes, the most important first."""
+
+REGRESSIONS = ("new_error", "new_deviation", "grew", "vanished", "now_skipped")
 
 
 @dataclass(frozen=True)
@@ -193,7 +181,7 @@ class Change:
     @documented
     def regression(self) -> bool:
         """Whether it makes the new run worse."""
-        return SORTS[self.sort].regression
+        return self.sort in REGRESSIONS
 
     @property
     def weight(self) -> tuple[int, float, float, str]:

@@ -10,7 +10,7 @@ from rich.console import Console
 from ..reports.sections import Section, markdown_sections, print_sections
 from ..reports.text import STYLES, print_line
 from ..reports.words import plural, with_unit
-from .changes import SORTS, Change, Diff, Document
+from .changes import REGRESSIONS, SORTS, Change, Diff, Document
 
 FEW = 3
 """So many changes of a sort are shown one by one; more are grouped by engine and kind."""
@@ -24,7 +24,7 @@ def summary_line(diff: Diff) -> str:
     if not diff.changes:
         return f"NO CHANGE: {plural(diff.compared, 'result')}, the same in both"
     word = "REGRESSED" if diff.regressions else "NO REGRESSION"
-    counts = [f"{diff.summary[name]} {sort.title}" for name, sort in SORTS.items()]
+    counts = [f"{diff.summary[name]} {title}" for name, title in SORTS.items()]
     parts = [text for text in counts if not text.startswith("0 ")]
     return f"{word}: {', '.join(parts)}; {diff.same} of {diff.compared} the same"
 
@@ -58,7 +58,7 @@ def diff_sections(diff: Diff, verbose: bool) -> Iterator[Section]:
     """Yield the two runs, then each sort of change; ``verbose`` lists every change."""
     sides = [side_line("old", diff.old), side_line("new", diff.new)]
     yield Section(lines=[*sides, *(f"  {note}" for note in diff.notes)])
-    for name, sort in SORTS.items():
+    for name, title in SORTS.items():
         changes = [change for change in diff.changes if change.sort == name]
         groups: dict[str, list[Change]] = {}
         for change in changes:
@@ -66,15 +66,15 @@ def diff_sections(diff: Diff, verbose: bool) -> Iterator[Section]:
         lines = []
         for change in changes if verbose or len(changes) <= FEW else ():
             lines += change_lines(change)
-        for title, members in () if lines else list(groups.items())[:MOST_GROUPS]:
+        for group, members in () if lines else list(groups.items())[:MOST_GROUPS]:
             scenes = Counter(change.result.scene for change in members).items()
             where = ", ".join(f"{scene} ({count})" for scene, count in scenes)
-            lines.append(f"{title}: {len(members)} in {where}")
-            if sort.regression:
+            lines.append(f"{group}: {len(members)} in {where}")
+            if name in REGRESSIONS:
                 lines += change_lines(members[0], "  worst: ")
         if changes:
-            verdict = "deviation" if sort.regression else ""
-            yield Section(f"{sort.title} ({len(changes)})", lines=lines, verdict=verdict)
+            verdict = "deviation" if name in REGRESSIONS else ""
+            yield Section(f"{title} ({len(changes)})", lines=lines, verdict=verdict)
 
 
 def change_lines(change: Change, title: str = "") -> list[str]:

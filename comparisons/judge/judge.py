@@ -51,14 +51,16 @@ class LargestError:
         of the numbers but `time` and `relative`
     time : float
         time of the largest error [s]
-    value : float value of the file at that time
+    value : float
+        value of the file at that time
     reference : float
         true value at that time
     error : float
         largest error
     size : float
         largest value of the reference; 1 where that stays 0
-    bound : float bound on the error of the reference
+    bound : float
+        bound on the error of the reference
     """
 
     quantity: str

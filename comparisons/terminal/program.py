@@ -20,6 +20,7 @@ import click
 from ...reference.errors import MbcheckError, UsageError
 from ..reports.files import Destination, collect_unwritten, discard_output
 from ..reports.words import printable, shell_lines
+from .options import NUMBER
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -165,6 +166,24 @@ def into(name: str, what: str) -> Callable[[Function], Function]:
     )
 
 
+def page_of(
+    context: click.Context, option: click.Parameter, name: str | None
+) -> Destination | None:
+    """Return the page in a folder; refuse at once what cannot be written."""
+    if name is None:
+        return None
+    from ..reports.run.page import page_file
+
+    return page_file(name)
+
+
+HTML = click.option(
+    "--html",
+    "html_file",
+    callback=page_of,
+    metavar="DIR",
+    help="Write a page into a folder: DIR/index.html, with pictures of deviations.",
+)
 JUNIT = into("junit", "Write JUnit XML to a file, or '-'.")
 SARIF = into("sarif", "Write SARIF, for code scanning, to a file or '-'.")
 BADGE = into("badge", "Write a badge for shields.io (endpoint JSON) to a file, or '-'.")
@@ -172,6 +191,34 @@ QUIET = click.option("-q", "--quiet", is_flag=True, help="Print the summary line
 JSON = into("json", "Write JSON to a file; '-' is standard output, and all else then leaves it.")
 MARKDOWN = into("markdown", "Write the tables as Markdown to a file, or '-'.")
 PLOT = click.option("--plot", callback=destination, metavar="FILE", help="Draw it: .png or .svg.")
+
+
+QUERY, MAP = 600.0, 86400.0
+"""Default budgets of a query and of a map [s]."""
+
+
+def budget_option(seconds: float) -> Callable[[Any], Any]:
+    """Return the option, with its default [s]."""
+    return click.option(
+        "--budget",
+        type=NUMBER,
+        default=seconds,
+        show_default=True,
+        metavar="SECONDS",
+        help="Refuse work with a longer estimated time.",
+    )
+
+
+@contextmanager
+def budgeted(seconds: float, what: str) -> Iterator[None]:
+    """Work within a budget [s], and show progress on a terminal or line by line."""
+    from ...reference.cost import within
+
+    with (
+        progress_bar(True, f"parts of {what}", lines=True) as advance,
+        within(seconds, lambda share, _: advance(round(100 * share), 100)),
+    ):
+        yield
 
 
 def refuse_picture(plot: Destination | None) -> None:

@@ -55,7 +55,7 @@ def test_an_attribute_that_is_left_out_is_seen(scene: str, label: str, tag: str,
 
     verdicts = set()
     for check in plan_cases([case], ["exudyn"], ["algebra"], full=True):
-        if not check.why_not and check.model != "one_dof":
+        if not check.unsupported_reason and check.model != "one_dof":
             wrong = Rebuilt(exudyn_mjcf, mechanism=read)
             verdicts |= {one.verdict for one in run_check(check, engine=wrong, explain=False)}
     assert verdicts & {"deviation", "error"}

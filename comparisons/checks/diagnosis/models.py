@@ -20,7 +20,6 @@ from ...engines.run import call_engine
 from ...engines.setup import Setup
 from ..comparison import ROUNDING, matrix_rounding
 from ..kinds import algebra, frequency
-from ..mistakes.motions import seen_in
 from ..mistakes.observables import EXPLAINED
 from ..mistakes.terms import with_axes_of_world, with_tensors_behind
 from ..truth import random_states
@@ -232,7 +231,7 @@ def of_joints(deviation: Deviation) -> str:
     setup = deviation.setup
     if setup.scene.discretisation_coordinates or not setup.engine.reads_mjcf:
         return ""
-    away = error_of if deviation.asks_forces else (lambda one: seen_in(after_steps(one, 1)).error)
+    away = error_of if deviation.asks_forces else (lambda one: after_steps(one, 1).error)
     error = away(setup)
     joints = setup.bound.system(setup.case).joints
     if error < EXPLAINED or len(joints) > MOST_JOINTS:

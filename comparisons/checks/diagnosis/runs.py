@@ -24,7 +24,7 @@ from ..comparison import (
     sample_numbers,
 )
 from ..kinds import algebra, one_step
-from ..mistakes.motions import LONG, explanation, reset, seen_in, with_expected
+from ..mistakes.motions import LONG, explanation, reset, with_expected
 from ..mistakes.observables import EXPLAINED, SEEN
 from ..orbits import true_orbit
 from ..truth import after_starts, simulated_horizon
@@ -145,7 +145,7 @@ def mistake_in_run(setup: Setup, runs: EngineRuns | None = None) -> str:
         short = LONG * step
     for length in (min(horizon, short), horizon):
         whole = runs if length == horizon else None
-        seen = seen_in(whole or free_run(setup, step, length))
+        seen = whole or free_run(setup, step, length)
         if seen.error > SEEN:
             said = explanation(seen) or reset(seen)
             if said or not beam:
@@ -166,8 +166,8 @@ def of_steps(deviation: Deviation) -> str:
     if setup.bound.discrete or one is None:
         return ""
     in_time = one_step.driven_in_time(setup, setup.bound.equations)
-    few = explanation(seen_in(after_steps(setup, FEW))) if in_time else ""
-    return few or explanation(seen_in(one))
+    few = explanation(after_steps(setup, FEW)) if in_time else ""
+    return few or explanation(one)
 
 
 def after_steps(setup: Setup, count: int) -> EngineRuns:

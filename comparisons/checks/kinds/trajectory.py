@@ -26,6 +26,7 @@ from ..comparison import (
     RunComparison,
     by_extrapolation,
     by_scheme,
+    conclusion,
     ideal_rows,
     last_trusted_sample,
     richardson,
@@ -219,5 +220,6 @@ def run_quantities(run: FreeRun) -> list[Finding | Inconclusive]:
         granted = prediction.shrinks * RICHARDSON_SAFETY * predicted + gain * trust
         error = abs(value - reference)
         finding = Finding(name, unit, value, reference, error, granted, reason)
-        findings.append(prediction.concludes(finding, abs(value - float(values[1]))))
+        change = abs(value - float(values[1]))
+        findings.append(conclusion(finding, change, prediction.unfollowed))
     return findings

@@ -15,7 +15,7 @@ from ....reference.solve import schemes
 from ...engines.setup import Setup
 from ..comparison import EngineRuns, Part
 from ..truth import rows, truth
-from .observables import EXPLAINED, SEEN, Observed, limited, otherwise_observed
+from .observables import EXPLAINED, SEEN, limited, otherwise_observed
 
 LONG = 32
 """Steps of a continuum that take long to predict."""
@@ -74,36 +74,6 @@ STARTS: dict[str, Callable[[str], bool]] = {
 """Which values of a start are kept; all of them first, by no mistake."""
 
 
-@dataclass(frozen=True)
-class Seen(Observed):
-    """Computed and expected values of an engine in some parts with a step [s]."""
-
-    setup: Setup
-    step: float
-    parts: Sequence[Part]
-
-    def left(self, change: Callable[[Part], Hypothesis], most: float) -> float:
-        """Return the largest difference from what an engine with a mistake would have computed.
-
-        Infinite where it is not below ``most``, which the beginning of a part tells mostly.
-        """
-        left, first = 0.0, 0
-        for part in self.parts:
-            count = len(part.numbers)
-            for samples in sorted({-(-count // share) for share in SHARES}):
-                seen = self.values[:, first : first + samples]
-                beginning = part._replace(numbers=part.numbers[:samples])
-                rest = self.away(seen, self.rows_of(change(beginning)))
-                if not rest < most:
-                    return np.inf
-            left, first = max(left, rest), first + count
-        return left
-
-    def rows_of(self, motion: Hypothesis) -> Array:
-        """Return observables (k, n) of a motion."""
-        return motion.rows(self.setup, self.step, self.names)
-
-
 class ChangedDrive(schemes.ScalarEquations):
     """Equations whose drive is that at one time, begins with one, or is switched off at one."""
 
@@ -155,6 +125,10 @@ class Hypothesis:
     hold: int = 1
     stretch: float = 0.0
 
+    def rows_of(self, runs: EngineRuns) -> Array:
+        """Return observables (k, n) in place of those of runs."""
+        return self.rows(runs.setup, runs.step, runs.names)
+
     def rows(self, setup: Setup, step: float, names: tuple[str, ...]) -> Array:
         """Return observables (k, n) after these numbers of steps [s]."""
         scene = self.scene or setup.bound.equations.scene
@@ -181,7 +155,25 @@ class Hypothesis:
         return rows(own, np.array(states)[self.numbers].T, names)
 
 
-def mistakes(seen: Seen) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
+def smallest_rest(seen: EngineRuns, change: Callable[[Part], Hypothesis], most: float) -> float:
+    """Return the largest difference of runs from those of an engine with a mistake.
+
+    It is infinite if it is not below ``most``, which the beginning of a part mostly shows.
+    """
+    left, first = 0.0, 0
+    for part in seen.parts:
+        count = len(part.numbers)
+        for samples in sorted({-(-count // share) for share in SHARES}):
+            values = seen.values[:, first : first + samples]
+            beginning = part._replace(numbers=part.numbers[:samples])
+            rest = seen.away(values, change(beginning).rows_of(seen))
+            if not rest < most:
+                return np.inf
+        left, first = max(left, rest), first + count
+    return left
+
+
+def mistakes(seen: EngineRuns) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
     """Yield the likely mistakes, each with the motion of a part that it predicts."""
     setup = seen.setup
     starts = []
@@ -219,10 +211,10 @@ def mistakes(seen: Seen) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
             yield f"its steps are those of {scheme}", partial(changed, scheme=scheme)
 
 
-def longer_steps(seen: Seen) -> float:
+def longer_steps(seen: EngineRuns) -> float:
     """Return the relative excess of the length of steps that explains the results best."""
     parts = (changed(part, stretch=STRETCH) for part in seen.parts)
-    slope = (np.hstack([seen.rows_of(one) for one in parts]) - seen.right) / STRETCH / seen.size
+    slope = (np.hstack([one.rows_of(seen) for one in parts]) - seen.right) / STRETCH / seen.size
     size = float(np.sum(slope**2))
     stretch = float(np.sum(slope * (seen.values - seen.right) / seen.size)) / size if size else 0.0
     return stretch if abs(stretch) < MOST_STRETCH else 0.0
@@ -236,14 +228,6 @@ def changed(
     return Hypothesis(replace(part.case, state=state), part.numbers + ahead, **how)
 
 
-def seen_in(runs: EngineRuns) -> Seen:
-    """Return runs as computed and expected observables."""
-    size = np.max(np.abs(runs.expected), axis=1, keepdims=True)
-    size, scene = np.where(size > 0, size, 1.0), runs.setup.scene
-    observed = scene.observables, runs.values, runs.expected, size
-    return Seen(scene, *observed, runs.setup, runs.step, runs.parts)
-
-
 def with_expected(setup: Setup, step: float, parts: Sequence[Part], values: Array) -> EngineRuns:
     """Return an engine's results (k, n) with a step [s], and the expected ones."""
     names = setup.scene.observables
@@ -254,7 +238,7 @@ def with_expected(setup: Setup, step: float, parts: Sequence[Part], values: Arra
         ).values
     else:
         right = np.hstack([Hypothesis(*part).rows(setup, step, names) for part in parts])
-    return EngineRuns(setup, step, parts, values, right)
+    return EngineRuns.of(setup, step, parts, values, right)
 
 
 def takes_long(setup: Setup, parts: Sequence[Part]) -> bool:
@@ -263,7 +247,7 @@ def takes_long(setup: Setup, parts: Sequence[Part]) -> bool:
     return bool(setup.scene.discretisation_coordinates) and longest > LONG
 
 
-def explanation(seen: Seen) -> str:
+def explanation(seen: EngineRuns) -> str:
     """Return the mistake that alone explains the results; empty if there is none."""
     error = seen.error
     if not SEEN < error < np.inf:
@@ -272,7 +256,7 @@ def explanation(seen: Seen) -> str:
     if not takes_long(seen.setup, seen.parts):
         left: dict[str, float] = {}
         for said, change in mistakes(seen):
-            rest = seen.left(change, EXPLAINED * error)
+            rest = smallest_rest(seen, change, EXPLAINED * error)
             left[said] = min(rest, left.get(said, np.inf))
         left = {said: rest for said, rest in left.items() if rest < np.inf}
         second = min(sorted(left.values())[1:], default=np.inf)
@@ -281,7 +265,7 @@ def explanation(seen: Seen) -> str:
     return words[0] if len(words) == 1 else ""
 
 
-def after_drive(seen: Seen) -> Iterator[str]:
+def after_drive(seen: EngineRuns) -> Iterator[str]:
     """Yield a sentence if only the motion after the end of the drive is wrong."""
     case = seen.setup.case
     end = float(seen.setup.scene.drive_end_time(case.parameters))
@@ -292,7 +276,7 @@ def after_drive(seen: Seen) -> Iterator[str]:
         yield f"it is right until the drive ends at t = {end:.4g} s, and wrong after that"
 
 
-def reset(seen: Seen) -> str:
+def reset(seen: EngineRuns) -> str:
     """Return the time of a reset to the start or the origin that explains all; empty if none."""
     if seen.setup.scene.discretisation_coordinates:
         return ""
@@ -312,10 +296,10 @@ def reset(seen: Seen) -> str:
             """Return the samples after a restart, or all."""
             there = replace(begin, start_time=case.start_time + number * seen.step)
             return seen.away(
-                values[:, :count], seen.rows_of(Hypothesis(there, later[:count] - number))
+                values[:, :count], Hypothesis(there, later[:count] - number).rows_of(seen)
             )
 
-        if seen.away(values, seen.rows_of(Hypothesis(begin, np.array([0])))) < least:
+        if seen.away(values, Hypothesis(begin, np.array([0])).rows_of(seen)) < least:
             when = f"between t = {before:.4g} s and {after:.4g} s"
             words.append(f"it is put back to {where} {when}, and stays there")
             continue

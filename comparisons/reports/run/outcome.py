@@ -27,7 +27,8 @@ class CustomReference:
 
     Attributes
     ----------
-    horizon : float horizon of the run [s]
+    horizon : float
+        horizon of the run [s]
     horizon_source : str
         origin of the horizon
     permitted : float

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
@@ -17,10 +17,19 @@ from ...checks.request import CheckRequest
 from ..files import STDOUT, Destination
 from ..html import render
 from ..sections import Section
-from .blocks import blocks
+from .located import blocks
 from .outcome import Report
 from .results import FAILURES, ratio
-from .sections import closing_sections, failure_sections, origin, result_sections
+from .sections import (
+    closing_sections,
+    failure_sections,
+    origin,
+    result_sections,
+    run_badge,
+    run_junit,
+    run_sarif,
+    run_summary,
+)
 
 SIGNS: Mapping[str, str] = {
     "pass": "\N{CHECK MARK}",
@@ -62,6 +71,13 @@ def page_file(name: str) -> Destination:
             f"--html: {place.name!r} exists and is no page of mbcheck; name another folder"
         )
     return place
+
+
+def write_reports(report: Report, **files: Destination | None) -> None:
+    """Write the reports of a run, each named by its format, one of `WRITERS`."""
+    for name, place in files.items():
+        if place is not None:
+            place.write(WRITERS[name](report))
 
 
 def check_page(
@@ -138,3 +154,13 @@ def drawn(report: Report, most: int) -> Iterator[Section]:
             yield replace(section, figures=[figure])
         else:
             yield section
+
+
+WRITERS: Mapping[str, Callable[[Report], str]] = {
+    "junit": run_junit,
+    "sarif": run_sarif,
+    "badge": run_badge,
+    "markdown": run_summary,
+    "html": check_page,
+}
+"""Functions that return the text of a report in each format."""

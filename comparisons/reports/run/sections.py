@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 from rich.console import Console
 
@@ -19,8 +19,7 @@ from ..sarif import sarif
 from ..sections import Section, markdown_sections, print_sections
 from ..text import STYLES, Cell, matrix_by_kind, print_line
 from ..words import number, plural, with_unit
-from .blocks import HEADS, blocks
-from .located import located
+from .located import HEADS, blocks, located
 from .outcome import Report
 from .results import (
     FAILURES,
@@ -305,10 +304,11 @@ BADGE_COLOURS = {"PASS": "brightgreen", "FAIL": "red"}
 """Colour of a badge by `Report.word`; the badge of any other run is grey and has that word."""
 
 
-def run_badge(report: Report) -> dict[str, Any]:
+def run_badge(report: Report) -> str:
     """Return the badge of a run, as the endpoint of shields.io reads it."""
     counts, message, colour = report.summary, report.word.lower(), "lightgrey"
     if report.word in BADGE_COLOURS:
         bad = [plural(counts[name], name) for name in FAILURES[::-1] if counts[name]]
         message, colour = ", ".join([f"{counts['pass']} passed", *bad]), BADGE_COLOURS[report.word]
-    return {"schemaVersion": 1, "label": "mbcheck", "message": message, "color": colour}
+    badge = {"schemaVersion": 1, "label": "mbcheck", "message": message, "color": colour}
+    return json.dumps(badge) + "\n"

@@ -150,7 +150,7 @@ def test_reactions_along_the_axes_of_the_world_are_named() -> None:
     found = bad(results(engine, case, "algebra", "redundant"))
     assert {item.quantity for item in found} >= {"reaction_a_x", "reaction_b_y"}
     assert {item.cause for item in found} == {
-        "reactions are told along the axes of the world, not of the model"
+        "reactions have their components along the axes of the world, not of the model"
     }
     assert not bad(results(engine, replace(case, placement=""), "algebra", "redundant"))
 

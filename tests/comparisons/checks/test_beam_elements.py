@@ -216,7 +216,7 @@ def test_a_torque_that_begins_at_once_is_no_defect_of_the_engine() -> None:
     )
     found = {item.quantity: item for item in run_check(check, "strict")}
     assert {item.verdict for item in found.values()} == {"pass", "skipped"}
-    assert "the start shakes vibrations above" in found["tip_deflection_dot"].reason
+    assert "the initial state excites modes above" in found["tip_deflection_dot"].reason
 
 
 @pytest.mark.slow

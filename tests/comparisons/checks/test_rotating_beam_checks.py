@@ -339,12 +339,12 @@ def test_explicit_solvers_are_refused_and_fail_when_forced() -> None:
     refused = {
         check.method.name: check
         for check in checks_of("trajectory", SCENE.case("spin_up_quick"), "exudyn")
-        if check.method and check.why_not
+        if check.method and check.unsupported_reason
     }
     assert set(refused) == {method.name for method in EXPLICIT}
     for check in refused.values():
         assert {item.verdict for item in run_check(check)} == {"skipped"}
-        results = run_check(replace(check, why_not=None))
+        results = run_check(replace(check, unsupported_reason=None))
         assert {item.verdict for item in results} == {"error"}
         assert "constraints" in results[0].reason
 

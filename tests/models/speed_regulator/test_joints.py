@@ -148,7 +148,9 @@ def verdicts(engine: str, case: Case, wrong: Adapter | None = None) -> dict[str,
     """Return, by quantity, the verdicts of the check kind that a case feeds first."""
     found: dict[str, set[str]] = {}
     for check in checks_of(case.kinds[0], case, engine):
-        for item in [] if check.why_not else run_check(check, "loose", wrong, explain=False):
+        for item in (
+            [] if check.unsupported_reason else run_check(check, "loose", wrong, explain=False)
+        ):
             found.setdefault(item.quantity, set()).add(item.verdict)
     return found
 

@@ -106,7 +106,7 @@ def test_a_force_that_is_held_is_named() -> None:
     """As control loops do it, through MuJoCo's ``ctrl``."""
     for kind in ("trajectory", "order"):
         found = told_of(HOOP[0], kind, Controlled(0.0), CASES["hula_hoop"])
-        assert causes(found) == {"the force is held: that at the start of each step"}
+        assert causes(found) == {"the force is constant in each step, as at its start"}
 
 
 @pytest.mark.parametrize(
@@ -218,8 +218,8 @@ def test_every_kind_names_a_level(kind: str, words: str) -> None:
 @pytest.mark.parametrize(
     ("reason", "traceback", "words"),
     [
-        ("clock: it shows 1 s", None, "its clock does not show the times that were asked for"),
-        ("step_count: 2 steps", None, "it takes or counts other steps than it was asked for"),
+        ("clock: it shows 1 s", None, "its clock does not show the requested times"),
+        ("step_count: 2 steps", None, "it takes or counts other steps than requested"),
         ("ValueError: no", "Traceback", "it raised an exception"),
         ("branch: turned over", None, "a free run could not be judged"),
     ],

@@ -221,7 +221,7 @@ class HeldAndLate(Late):
         (Late, "the force is one step late"),
         (
             HeldAndLate,
-            "the force is held, one step late: that at the start of the step before",
+            "the force is constant in each step, as at the start of the step before",
         ),
     ],
 )

@@ -96,7 +96,7 @@ class Leapfrog(Solved):
         return mbcheck.Motion(positions, velocities, steps=steps)
 
 
-RATES_ALONE = "positions are right, and the rates that are told with them are not"
+RATES_ALONE = "positions are right, and the rates returned with them are wrong"
 HALF_A_STEP = "rates are half a step behind positions, as those of a leapfrog are"
 
 
@@ -172,7 +172,7 @@ class Unsteady(Kutta):
     ("engine", "said"),
     [
         (Clamped, "theta_dot never exceeds 12 rad/s: it is clamped there"),
-        (Longer, "its steps are longer than the one that is given, by 1e-06 of it"),
+        (Longer, "its steps are longer than the given one, by 1e-06 of it"),
         (Unsteady, "it does not repeat itself: two identical calls differ by "),
     ],
 )
@@ -204,7 +204,7 @@ def test_a_clock_of_32_bits_is_seen_though_steps_are_powers_of_two() -> None:
 
 @pytest.mark.parametrize("engine", [Decimated, Halved])
 def test_a_force_that_is_held_over_several_steps_is_named(engine: Any) -> None:
-    said = "the force is held over several steps: that at the start of the first"
+    said = "the force is constant over several steps, as at the start of the first"
     assert causes(forced(engine())) == {said}
 
 

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from mbcheck.comparisons.checks.comparison import Part
 from mbcheck.comparisons.checks.kinds.energy import sensor_gaps
-from mbcheck.comparisons.checks.mistakes.motions import explanation, seen_in, with_expected
+from mbcheck.comparisons.checks.mistakes.motions import explanation, with_expected
 from mbcheck.comparisons.checks.suite import plan_cases, run_check
 from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.comparisons.engines.setup import Setup
@@ -147,7 +147,8 @@ def test_a_part_that_does_not_act_is_named() -> None:
     found = results("rigid_body", "", "parts", "free_euler")
     reasons = [one.reason for one in found.values() if one.verdict == "skipped"]
     assert reasons == [
-        f"{name} does not act enough to be told from rounding" for name in ("coriolis", "gravity")
+        f"{name} has too small an effect to be separated from round-off"
+        for name in ("coriolis", "gravity")
     ]
 
 
@@ -311,7 +312,7 @@ def test_rates_that_are_told_outside_explain_a_run() -> None:
     setup = Setup(engine, tumbling, "ball", engine.methods[0])
     values = setup.simulate(setup.default_step, numbers).matrix(setup.scene.observables)
     runs = with_expected(setup, setup.default_step, [Part(tumbling, numbers)], values)
-    assert explanation(seen_in(runs)) == TOLD_OUTSIDE
+    assert explanation(runs) == TOLD_OUTSIDE
 
 
 @pytest.mark.slow
