@@ -34,7 +34,7 @@ from ..engines.run import describe, excerpt, noting, traceback_of
 from ..engines.setup import Setup
 from ..faults.variants import Variant
 from .comparison import Measured
-from .diagnosis.runs import Deviation, cause
+from .diagnosis import Deviation, cause
 from .mistakes.observables import other_measures
 from .refusals import refuse_undriven
 from .rules.cautions import Caution, cautions, explained, noticing_rules

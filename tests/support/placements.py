@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import mbcheck
-from mbcheck.comparisons.checks.mistakes.terms import as_placed, with_axes_of_world
+from mbcheck.comparisons.checks.mistakes.parts import as_placed, with_axes_of_world
 from mbcheck.comparisons.engines.adapter import BoundModel
 from mbcheck.comparisons.faults.exudyn import ExudynAdapter
 from mbcheck.comparisons.faults.mujoco import MujocoAdapter

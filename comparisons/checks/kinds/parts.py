@@ -35,16 +35,18 @@ from ....reference.scene import Array
 from ...engines.run import contained
 from ...engines.setup import Setup
 from ..comparison import OPERATIONS, ROUNDING, Measured, largest_inertias, matrix_rounding
-from ..mistakes.shares import (
+from ..mistakes.parts import (
     DISTINCT,
     VISIBLE,
     Effect,
     Explanation,
+    added_forces,
+    added_inertias,
     explain,
+    joints_of,
     of_share,
     part_of,
 )
-from ..mistakes.terms import added_forces, added_inertias, joints_of
 from ..truth import random_states
 from ..verdict import Finding, Inconclusive
 

@@ -1,6 +1,5 @@
-"""The catalogue of likely mistakes: each is compared by its prediction.
+"""The catalogue of likely mistakes, each of which is compared by its prediction.
 
-Mistakes in returned observables (`observables`), in motions (`motions`), in terms and frames that a
-reader of a file adds, drops or confuses (`terms`), and in shares of the parts of a model
-(`shares`).
+They are mistakes in returned observables (`observables`), in motions (`motions`), and in the parts
+of a model, with terms and frames that a reader of a file adds, drops or confuses (`parts`).
 """

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from ...checks.diagnosis.runs import ANOTHER_MODEL
+from ...checks.diagnosis import ANOTHER_MODEL
 from ...checks.kinds.parts import WHOLE
 from ...checks.table import KINDS
 from ...checks.verdict import Result

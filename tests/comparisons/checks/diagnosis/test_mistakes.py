@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from mbcheck.comparisons.checks.diagnosis.runs import ANOTHER_MODEL
+from mbcheck.comparisons.checks.diagnosis import ANOTHER_MODEL
 from mbcheck.comparisons.checks.suite import run_check
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.faults.catalogue import ENGINES, FAULTS

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import mbcheck
-from mbcheck.comparisons.checks.diagnosis.runs import ANOTHER_MODEL, order_of
+from mbcheck.comparisons.checks.diagnosis import ANOTHER_MODEL, order_of
 from mbcheck.comparisons.checks.suite import plan, quick, run_check
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.adapter import adapt
