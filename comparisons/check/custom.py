@@ -106,7 +106,7 @@ def custom_case(
         reference can judge a run.
     """
     if len(set(scenes)) != 1:
-        raise UsageError("--set, --state and --horizon are of one scene: name it, and no other")
+        raise UsageError("--set, --state and --horizon need exactly one scene: name it")
     case = replace(Query(scenes[0], parameters=parameters, state=state).case, name=NAME)
     try:
         case, source = with_horizon(case, horizon)
@@ -116,7 +116,7 @@ def custom_case(
             fastest = shortest_period(case)
             if permitted < LEAST_PERIODS * fastest:
                 raise UsageError(
-                    f"errors grow too fast for any reference: by {growth:.3g} in {permitted:.3g} s "
+                    f"errors grow too fast for a reference: by {growth:.3g} in {permitted:.3g} s "
                     f"and more than {MOST_AMPLIFICATION:g} soon after, while the fastest motion "
                     f"takes {fastest:.3g} s; choose other parameters or another state"
                 )
@@ -232,7 +232,7 @@ def applied(checks: Sequence[Check], custom: CustomCase) -> list[Check]:
     for check in checks:
         reason = why_of(check.kind)
         if not reason and check.kind == "order" and check.case.watch == "elements":
-            reason = "no reference tells from how many elements on they converge as declared"
+            reason = "the number of elements from which they converge as declared is unknown"
         if not reason and check.kind == "algebra":
             setup = check.setup()
             if setup.bound.approximates_continuum and not setup.bound.discrete:
@@ -267,7 +267,7 @@ def why_no_orbit(custom: CustomCase) -> str:
     scale = state_scale(scene, orbit.state, 2 * np.pi / orbit.period)
     growth = float(np.linalg.norm(orbit.monodromy * scale / scale[:, None], 2))
     if growth**PERIODS > MOST_AMPLIFICATION:
-        return f"errors grow by {growth:.3g} in one period of the orbit: no run stays on it"
+        return f"errors grow by a factor of {growth:.3g} per period: no run stays on the orbit"
     return ""
 
 

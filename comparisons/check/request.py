@@ -46,7 +46,7 @@ def select(request: CheckRequest, custom: CustomCase | None = None) -> Sequence[
     if request.source not in SOURCES:
         raise UnknownNameError("source", request.source, SOURCES)
     if request.quick and (request.full or request.source != SOURCES[0]):
-        raise UsageError("--quick is of engines, and contradicts --full")
+        raise UsageError("--quick checks engines only, and contradicts --full")
     world_axes(request.axes)  # which refuses what is none
     if of_extremes(request):
         if request.quick or request.is_custom or request.placement or request.source != SOURCES[0]:
@@ -192,10 +192,10 @@ class CheckPlan:
         own = f"/{CUSTOM}/" in id or f"/{CUSTOM}@" in id
         elsewhere = PLACED.search(id)
         if elsewhere is not None and elsewhere[1] != run:
-            return replace(use, state="open", why="its model is placed otherwise than in this run")
+            return replace(use, state="open", why="the model is placed otherwise in this run")
         if use.state != "stale" or own == (self.custom is not None):
             return use
-        return replace(use, state="open", why="it is not of the parameters of this run")
+        return replace(use, state="open", why="it has other parameters than this run")
 
 
 @dataclass(frozen=True)

@@ -53,7 +53,7 @@ def new_file(
         If there is a file of that name, or it cannot be written.
     """
     if name is not None and os.path.lexists(name):
-        raise UsageError(f"{option.opts[0]}: {name!r} is there already: give another name")
+        raise UsageError(f"{option.opts[0]}: {name!r} exists already: give another name")
     return destination(context, option, name)
 
 
@@ -82,7 +82,7 @@ def new_file(
     "draft_file",
     callback=new_file,
     metavar="FILE",
-    help="Write a new file for --known with all that fails now; then give each its reason.",
+    help="Write all current failures to a new --known file, to be annotated.",
 )
 @click.option(
     "--annotations/--no-annotations",
@@ -93,8 +93,8 @@ def new_file(
 @click.option(
     "--in-process",
     is_flag=True,
-    help="Run engines that others plug in in this process, for a debugger: their console is yours, "
-    "and what they take down is the run.",
+    help="Run third-party engines in this process, for a debugger: their output is shown, and a "
+    "crash ends the run.",
 )
 @budget_option(QUERY)
 @QUIET

@@ -303,7 +303,7 @@ class Prediction:
             self,
             errors=self.errors + share,
             spread=self.spread + self.safety * share,
-            reason=f"{self.reason}; elements are off by up to {float(np.max(share)):.2g}",
+            reason=f"{self.reason}; error of elements up to {float(np.max(share)):.2g}",
         )
 
 

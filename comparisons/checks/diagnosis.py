@@ -300,7 +300,7 @@ def of_numbers(deviation: Deviation) -> str:
         for row, rounded in zip(rows, single, strict=True)
         if len(np.unique(row)) >= DISTINCT / 2
     )
-    said = 'its numbers have 32 bits: an engine that means to declares precision = "float32"'
+    said = 'its numbers have 32 bits: if that was intended, declare precision = "float32"'
     return said if any(fit) else ""
 
 
@@ -454,7 +454,11 @@ def of_placement(deviation: Deviation) -> str:
     if any(isinstance(one, Finding) and judge(one, 1.0)[0] == "deviation" for one in findings):
         return ""
     said = of_reactions(setup) if deviation.measure is algebra.measure else ""
-    return said or of_frames(setup) or "it is right as the model stands, and wrong where it turns"
+    return (
+        said
+        or of_frames(setup)
+        or "it is right as placed by the file, and wrong where it is turned"
+    )
 
 
 def of_frames(setup: Setup) -> str:
@@ -527,7 +531,7 @@ def of_joints(deviation: Deviation) -> str:
             except Unsupported:
                 return ""
             if left < RIGHT and left < EXPLAINED * error:
-                where = "" if inputs_too else " in what it returns"
+                where = "" if inputs_too else " in its results"
                 others = (f"{joints[i]} is {joints[order[i]]}" for i in moved)
                 said = f"joints are in another order: {', '.join(others)}"
                 if len(moved) == 2:

@@ -71,7 +71,7 @@ IN_STEPS = (diagnosis.of_numbers, diagnosis.of_joints, diagnosis.of_order)
 
 KINDS = {
     "parts": Kind(
-        "what it made of the model",
+        "its reading of the model",
         parts.quantities,
         parts.measure,
         (
@@ -128,14 +128,14 @@ KINDS = {
         quick=True,
     ),
     "order": Kind(
-        "how its errors shrink",
+        "its order of convergence",
         order.quantities,
         order.measure,
         (diagnosis.of_repetition, diagnosis.of_run, *IN_STEPS, diagnosis.of_limit),
         needs=("motion",),
     ),
     "energy": Kind(
-        "what it conserves",
+        "its conservation of invariants",
         energy.quantities,
         energy.measure,
         (diagnosis.of_repetition, diagnosis.of_run, diagnosis.of_numbers),

@@ -355,7 +355,8 @@ def _permitted(
         horizon /= MARKS
     kind = MbcheckError if epsilon == EPS else CannotJudgeError
     raise kind(
-        f"errors grow by {growth[0]:.3g} within {horizon:.3g} s: no trajectory can be compared"
+        f"errors grow by a factor of {growth[0]:.3g} within {horizon:.3g} s: no trajectory can be "
+        "compared"
     )
 
 

@@ -149,7 +149,7 @@ def list_(scene: str | None, coverage: bool, json_file: Destination | None) -> N
     from . import catalogue
 
     if coverage and scene is not None:
-        raise UsageError("--coverage is of all scenes: leave the scene out")
+        raise UsageError("--coverage lists all scenes: leave the scene out")
     if coverage:
         deliver(catalogue.coverage(), catalogue.print_coverage, json_file)
     elif scene is None:

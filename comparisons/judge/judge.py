@@ -379,8 +379,8 @@ def findings_of(comparison: FileComparison, basis: Mapping[str, float]) -> Seque
             words = f"tolerance {basis.get('relative', 1.0):.3g} x {with_unit(size, unit)}"
         return (
             f"worst at t = {right.times[worst]:.4g} s; {comparison.seen} samples over "
-            f"{comparison.span:.4g} s, in which errors grow by {comparison.growth:.3g}; relative "
-            f"error {error / size:.2g}; {words}"
+            f"{comparison.span:.4g} s, in which errors grow by a factor of {comparison.growth:.3g}; "
+            f"relative error {error / size:.2g}; {words}"
         )
 
     findings = comparison.observables(describe, over_time=True)

@@ -188,7 +188,7 @@ JUNIT = into("junit", "Write JUnit XML to a file, or '-'.")
 SARIF = into("sarif", "Write SARIF, for code scanning, to a file or '-'.")
 BADGE = into("badge", "Write a badge for shields.io (endpoint JSON) to a file, or '-'.")
 QUIET = click.option("-q", "--quiet", is_flag=True, help="Print the summary line only.")
-JSON = into("json", "Write JSON to a file; '-' is standard output, and all else then leaves it.")
+JSON = into("json", "Write JSON to a file; '-' is standard output, which then has nothing else.")
 MARKDOWN = into("markdown", "Write the tables as Markdown to a file, or '-'.")
 PLOT = click.option("--plot", callback=destination, metavar="FILE", help="Draw it: .png or .svg.")
 

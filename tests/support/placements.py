@@ -116,7 +116,7 @@ WRONG: Mapping[str, tuple[Any, str, str]] = {
     "loops": (
         FlatLoops,
         "speed_regulator",
-        "it is right as the model stands, and wrong where it turns",
+        "it is right as placed by the file, and wrong where it is turned",
     ),
 }
 """Plug-ins, the scene that shows what is wrong with them, and the words for it."""

@@ -72,7 +72,7 @@ def measure(setup: Setup) -> Measured:
     """
     scheme = setup.linear_scheme
     if scheme is None:
-        raise CannotJudgeError("no theory of this method")
+        raise CannotJudgeError("no amplification matrix of this method is known")
     rests = places(setup, scheme)
     rests = tuple(at for at in rests if at.name != START) or rests
     at = max(rests, key=fastest_rate)

@@ -62,7 +62,7 @@ class FreeRun(RunComparison):
         ((_, numbers),) = self.parts
         return (
             f"h = {self.step:.3g} s over {numbers[self.seen - 1] * self.step:.3g} s; errors "
-            f"grow by {growth:.3g} in {longest:.3g} s"
+            f"grow by a factor of {growth:.3g} within {longest:.3g} s"
         )
 
 

@@ -301,11 +301,11 @@ def reset(seen: EngineRuns) -> str:
 
         if seen.away(values, Hypothesis(begin, np.array([0])).rows_of(seen)) < least:
             when = f"between t = {before:.4g} s and {after:.4g} s"
-            words.append(f"it is put back to {where} {when}, and stays there")
+            words.append(f"it is reset to {where} {when}, and stays there")
             continue
         earliest = max(int(numbers[first - 1]), int(later[0]) - FOLLOWED)
         best = min(range(earliest, int(later[0]) + 1), key=lambda number: left(number, 1))
         if left(best, None) < least:
             at = case.start_time + best * seen.step
-            words.append(f"it is put back to {where} at t = {at:.4g} s")
+            words.append(f"it is reset to {where} at t = {at:.4g} s")
     return words[0] if len(words) == 1 else ""

@@ -416,7 +416,7 @@ def of_entries(body: Body, entries: Array, x: Array, moved: Array) -> str:
         "the orientation of its principal axes is ignored": near(tensor, np.diag(np.diag(tensor)))
         and near(np.sort(np.diag(tensor)), np.linalg.eigvalsh(file)),
         "its entries are exchanged": near(*(np.sort(np.abs(one[upper])) for one in (tensor, file))),
-        "it is another one": True,
+        "it differs otherwise": True,
     }
     said = next(said for said, holds in meanings.items() if holds)
     return f"inertia tensor of {body.name}: {said}"

@@ -245,7 +245,7 @@ def unstable_start(run: RunConditions) -> Statement | None:
     return Statement(
         f"the start is a state of rest that a disturbance leaves at {growing:.3g} /s: round-off "
         "alone decides where the run goes, and when",
-        "start it off by a known amount",
+        "start at a known distance from it",
     )
 
 
@@ -475,9 +475,7 @@ class Rule:
 RULES: Mapping[str, Rule] = {
     "step_limit": Rule(MEANINGS["step_limit"], step_limit),
     "coarse_step": Rule(MEANINGS["coarse_step"], coarse_step),
-    "numerical_damping": Rule(
-        "the method damps, or feeds, what the motion keeps", numerical_damping
-    ),
+    "numerical_damping": Rule("the method adds or removes energy of the motion", numerical_damping),
     "inertia_floor": Rule(MEANINGS["inertia_floor"], inertia_floor),
     "newton_tolerance": Rule(
         "Newton's method stops too early for so small a motion", newton_tolerance
@@ -485,9 +483,9 @@ RULES: Mapping[str, Rule] = {
     "closure_softness": Rule(MEANINGS["closure_softness"], closure_softness),
     "discretisation": Rule("too few segments for the first frequency", discretisation),
     "dead_centre": Rule("the mechanism passes near a singular position", dead_centre),
-    "inconsistent_start": Rule("it starts off its constraints", inconsistent_start),
-    "unstable_start": Rule("it starts on an unstable state of rest", unstable_start),
-    "amplification": Rule("the motion is chaotic, or as good as", amplification),
+    "inconsistent_start": Rule("the start violates constraints", inconsistent_start),
+    "unstable_start": Rule("the start is an unstable state of rest", unstable_start),
+    "amplification": Rule("the motion is chaotic, or nearly so", amplification),
     "clock_rounding": Rule(MEANINGS["clock_rounding"], clock_rounding),
     "engine_range": Rule("values that the engine takes for a failure", engine_range),
     "ill_conditioned": Rule(MEANINGS["ill_conditioned"], ill_conditioned),

@@ -171,7 +171,7 @@ FAULTS: dict[str, tuple[Callable[[Any], Any], str, list[str]]] = {
 def test_parts_name_what_is_wrong(name: str) -> None:
     broken, scene, said = FAULTS[name]
     found = located(results(broken(toy_class()), scene, ("parts", "algebra")))
-    expected = ["toy: what it made of the model is wrong", *(f"  {line}" for line in said)]
+    expected = ["toy: its reading of the model is wrong", *(f"  {line}" for line in said)]
     assert found == (expected if said else [])
 
 

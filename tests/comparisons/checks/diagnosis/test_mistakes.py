@@ -60,8 +60,8 @@ MISTAKES: dict[str, tuple[Callable[[Any], Any], tuple[str, ...], str]] = {
         MOTIONS,
         "the rates of the start are ignored: it moves as from rest",
     ),
-    "silent reset": (Resetting, ("trajectory", "order"), "it is put back to the origin between"),
-    "silent restart": (Restarting, ("trajectory", "order"), "it is put back to its start at t ="),
+    "silent reset": (Resetting, ("trajectory", "order"), "it is reset to the origin between"),
+    "silent restart": (Restarting, ("trajectory", "order"), "it is reset to its start at t ="),
 }
 
 
@@ -85,7 +85,7 @@ def test_a_mistake_is_named_by_every_kind_that_sees_it(subject: Subject, name: s
         assert said.startswith(words), kind
         assert all(item.reason.count(said) == 1 for item in found if item.cause)
     (first, *more) = located(found)
-    assert first == f"{subject.engine}: how its errors shrink is wrong"
+    assert first == f"{subject.engine}: its order of convergence is wrong"
     assert len(more) == 1
     assert more[0].startswith(f"  {words}")
 
@@ -200,9 +200,9 @@ def test_what_passes_has_no_cause() -> None:
 @pytest.mark.parametrize(
     ("kind", "words"),
     [
-        ("order", "how its errors shrink"),
+        ("order", "its order of convergence"),
         ("frequency", "its linearised equations of motion"),
-        ("energy", "what it conserves"),
+        ("energy", "its conservation of invariants"),
         ("stability", "its periodic or long motion"),
     ],
 )

@@ -175,7 +175,7 @@ def test_joints_that_are_returned_in_another_order_are_named() -> None:
     """One of them is no observable."""
     wrong = Other("foot", "theta", inputs_too=False)
     found = results(wrong, "hula_hoop", ("algebra", "step", "trajectory"), HULA)
-    assert causes(found) == {"joints foot and theta are exchanged in what it returns"}
+    assert causes(found) == {"joints foot and theta are exchanged in its results"}
     assert {item.kind for item in bad(found)} == {"step", "trajectory"}
 
 

@@ -303,7 +303,7 @@ class Outside(Turning):
         return replace(motion, velocities=np.array(outside))
 
 
-TOLD_OUTSIDE = "rates are those of the world's frame, in what it returns"
+TOLD_OUTSIDE = "rates are those of the world's frame, in its results"
 
 
 def test_rates_that_are_told_outside_explain_a_run() -> None:
@@ -367,7 +367,7 @@ BUILT: list[tuple[str, Callable[[], Any], str, str, str]] = [
     (
         "floating_platform",
         lambda: Rebuilt(exudyn_mjcf, world_axes=lambda placement: np.eye(3)),
-        "falling+turned-1", "algebra", "it is right as the model stands, and wrong where it turns",
+        "falling+turned-1", "algebra", "it is right as placed by the file, and wrong where it is turned",
     ),
     ("floating_beam", exudyn("tip_mass"), "tumbling", "algebra", ""),
     (
