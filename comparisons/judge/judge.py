@@ -379,7 +379,7 @@ def findings_of(comparison: FileComparison, basis: Mapping[str, float]) -> Seque
             words = f"tolerance {basis.get('relative', 1.0):.3g} x {with_unit(size, unit)}"
         return (
             f"worst at t = {right.times[worst]:.4g} s; {comparison.seen} samples over "
-            f"{comparison.span:.4g} s, in which errors grow by a factor of {comparison.growth:.3g}; "
+            f"{comparison.span:.4g} s, errors grow by a factor of {comparison.growth:.3g} in it; "
             f"relative error {error / size:.2g}; {words}"
         )
 

@@ -367,7 +367,8 @@ BUILT: list[tuple[str, Callable[[], Any], str, str, str]] = [
     (
         "floating_platform",
         lambda: Rebuilt(exudyn_mjcf, world_axes=lambda placement: np.eye(3)),
-        "falling+turned-1", "algebra", "it is right as placed by the file, and wrong where it is turned",
+        "falling+turned-1", "algebra",
+        "it is right as placed by the file, and wrong where it is turned",
     ),
     ("floating_beam", exudyn("tip_mass"), "tumbling", "algebra", ""),
     (
