@@ -14,7 +14,7 @@ from rich.console import Console
 from ..queries.frequencies import Frequencies
 from ..queries.orbit import OrbitReport
 from ..queries.simulate import Simulation
-from .text import print_line, print_table
+from .text import DIGITS, print_line, print_table
 from .words import assignments, number
 
 FIRST_ORDERS = 4
@@ -50,7 +50,9 @@ def print_simulation(console: Console, result: Simulation) -> None:
     print_origin(console, result)
     heads = [f"{name} [{result.units[name]}]" for name in result.observables]
     width = max(NUMBER_WIDTH, *(len(head) + 2 for head in heads))
-    fit = max(1, (console.width - NUMBER_WIDTH) // width)
+    ends = [*result.times[:MOST_ROWS], *result.times[-MOST_ROWS:]]
+    longest = max(len(number(float(time), DIGITS)) for time in ends)
+    fit = max(1, (console.width - longest) // width)
     most = max(LEAST_ROWS, MOST_ROWS // -(-len(heads) // fit))
     for first in range(0, len(heads), fit):
         columns = list(result.observables.values())[first : first + fit]

@@ -152,13 +152,6 @@ def destination(
     return None if name is None else Destination(option.opts[-1], name)
 
 
-def several(name: str, metavar: str, what: str) -> Callable[[Function], Function]:
-    """Return an option that may be repeated."""
-    return click.option(
-        f"--{name}", f"{name}s", multiple=True, metavar=metavar, help=f"{what} (repeatable)."
-    )
-
-
 def into(name: str, what: str) -> Callable[[Function], Function]:
     """Return an option for where to write a document."""
     return click.option(
