@@ -9,7 +9,6 @@ from typing import Any, Literal
 
 from ...reference.errors import EngineError
 from ...reference.scene import Array
-from ..documents.core import hints_of
 from ..documents.fields import HIDDEN, Number, documented
 
 Verdict = Literal["pass", "deviation", "known", "skipped", "error"]
@@ -216,13 +215,9 @@ class Result(Subject):
         """Beginning of the ids of all results of its check; a row of a paper has one result."""
         return self.id if self.source == "validation" else self.prefix
 
-    def as_dict(self) -> dict[str, Any]:
-        """Return the fields of the JSON (docs/json.md), without what pictures are drawn from."""
-        return {name: getattr(self, name) for name in hints_of(Result)}
-
 
 def result_from(document: Mapping[str, Any]) -> Result:
-    """Return the result that a document holds, see `Result.as_dict`."""
+    """Return the result of its fields in a document."""
     rest = {**document, "noticed_by": tuple(document.get("noticed_by", ()))}
     return Result(prefix=rest.pop("id").removesuffix(f"/{rest['quantity']}"), **rest)
 

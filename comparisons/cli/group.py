@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from importlib import import_module
-from typing import Annotated
 
 import click
 from click.shell_completion import CompletionItem
 
 from ...reference.errors import UnknownNameError, UsageError
-from ..documents.fields import OptionMark
 from ..reports.files import Destination
-from ..terminal.options import with_options_of
 from ..terminal.program import JSON, MISUSED, Program, deliver, examples
 
 VERBS: Mapping[str, tuple[str, str]] = {
@@ -118,22 +114,6 @@ def program(context: click.Context) -> None:
         context.exit(MISUSED)
 
 
-@dataclass(frozen=True)
-class ListRequest:
-    """The contents to list.
-
-    Attributes
-    ----------
-    scene : str or None
-        Show all parts of this scene.
-    coverage : bool
-        Show which kinds of check each scene has.
-    """
-
-    scene: Annotated[str | None, OptionMark(flags=())] = None
-    coverage: Annotated[bool, OptionMark()] = False
-
-
 @click.command(
     "list",
     epilog=examples(
@@ -142,7 +122,8 @@ class ListRequest:
         "mbcheck list --coverage",
     ),
 )
-@with_options_of(ListRequest)
+@click.argument("scene", required=False)
+@click.option("--coverage", is_flag=True, help="Show which kinds of check each scene has.")
 @JSON
 def list_(scene: str | None, coverage: bool, json_file: Destination | None) -> None:
     """List scenes and engines, the parts of a scene, or all checks."""

@@ -11,8 +11,9 @@ import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
+from rich.align import AlignMethod
 from rich.cells import cell_len
-from rich.console import Console, JustifyMethod
+from rich.console import Console
 from rich.text import Text
 
 from .words import Markdown, number, printable, shell_lines
@@ -117,7 +118,7 @@ def print_rows(console: Console, heads: Sequence[str], rows: Rows, digits: int =
         return
     while sum(widths) > room:
         widths[max(range(len(heads)), key=lambda i: (widths[i] > least[i], widths[i]))] -= 1
-    justify: list[JustifyMethod] = [
+    sides: list[AlignMethod] = [
         "right" if all(map(NUMBER.fullmatch, column[1:])) else "left" for column in columns
     ]
     rule = Text("-" * (sum(widths) + gap * (len(heads) - 1)))
@@ -128,7 +129,7 @@ def print_rows(console: Console, heads: Sequence[str], rows: Rows, digits: int =
         parts = [text.wrap(console, size) for text, size in zip(line, widths, strict=True)]
         for i in range(max(map(len, parts))):
             printed = Text()
-            for part, size, side in zip(parts, widths, justify, strict=True):
+            for part, size, side in zip(parts, widths, sides, strict=True):
                 piece = part[i] if i < len(part) else Text()
                 piece.align(side, size)
                 printed.append_text(piece).append(" " * gap)
