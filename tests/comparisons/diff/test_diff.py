@@ -18,8 +18,15 @@ from mbcheck.comparisons.checks import suite
 from mbcheck.comparisons.checks.request import CheckRequest
 from mbcheck.comparisons.checks.verdict import Result, Verdict
 from mbcheck.comparisons.diff import report as printed
-from mbcheck.comparisons.diff.changes import FACTOR, SHARE, REGRESSIONS,
-    SORTS, Diff, compare, read
+from mbcheck.comparisons.diff.changes import (
+    FACTOR,
+    REGRESSIONS,
+    SHARE,
+    SORTS,
+    Diff,
+    compare,
+    read,
+)
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.faults.catalogue import FAULTS
 from mbcheck.comparisons.reports.run.outcome import Report
