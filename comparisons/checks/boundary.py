@@ -1,6 +1,6 @@
 """Check kind *stability* at a boundary: where an engine's orbits lose their stability.
 
-With a fixed number of steps in a period an engine's discrete flow has periodic orbits of its own,
+With a fixed number of steps in a period the discrete flow of an engine has other periodic orbits,
 whose multiplier comes to the unit circle at another parameter than that of the true orbits. This
 shift is measured with h, h/2 and h/4, as all of *stability* is: the change between them predicts
 it, and what the three extrapolate to must be the reference's point.

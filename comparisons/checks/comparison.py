@@ -121,7 +121,7 @@ def largest_inertias(matrices: Array, alike: NDArray[np.bool_]) -> Array:
     """Return the largest inertia (n,) that enters the sums of each row of mass matrices (k, n, n).
 
     It is that of the bodies beyond a joint i about the farthest joint j of the same unit (`alike`,
-    (n, n)), at least M_ij^2 / M_ii: at the end of a chain a sum is small beside its terms.
+    (n, n)), at least M_ij^2 / M_ii: at the end of a chain a sum is small compared with its terms.
     """
     inertia = np.abs(np.diagonal(matrices, axis1=1, axis2=2))[:, :, None]
     about = np.where(alike, matrices**2 / np.where(inertia > 0, inertia, np.inf), 0.0)
@@ -180,7 +180,7 @@ def least_error(
 def last_trusted_sample(predicted: Array) -> int:
     """Return up to which sample the predicted relative errors (..., n_t) stay below `CAP`.
 
-    A coarse method is judged as far as its own error leaves something to be seen.
+    A coarse method is judged up to the time at which its own error reaches this limit.
     """
     worst = np.maximum.accumulate(np.max(np.atleast_2d(predicted), axis=0))
     return int(np.searchsorted(worst, CAP / RICHARDSON_SAFETY, side="right"))
@@ -254,7 +254,7 @@ def converging(
     """Grant what three steps predict of a finding's error, where it shrinks as declared.
 
     Where it does not, and its order is ``moving`` from one halving to the next, an error that
-    halving may still take away tells neither right nor wrong.
+    halving the step may still remove is not judged.
     """
     if not shrinks and moving and floor < finding.error < OPEN * estimate.change:
         return Inconclusive(finding.quantity, f"too coarse to tell: {finding.reason}")
@@ -388,7 +388,7 @@ def ideal_rows(setup: Setup, parts: Sequence[Part], step: float, names: tuple[st
 
 @dataclass(frozen=True)
 class Comparison:
-    """Values beside true ones, with the error granted for each.
+    """Computed and true values, with the granted error of each.
 
     Attributes
     ----------
@@ -486,7 +486,7 @@ class Comparison:
 
 @dataclass(frozen=True)
 class RunComparison(Comparison):
-    """An engine's runs with a step [s] beside the truth, all parts of them side by side."""
+    """An engine's runs with a step [s] compared with the truth, all parts side by side."""
 
     setup: Setup
     step: float
@@ -494,7 +494,7 @@ class RunComparison(Comparison):
 
     @property
     def runs(self) -> EngineRuns:
-        """The runs beside those of a right engine: of a scheme with its error, else the truth."""
+        """The runs, with those expected: of the scheme with its error, else the truth."""
         count, expected = len(self.setup.scene.observables), self.right.values
         if self.setup.scheme:
             expected = expected + self.values - self.prediction.limit
@@ -538,9 +538,9 @@ def unfollowed_vibrations(
 def drifts(
     equations: ModelEquations, case: Case, times: Any, values: Mapping[str, Array]
 ) -> dict[str, Array]:
-    """Return (I(t) - I) / I (n_t,) of a run, by the reference's formula or as the engine tells.
+    """Return (I(t) - I) / I (n_t,) of a run, by the reference's formula or by the engine.
 
-    What it tells counts where its states do not give it. I is that at the start. Where the scene
+    The engine's value counts if its states do not give it. I is that at the start. Where the scene
     was driven, I(t) is counted from the end of the drive on, relative to the largest value before:
     a pulse may leave none of its momentum.
     """

@@ -106,7 +106,7 @@ def of_model_equations(setup: Setup) -> Array:
 
 
 def steady_places(case: Case, names: tuple[str, ...]) -> tuple[int, ...]:
-    """Return where the coordinates stand that keep their speed."""
+    """Return the indices of the coordinates with a constant speed."""
     keeping = get_scene(case.scene).steady_coordinates.get(case.about or "", ())
     return tuple(names.index(name) for name in keeping)
 

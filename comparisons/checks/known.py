@@ -80,7 +80,7 @@ class Use:
     results : int
         how many are known because of it
     state : {"used", "stale", "open"}
-        `stale`: of no use any more; `open`: this run cannot tell
+        `stale`: no longer needed; `open`: undecided by this run
     why : str
         why it is not used; empty if it is
     """

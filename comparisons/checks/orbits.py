@@ -52,7 +52,7 @@ FEWEST_STEPS = 16
 def engine_paths(
     setup: Setup, parameters: Sequence[Any], states: Array, steps: Array, times: Array
 ) -> tuple[Array, dict[int, str]]:
-    """Follow many states through an engine, each with parameters of its own.
+    """Follow many states through an engine, each with its parameters.
 
     Parameters
     ----------

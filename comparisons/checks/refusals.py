@@ -22,7 +22,7 @@ UNDRIVEN = 8
 
 
 def refuse_undriven(setup: Setup) -> None:
-    """Refuse an engine that does not take a force in time, which stands in no file.
+    """Refuse an engine that ignores a force in time, which is in no file.
 
     Raises
     ------
@@ -56,7 +56,7 @@ def refuse_undriven(setup: Setup) -> None:
             "same file differ in them",
         )
     raise CannotJudgeError(
-        "it moves as without the drive, a force in time that stands in system.force(...) and "
+        "it moves as without the drive, a force in time that is given by system.force(...) and "
         "system.controls(...), and in no file; see docs/engines.md"
     )
 

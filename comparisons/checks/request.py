@@ -87,7 +87,7 @@ class CheckRequest:
 
     @property
     def axes(self) -> str:
-        """The placement of all models; empty where they stand as in their files."""
+        """The placement of all models; empty for that of their files."""
         return "" if self.placement == AS_THEY_STAND else self.placement
 
 

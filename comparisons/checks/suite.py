@@ -73,7 +73,7 @@ class Task(ABC):
 
     @property
     def effort(self) -> float:
-        """How long it takes beside others, roughly; for estimates."""
+        """Approximate duration relative to others, for estimates."""
         return 0.2 if not self.integrates else 5.0 if self.takes_long else 1.0
 
     @property
@@ -317,7 +317,7 @@ def narrowed(tasks: Sequence[T], option: str, keeps: Callable[[T], bool]) -> lis
     Raises
     ------
     UsageError
-        If it keeps none: names the option, and the nearest ids of what it was given.
+        If it keeps none; the message names the option, and the nearest ids.
     """
     left = [task for task in tasks if keeps(task)]
     if left:
@@ -374,10 +374,10 @@ def kinds_of(case: Case) -> tuple[str, ...]:
 def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
     """Yield the checks of one kind, case and engine.
 
-    Of a model beside the engine's default one, the default set has trajectories by the best
-    method, and no orbits: they take longest; of a boundary it has that of the default model by the
-    best method. One with another drive has the kinds of a quick answer alone, in the default set by
-    the best method in the first case, and where a torque drives. Of single steps it has the best
+    The default set has all kinds of the engine's default model. Of other models it has trajectories
+    by the best method, and no orbits, which take longest. Of a boundary it has that of the default
+    model by the best method. A model with another drive has the kinds of a quick answer alone, by
+    the best method in the first case, and in cases with a torque. Of single steps it has the best
     method of each model, of elements, whose reference takes long, in one of the scene's cases.
     """
     engine = get_engine(engine_name)
@@ -521,7 +521,7 @@ def with_causes(
 
 
 def origin(setup: Setup | None, error: BaseException) -> str:
-    """Return whose equations raised an exception, where an engine tells some of its own."""
+    """Return the engine and function whose own equations raised an exception, for messages."""
     try:
         if setup is None or setup.bound.is_exact:
             return ""

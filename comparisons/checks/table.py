@@ -35,7 +35,7 @@ class Kind:
     level : str
         What is wrong where it fails, in words; empty of an extreme.
     quantities : callable ``(setup) -> tuple of str``
-        Names of what it measures, none where it does not apply to a model.
+        Names of its quantities; none if it does not apply to a model.
     measure : callable ``(setup) -> Measured``
     searches : sequence of callable ``(deviation) -> str``
         The mistakes that may explain a deviation, in this order.

@@ -22,9 +22,9 @@ from ..engines.run import EPS, VIOLATIONS
 from ..engines.setup import power_of_two
 
 MOST_STEPS = 1 << 13
-"""Longer runs with a method's default step are cut: what it does wrong shows before. An
-eighth of it where the error is predicted by runs with half and a quarter of the step, unless
-the scene's bodies bend, which takes long to show: then none is cut of cases for `--full`."""
+"""Longer runs with a method's default step are cut: mistakes show before. An eighth of it where the
+error is predicted by runs with half and a quarter of the step, unless the scene's bodies bend,
+which takes long to show: then none is cut of cases for `--full`."""
 
 SAMPLES = 256
 """Least number of times over a case's horizon at which its reference is kept."""
@@ -250,7 +250,7 @@ def truth(equations: ModelEquations, case: Case, times: Any, names: tuple[str, .
 def truth_to_the_end(
     equations: ModelEquations, state: Array, start: float, times: Array, names: tuple[str, ...]
 ) -> Truth:
-    """Return the solution from a state, however errors grow in it: its bound tells."""
+    """Return the solution from a state, with its bound, however errors grow."""
     return _truth(equations, tuple(state.tolist()), start, tuple(times.tolist()), None, names)
 
 
@@ -365,7 +365,7 @@ def permitted_horizon(
 ) -> tuple[float, float]:
     """Return the horizon [s] that error growth permits, and the amplification over it.
 
-    Rounding of the steps [s], which ``epsilon`` tells, must leave something to be seen as well.
+    Round-off of the steps [s], with unit ``epsilon``, must stay small enough as well.
     """
     scene = get_scene(case.scene)
     if scene.discretisation_coordinates:

@@ -185,7 +185,7 @@ class Result(Subject):
         where a deviation comes from, if one mistake alone explains it; else null
     noticed_by : tuple of str
         who notices a deviation, a failure or a refusal, the first to do so first: `engine`, the
-        engine itself or its adapter; `guard`, what mbcheck asks of every run; `rule:NAME`, a rule
+        engine itself or its adapter; `guard`, the conditions on every run; `rule:NAME`, a rule
         known before the run; `halving`, a run with half the step; `reference`
     """
 

@@ -36,8 +36,7 @@ OPTIONS: dict[str, Any] = {
     "known": "paths",
     "strict_known": "bool",
 }
-"""Fields of `CheckRequest` that are options here, and their type in the ini file if they stand in
-it."""
+"""Fields of `CheckRequest` that are options here, and their type in the ini file, if any."""
 
 PLAN: pytest.StashKey[CheckPlan] = pytest.StashKey()
 RESULTS: pytest.StashKey[list[Result]] = pytest.StashKey()

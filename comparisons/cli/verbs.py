@@ -50,8 +50,8 @@ def simulate(
 
     The reference gives the truth with its error bound, the largest over the times: numbers
     to hold a simulator of your own against. From where rounding alone has grown to the size of
-    the motion it gives none, and says so. Of an engine, rules say on standard error what its
-    run cannot be trusted in.
+    the motion it gives no numbers, with a warning. Rules warn on standard error of doubtful runs of
+    an engine.
     """
     refuse_conflicts(csv_file, json_file)
     if bounds and not csv_file:

@@ -43,7 +43,7 @@ class Document:
     environment : mapping of str to str
         python, system, machine, processor and libc, on which round-off may depend
     results : mapping of id to Result
-        Without those that stand for an engine that cannot be imported.
+        Without those for an engine that cannot be imported.
     selection : CheckRequest
     not_reached : int
         Number of planned checks that did not start.

@@ -1,7 +1,7 @@
 """Fields of requests and results: their meanings, options and places in documents.
 
-The meaning of a field stands in the docstring of its class, under ``Attributes``; help texts and
-the tables of docs/json.md take it from there.
+The meaning of a field is in the docstring of its class, under ``Attributes``, for help texts and
+the tables of docs/json.md.
 """
 
 from __future__ import annotations

@@ -74,7 +74,7 @@ errors."""
 
 @dataclass(frozen=True)
 class FileComparison(Comparison):
-    """A trajectory beside its reference, as far as it can be judged.
+    """A trajectory compared with its reference, as far as it can be judged.
 
     Attributes
     ----------
@@ -241,7 +241,7 @@ class Scheme:
         Raises
         ------
         UsageError
-            If no explicit scheme can tell.
+            If no explicit scheme can predict them.
         """
         if problem.equations.scene.stiff:
             raise UsageError(

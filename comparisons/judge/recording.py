@@ -241,7 +241,7 @@ def numbers(
 
 
 def named(heads: Sequence[str], where: str) -> tuple[list[str], dict[str, str], str]:
-    """Return the names of columns, units of those that tell theirs, and the name of the times.
+    """Return the names of columns, the units of those that have one, and the name of the times.
 
     Raises
     ------

@@ -32,7 +32,7 @@ def as_report(judgement: Judgement, command: str | None = None) -> Report:
 
 
 def print_judgement(console: Console, judgement: Judgement, quiet: bool = False) -> None:
-    """Print errors, what they are compared with, and what was noticed; or the last line alone."""
+    """Print errors, tolerances and notes; or the last line alone."""
     if not quiet:
         print_sections(console, [judgement_section(judgement)])
     if judgement.tolerance:

@@ -47,7 +47,7 @@ def look(engine: str) -> EngineLook:
 
 
 PALETTE = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#F0E442", "#000000")
-"""Colours that colour-blind readers tell apart (Okabe and Ito)."""
+"""Colours that colour-blind readers can distinguish (Okabe and Ito)."""
 
 PALE = ("#8CBFDE", "#F3CB78", "#78C8B0", "#E2B4CE", "#E69A66", "#A6D6F2", "#F7F09A", "#8C8C8C")
 """Colours of areas under lines in colours of the palette."""
@@ -56,7 +56,7 @@ WIDTH = 7.0
 """Width of a figure [inches]."""
 
 SHORT = 32
-"""Letters of a label of a legend of which four stand in a row."""
+"""Longest label of a legend with four labels in a row."""
 
 NOTE = {"fontsize": 8, "color": INK}
 

@@ -64,7 +64,7 @@ def annotated(
 def workflow_commands(items: Sequence[ReportItem]) -> list[str]:
     """Return workflow commands of GitHub, no more of each level than it shows.
 
-    The last one of a level tells how many are left out.
+    The last one of a level counts those that are left out.
     """
     lines = []
     for level in LEVELS:

@@ -82,14 +82,14 @@ DIGITS = 10
 """Significant digits of a float, unless a table says otherwise."""
 
 NUMBER = re.compile(r"[-+]?(\d[\d.]*(e[-+]?\d+)?|inf|nan|any|none)?%?")
-"""Cells that stand to the right: numbers, and the dash or nothing in their place."""
+"""Cells that are aligned to the right: numbers, and the dash or nothing in their place."""
 
 LEAST_PROSE = 14
 """Columns of text are wrapped to this width, or to half of what they need, and no further."""
 
 
 def print_table(console: Console, heads: Sequence[str], rows: Rows, digits: int = DIGITS) -> None:
-    """Print rows under heads, and an empty line; numbers stand to the right."""
+    """Print rows under heads, and an empty line; numbers are aligned to the right."""
     print_rows(console, heads, rows, digits)
     console.print()
 
@@ -143,7 +143,7 @@ def is_heading(line: Sequence[Text]) -> bool:
 
 
 def print_records(console: Console, heads: Sequence[str], lines: Sequence[Sequence[Text]]) -> None:
-    """Print a block of lines for each row: the heads, and what stands under them."""
+    """Print a block of lines for each row: the heads, and their values."""
     for number_of_row, line in enumerate(lines):
         if number_of_row:
             console.print()
@@ -162,7 +162,7 @@ def cell(value: object, digits: int, console: Console) -> Text:
 def matrix_by_kind(cells: Mapping[tuple[str, ...], object]) -> tuple[list[str], list[list[object]]]:
     """Return a table of values by (scene, engine, kind): heads, and rows.
 
-    Kinds stand side by side, engines below their scene.
+    Kinds are columns, engines rows below their scene.
     """
     kinds = list(dict.fromkeys(kind for _, _, kind in cells))
     rows: list[list[object]] = []

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 FAILED, MISUSED, INTERRUPTED, BROKEN_PIPE = 1, 2, 130, 141
-"""Exit codes beside 0; the last two are those of a program ended by its signal, as is 143, of
+"""Exit codes besides 0; the last two are those of a program ended by a signal, as is 143, of
 SIGTERM."""
 
 LONGEST = 299

@@ -285,7 +285,7 @@ def residual_of_velocities(
     scheme, name = f"{scheme_of_velocities(setup)}", "scheme_residual"
     kinds = setup.bound.system(setup.case).kinds
     if kinds == ("free",) and scheme.startswith("implicit"):
-        reason = "engines turn a body that floats alone by implicit rules of their own"
+        reason = "engines rotate a single floating body by other implicit rules"
         return Inconclusive(name, reason)
     (of, places, starts), damping = velocities_at(setup, cases), OF_VELOCITIES[scheme]
     ideal = [w + step * mean_acceleration(of, t, q, w, step, damping) for t, q, w in starts]
@@ -300,7 +300,7 @@ def first_order_errors(
     """Return rows of velocities, and by how much (k, n) a step of a right method of order 1 errs.
 
     It takes each argument of the accelerations somewhere between the start and the end of the step,
-    and tells velocities at most half a step off, by accelerations of the start or of the end.
+    and returns velocities at most half a step off, by accelerations of the start or of the end.
     """
     of, places, starts = velocities_at(setup, cases)
     at_end = zip(

@@ -112,7 +112,7 @@ def measure(setup: Setup) -> Measured:
 
 
 def halved(setup: Setup, right: Truth, coarsest: float, growth: float) -> Halved:
-    """Run with halved steps [s], to the times of the truth, until finer ones tell no more."""
+    """Run with halved steps [s], to the times of the truth, until the order is decided."""
     names, count = setup.scene.observables, right.values.shape[1]
     trust = float(np.max(right.bound / right.size))
     runs = Halved([], [], [], [], trust)
@@ -146,7 +146,7 @@ def error_from_below(
     """
     order = setup.integrator.order
     if right.values.shape[1] < order + 2:
-        return Inconclusive("least_error", f"the run is too short to tell of order {order}")
+        return Inconclusive("least_error", f"the run is too short to judge order {order}")
     remainder = taylor_remainder(
         sliding_window_view(right.values, order + 2, axis=1), right.size, order
     ) * (step / spacing) ** (order + 1)

@@ -356,7 +356,7 @@ def gravity_axes(whole: Mechanism, q: Array, free: list[Array]) -> Array:
 
 
 def of_gravity(gravity: Array, x: Array, moved: Array) -> str:
-    """Return the meaning of shares (3,) beside the gravity (3,) of the file [m/s^2], in words."""
+    """Return the meaning of shares (3,) added to the gravity (3,) of the file [m/s^2], in words."""
     seen = moved <= VISIBLE
     extra, gravity = GRAVITY * x * seen, gravity * seen
     size, sum_of_both = float(np.linalg.norm(gravity)), float(np.linalg.norm(gravity + extra))

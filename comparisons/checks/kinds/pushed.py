@@ -54,7 +54,7 @@ STIFF = 3e3
 """Decay rate times horizon from which explicit methods take longer than implicit ones."""
 
 GAUSS_TOLERANCES = (1e-11, 1e-9)
-"""Relative tolerances of Gauss collocation where it stands in for DOP853."""
+"""Relative tolerances of Gauss collocation in place of DOP853."""
 
 SHARPEST = CAP / 50
 """Largest relative bound of a reference by which a run is right."""
@@ -196,7 +196,7 @@ def compare_run(run: Sampled, values: Array, exact: Truth, model: Truth) -> Find
     most = float(largest(away)[worst] / size[worst])
     tolerance = float(allowed[worst] / size[worst]) if predicted < LOST else 0.0
     reason = (
-        f"error {error:.2g}, predicted {predicted:.2g}, the largest beside its tolerance that of "
+        f"error {error:.2g}, predicted {predicted:.2g}, the largest share of its tolerance in "
         f"{names[worst]}; {halving or f'halving the step shows {changes[0]:.1g}, as it should'}; "
         f"errors of the start grow by {errors_grow:.3g}"
     )
@@ -260,7 +260,7 @@ def growth(run: Sampled, exact: Truth) -> float:
 def error_of_elements(run: Sampled, values: Array) -> Any:
     """Return the discretisation error (k, n_t) of elements, by a run with half as many.
 
-    None is granted where that run fails, nor to a model that solves equations of its own.
+    None is granted if that run fails, nor to a model with other equations than the scene.
     """
     setup = run.setup
     order = setup.bound.description.element_order if setup.bound.approximates_continuum else 0

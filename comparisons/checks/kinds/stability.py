@@ -316,7 +316,7 @@ def size_of(name: str, right: Mapping[str, Array]) -> float:
 
 
 def number_of(values: Any, name: str, units: Mapping[str, str]) -> float:
-    """Return the number that stands for values in a report."""
+    """Return the number that represents values in a report."""
     if name not in QUANTITIES and units[name] == "rad":
         return float(np.angle(values[0]))
     return float(np.max(np.abs(values))) if name in QUANTITIES else float(values[0])

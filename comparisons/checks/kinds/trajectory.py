@@ -42,7 +42,7 @@ SAMPLES, RUN_SAMPLES = 32, 256
 
 @dataclass(frozen=True)
 class FreeRun(RunComparison):
-    """A run from the case's start beside the truth, and runs with smaller steps.
+    """A run from the case's start compared with the truth, and runs with smaller steps.
 
     Attributes
     ----------

@@ -34,7 +34,7 @@ ROWS = 2
 """Least number of rows for each share where all are fitted together."""
 
 MOST_OTHERS = 2
-"""Most other explanations that are named beside one; where there are more, none is."""
+"""Most other explanations that are named with one; if there are more, none is."""
 
 SPATIAL = {"products": "products of inertia", "gyroscopic": "gyroscopic term"}
 """Words for parts that only bodies in space have."""
@@ -64,7 +64,7 @@ class Effect(NamedTuple):
     added : bool
         Whether it is none of the file's parts.
     members : tuple of str
-        Parts that it stands for, each by the same number.
+        Parts that it represents, each by the same number.
     """
 
     name: str
@@ -118,7 +118,7 @@ def part_of(name: str) -> str:
 
 
 def of_share(name: str, x: Array, moved: Array) -> str:
-    """Return the meaning of a share (1,) of a part beside 1, in words."""
+    """Return the meaning of the deviation (1,) of a share of a part from 1, in words."""
     value, part = 1 + float(x[0]), part_of(name)
     for right, said in SHARES.items():
         if abs(value - right) <= max(float(moved[0]), APART * abs(right)):
@@ -369,7 +369,7 @@ def with_armature(on: Array, one: Mechanism, x: Array) -> Mechanism:
 
 
 def with_tensor(number: int, units: Array, one: Mechanism, x: Array) -> Mechanism:
-    """Return a mechanism with multiples of tensors (k, 3, 3) beside that of a body."""
+    """Return a mechanism with multiples of tensors (k, 3, 3) added to that of a body."""
     bodies, body = list(one.bodies), one.bodies[number]
     bodies[number] = replace(body, inertia=body.inertia + np.tensordot(x, units, 1))
     return replace(one, bodies=tuple(bodies))

@@ -25,7 +25,7 @@ OPENING = 1e-3
 """How far a loop may open, in the size of its mechanism, or in rad: beyond, it moves as another."""
 
 NEAR_FLOOR = 100.0
-"""Times the least inertia that an engine takes, below which one only stands for 0."""
+"""Multiple of the least inertia of an engine below which an inertia only replaces 0."""
 
 CLOCK = 1e-9
 """Phase [rad] by which an engine's clock may be off: what a truth with nine digits shows."""

@@ -134,7 +134,7 @@ class Block:
 
     @property
     def worst(self) -> Result:
-        """The result that stands for the check."""
+        """The result that represents the check."""
         return self.failed[0]
 
     @property

@@ -77,7 +77,7 @@ def why_known(result: Result) -> str:
 
 
 def method_of(result: Result) -> str:
-    """Return the method segment of a result's id, which also tells the model."""
+    """Return the method segment of a result's id, with the model."""
     return NOT_APPLICABLE if result.source == "validation" else result.id.split("/")[-2]
 
 

@@ -43,7 +43,7 @@ MOST_IN_MARKDOWN = 50
 """The same of a page of Markdown, which GitHub refuses above 1 MiB."""
 
 FEW_METHODS = 4
-"""So many methods are named beside a reason."""
+"""So many methods are named with a reason."""
 
 RESULT_HEADS = ("verdict", "case", "method", "quantity", "error", "tolerance", "times")
 
