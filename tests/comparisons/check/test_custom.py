@@ -278,8 +278,8 @@ DEAD = "--set flywheel_inertia=1e-12 --set rod_mass=0 --state phi=1.570796326794
 @pytest.mark.parametrize(
     ("line", "words"),
     [
-        ("--set free_mass=1", "of one scene: name it, and no other"),
-        ("hula_hoop rotor_pendulum --horizon 1", "of one scene: name it, and no other"),
+        ("--set free_mass=1", "need exactly one scene: name it"),
+        ("hula_hoop rotor_pendulum --horizon 1", "need exactly one scene: name it"),
         ("hula_hop --set free_mass=1", "did you mean 'hula_hoop'?"),
         ("hula_hoop --set free_mas=1", "did you mean 'free_mass'?"),
         ("hula_hoop --set free_mass=-1", "must be greater than 0"),
