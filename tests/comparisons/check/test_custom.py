@@ -206,8 +206,8 @@ def test_the_command_that_is_told_repeats_the_check() -> None:
     done = invoke(f"{LINE} --junit a.xml")
     assert done.exit_code == 1
     (command,) = {
-        line.strip()
-        for line in done.stdout.splitlines()
+        " ".join(line.split())
+        for line in done.stdout.replace("\\\n", "").splitlines()
         if line.startswith("  mbcheck ") and line.endswith("/theta'")
     }
     words = shlex.split(command)[1:]
