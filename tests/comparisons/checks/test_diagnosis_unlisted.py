@@ -22,7 +22,7 @@ pytest.importorskip("mujoco")
 
 from mbcheck.examples.mujoco_engine import MujocoPlugin
 
-from .test_plugged_in import Explicit, causes
+from .test_diagnosis_plugged_in import Explicit, causes
 
 HOOP = "spinning_3hz_60n"
 
