@@ -1,0 +1,150 @@
+"""Tables in the pages of docs/ that mbcheck knows; ``python docs/tables.py`` writes them again.
+
+A table follows ``<!-- table NAME -->`` or ``<!-- table NAME of SCENE -->``, and ends at
+``<!-- end -->``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+from mbcheck.comparisons.checks.rules.cautions import RULES
+from mbcheck.comparisons.checks.table import KINDS
+from mbcheck.comparisons.cli import catalogue
+from mbcheck.comparisons.inspect.rules.table import RULES as INSPECT_RULES
+from mbcheck.comparisons.reports.text import markdown_table
+from mbcheck.comparisons.reports.words import assignments
+from mbcheck.reference import SCENES
+
+BLOCK = re.compile(r"(<!-- table (\w+)(?: of (\w+))? -->\n).*?(<!-- end -->)", re.DOTALL)
+
+
+def with_tables(page: str) -> str:
+    """Return the page with each marked table written again."""
+    return BLOCK.sub(lambda mark: f"{mark[1]}{TABLES[mark[2]](mark[3])}\n{mark[4]}", page)
+
+
+def code(names: Iterable[str]) -> str:
+    """Return names in backticks, separated by commas."""
+    return ", ".join(f"`{name}`" for name in names)
+
+
+def scene(name: str) -> str:
+    """Return the parameters, observables, models and cases of a scene."""
+    sheet = catalogue.scene_sheet(name)
+    facts = {
+        "State": code(item["name"] for item in sheet["states"]),
+        "Also observed": code(o["name"] for o in sheet["outputs"] if not o["on_request"]),
+        "On request (`--observe`)": code(o["name"] for o in sheet["outputs"] if o["on_request"]),
+        "States of rest (`--about`)": code(sheet["about"]),
+        "Drive": sheet["drive"],
+        **{f"Models, {engine}": code(models) for engine, models in sheet["models"].items()},
+    }
+    return "\n\n".join(
+        (
+            markdown_table(
+                ("Parameter", "Symbol", "Unit", "Default", "Meaning"),
+                [
+                    (f"`{i['name']}`", i["symbol"], i["unit"], i["default"], i["meaning"])
+                    for i in sheet["parameters"]
+                ],
+                digits=10,
+            ),
+            markdown_table(("", ""), [row for row in facts.items() if row[1]]),
+            markdown_table(
+                ("Case", "Checks", "Horizon [s]", "Differs by"),
+                [
+                    (
+                        f"`{item['name']}`{' (`--full`)' if item['full_only'] else ''}",
+                        ", ".join(item["kinds"]),
+                        item["horizon"],
+                        assignments(item["parameters"] | item["state"]),
+                    )
+                    for item in sheet["cases"]
+                ],
+            ),
+        )
+    )
+
+
+def maps(_: str) -> str:
+    """Return the quantities of all maps."""
+    return markdown_table(
+        ("Scene", "`--quantity`", "What", "`--model` of the reference", "Variables", "Engines"),
+        [
+            (
+                name,
+                f"`{item['quantity']}`",
+                item["about"],
+                code(item["models"]),
+                code(item["variables"]),
+                "yes" if item["engines"] else "no",
+            )
+            for name in SCENES
+            for item in catalogue.scene_sheet(name)["maps"]
+        ],
+    )
+
+
+def axes(_: str) -> str:
+    """Return the axes of maps that are no parameters."""
+    return markdown_table(
+        ("Scene", "Axis", "Unit", "Meaning"),
+        [
+            (name, f"`{item['name']}`", item["unit"], item["meaning"])
+            for name in SCENES
+            for item in catalogue.scene_sheet(name)["axes"]
+        ],
+    )
+
+
+def coverage(_: str) -> str:
+    """Return how many checks each scene, engine and kind has."""
+    rows: dict[tuple[str, str], list[str]] = {}
+    for cell in catalogue.coverage()["cells"]:
+        rows.setdefault((cell["scene"], cell["engine"]), []).append(str(cell["checks"]))
+    return markdown_table(
+        ("Scene", "Engine", *KINDS), [(*place, *checks) for place, checks in rows.items()]
+    )
+
+
+def rules(_: str) -> str:
+    """Return the rules that warn of a run."""
+    rows = [(f"`{name}`", rule.meaning) for name, rule in RULES.items()]
+    return markdown_table(("Rule", "It says that"), rows)
+
+
+def findings(_: str) -> str:
+    """Return the rules of ``mbcheck inspect``."""
+    return markdown_table(
+        ("Rule", "Severity", "Needs", "Finds"),
+        [
+            (
+                f"`{name}`",
+                f"*{rule.severity}*" if rule.house else rule.severity,
+                rule.needs,
+                rule.meaning,
+            )
+            for name, rule in INSPECT_RULES.items()
+        ],
+    )
+
+
+TABLES: dict[str, Callable[[str], str]] = {
+    "scene": scene,
+    "maps": maps,
+    "axes": axes,
+    "coverage": coverage,
+    "rules": rules,
+    "findings": findings,
+}
+"""Each table by the name in its mark."""
+
+
+if __name__ == "__main__":
+    for path in Path(__file__).parent.glob("*.md"):
+        page = path.read_text(encoding="utf-8")
+        if (written := with_tables(page)) != page:
+            path.write_text(written, encoding="utf-8")
