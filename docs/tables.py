@@ -13,6 +13,7 @@ from pathlib import Path
 from mbcheck.comparisons.checks.rules.cautions import RULES
 from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.cli import catalogue
+from mbcheck.comparisons.faults.variants import NOT_PROVOKED
 from mbcheck.comparisons.inspect.rules.table import RULES as INSPECT_RULES
 from mbcheck.comparisons.reports.text import markdown_table
 from mbcheck.comparisons.reports.words import assignments
@@ -132,6 +133,11 @@ def findings(_: str) -> str:
     )
 
 
+def not_provoked(_: str) -> str:
+    """Return the known failures that no check provokes."""
+    return markdown_table(("Failure", "Why it is not provoked"), NOT_PROVOKED)
+
+
 TABLES: dict[str, Callable[[str], str]] = {
     "scene": scene,
     "maps": maps,
@@ -139,6 +145,7 @@ TABLES: dict[str, Callable[[str], str]] = {
     "coverage": coverage,
     "rules": rules,
     "findings": findings,
+    "not_provoked": not_provoked,
 }
 """Each table by the name in its mark."""
 
