@@ -12,11 +12,9 @@ from typing import Any
 import pytest
 
 from mbcheck.comparisons.checks import comparison
-from mbcheck.comparisons.checks.rules.cautions import RULES
 from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.checks.truth import MOST_AMPLIFICATION
 from mbcheck.comparisons.checks.verdict import PROFILES
-from mbcheck.comparisons.cli import catalogue
 from mbcheck.comparisons.cli.group import VERBS
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.tests.support.command import MAIN, invoke
@@ -28,7 +26,6 @@ SLOW = (
     "mbcheck orbit rotor_pendulum",
     "mbcheck check --id",
     "mbcheck simulate rotating_beam --model",
-    "mbcheck simulate rotating_beam --set",
     "mbcheck boundary",
     "mbcheck check --quick --engine mujoco",
     "mbcheck reproduce",
@@ -36,12 +33,6 @@ SLOW = (
     "mbcheck extremes",
 )
 """How commands begin that take more than seconds."""
-
-SLOW_PYTHON = "# takes"
-"""How blocks of Python begin that do."""
-
-ONE_OF_FOUR = "in (0.0, 0.4, 0.8, 1.2)", "in (0.4,)"
-"""What shortens the longest of them."""
 
 
 def marked(text: str, slow: str | tuple[str, ...]) -> Any:
@@ -127,19 +118,56 @@ def test_commands_run_one_after_the_other(block: str) -> None:
         assert result.exit_code == int(line.startswith("mbcheck compare ")), result.stderr
 
 
+SHOWN = re.compile(
+    r"^```\w*\n((?:mbcheck .*\n)+)```\n\n```text\n(.*?)^```$", re.MULTILINE | re.DOTALL
+)
+"""Commands, and what the last of them prints."""
+
+
+def shown() -> list[Any]:
+    """Return commands with the output that a document shows of the last, slow if they are."""
+    return [
+        pytest.param(block, output, marks=pytest.mark.slow if is_slow(block) else (), id=path.stem)
+        for path in DOCUMENTS
+        for block, output in SHOWN.findall(path.read_text(encoding="utf-8"))
+        if not re.search(f"{OWN_ENGINE}|toy_engine", block)
+    ]
+
+
+def is_slow(block: str) -> bool:
+    """Return True if commands take more than seconds."""
+    return block.startswith(SLOW) or re.search(TOGETHER, block) is not None
+
+
+def assert_shown(output: str, printed: str) -> None:
+    """Fail unless all that is between the dots of a shown output was printed, in this order."""
+    printed, place = " ".join(printed.split()), 0
+    for part in output.split("...\n"):
+        place = printed.find(" ".join(part.split()), place)
+        assert place >= 0, part
+
+
+@pytest.mark.parametrize(("block", "output"), shown())
+@pytest.mark.usefixtures("own_folder")
+def test_output_is_what_is_printed(block: str, output: str) -> None:
+    for line in block.splitlines():
+        result = invoke("", *shlex.split(line)[1:])
+    assert_shown(output, result.stdout)
+
+
 @pytest.mark.parametrize(
     "block",
     # modules print nothing: engines are followed below and in test_plugin, and the new scene in
     # test_new_scene
     [
-        marked(text, SLOW_PYTHON)
+        text
         for name, text in blocks("python")
         if name != "docs/new_scene.md" and "def simulate(" not in text
     ],
 )
 def test_python_runs(block: str, tmp_path: Path) -> None:
     ended = subprocess.run(
-        [sys.executable, "-c", block.replace(*ONE_OF_FOUR)],
+        [sys.executable, "-c", block],
         cwd=tmp_path,
         capture_output=True,
         text=True,
@@ -151,49 +179,6 @@ def test_python_runs(block: str, tmp_path: Path) -> None:
 def read(name: str) -> str:
     """Return a document."""
     return (ROOT / name).read_text(encoding="utf-8")
-
-
-def test_the_coverage_is_shown() -> None:
-    text = read("docs/checks.md")
-    for engine in ("mujoco", "exudyn"):
-        pytest.importorskip(engine, exc_type=ImportError)
-    rows: dict[tuple[str, str], list[str]] = {}
-    for cell in catalogue.coverage()["cells"]:
-        rows.setdefault((cell["scene"], cell["engine"]), []).append(str(cell["checks"]))
-    kinds = " | ".join(KINDS)
-    assert f"| Scene | Engine | {kinds} |" in text
-    for place, checks in rows.items():
-        assert f"| {' | '.join((*place, *checks))} |" in text
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_scenes_are_described_as_they_are(name: str) -> None:
-    text = read("docs/scenes.md").partition(f"\n## {name}\n")[2].partition("\n## ")[0]
-    sheet = catalogue.scene_sheet(name)
-    for item in sheet["parameters"]:
-        default = item["default"]
-        shown = default if isinstance(default, str) else f"{default:.10g}"
-        cells = (f"`{item['name']}`", item["symbol"], item["unit"], shown, item["meaning"])
-        assert f"| {' | '.join(cells)} |" in text
-    named = [entry["name"] for entry in sheet["cases"] if not entry["full_only"]]
-    for word in (
-        *named,
-        *sheet["about"],
-        *(m for models in sheet["models"].values() for m in models),
-    ):
-        assert word == "exact" or f"`{word}`" in text, word
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_maps_are_described_as_they_are(name: str) -> None:
-    text = read("docs/maps.md")
-    sheet = catalogue.scene_sheet(name)
-    for item in sheet["maps"]:
-        models, variables = (", ".join(f"`{w}`" for w in item[k]) for k in ("models", "variables"))
-        cells = (name, f"`{item['quantity']}`", item["about"], models, variables)
-        assert f"| {' | '.join(cells)} |" in text
-    for axis in sheet["axes"]:
-        assert f"`{axis['name']}`" in text
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -210,12 +195,6 @@ def test_links_lead_somewhere() -> None:
     for path in DOCUMENTS:
         for target in re.findall(r"\]\(([^)#:]+)\)", path.read_text(encoding="utf-8")):
             assert (path.parent / target).exists(), f"{path.name} links to {target}"
-
-
-def test_rules_are_described_as_they_are() -> None:
-    text = read("docs/checks.md")
-    for name, rule in RULES.items():
-        assert f"| `{name}` | {rule.meaning} |" in text
 
 
 def test_tolerances_are_described_as_they_are() -> None:
@@ -271,18 +250,14 @@ def test_the_readme_shows_what_is_printed_of_its_defect(tmp_path: Path) -> None:
     pytest.importorskip("mujoco")
     readme = read("README.md")
     (defect,) = re.findall(r"`(model\.\S+ \*= \S+)`", readme)
-    (shown,) = (text for name, text in blocks("text") if name == "README.md")
-    assert len(shown.splitlines()) <= 12
+    (output,) = (text for name, text in blocks("text") if name == "README.md")
+    assert len(output.splitlines()) <= 12
     source = readme_engine()
     before = "        data, rows"
     assert before in source
     ended = run_readme_engine(tmp_path, source.replace(before, f"        {defect}\n{before}"))
     assert ended.returncode == 1
-    printed = " ".join(ended.stdout.split())
-    place = 0
-    for part in shown.split("...\n"):
-        place = printed.find(" ".join(part.split()), place)
-        assert place >= 0, part
+    assert_shown(output, ended.stdout)
 
 
 def test_the_readme_asks_a_question_for_every_kind() -> None:
