@@ -118,7 +118,7 @@ def test_commands_run_one_after_the_other(block: str) -> None:
         assert result.exit_code == int(line.startswith("mbcheck compare ")), result.stderr
 
 
-SHOWN = re.compile(
+SHOWN = re.compile(r"^```\w*\n((?:mbcheck .*\n)+)```\n\n```text\n(.*?)^```$", FENCED)
     r"^```\w*\n((?:mbcheck .*\n)+)```\n\n```text\n(.*?)^```$", re.MULTILINE | re.DOTALL
 )
 """Commands, and what the last of them prints."""
