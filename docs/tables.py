@@ -1,30 +1,17 @@
-"""Tables in the pages of docs/ that mbcheck knows; ``python docs/tables.py`` writes them again.
-
-A table follows ``<!-- table NAME -->`` or ``<!-- table NAME of SCENE -->``, and ends at
-``<!-- end -->``.
-"""
+"""The tables of scenes, maps, checks and rules in the pages of docs/."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterable
-from pathlib import Path
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 
-from mbcheck.comparisons.checks.rules.cautions import RULES
 from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.cli import catalogue
 from mbcheck.comparisons.faults.variants import NOT_PROVOKED
-from mbcheck.comparisons.inspect.rules.table import RULES as INSPECT_RULES
+from mbcheck.comparisons.inspect.rules.table import RULES
 from mbcheck.comparisons.reports.text import markdown_table
 from mbcheck.comparisons.reports.words import assignments
 from mbcheck.reference import SCENES
-
-BLOCK = re.compile(r"(<!-- table (\w+)(?: of (\w+))? -->\n).*?(<!-- end -->)", re.DOTALL)
-
-
-def with_tables(page: str) -> str:
-    """Return the page with each marked table written again."""
-    return BLOCK.sub(lambda mark: f"{mark[1]}{TABLES[mark[2]](mark[3])}\n{mark[4]}", page)
 
 
 def code(names: Iterable[str]) -> str:
@@ -70,7 +57,7 @@ def scene(name: str) -> str:
     )
 
 
-def maps(_: str) -> str:
+def maps() -> str:
     """Return the quantities of all maps."""
     return markdown_table(
         ("Scene", "`--quantity`", "What", "`--model` of the reference", "Variables", "Engines"),
@@ -89,7 +76,7 @@ def maps(_: str) -> str:
     )
 
 
-def axes(_: str) -> str:
+def axes() -> str:
     """Return the axes of maps that are no parameters."""
     return markdown_table(
         ("Scene", "Axis", "Unit", "Meaning"),
@@ -101,7 +88,7 @@ def axes(_: str) -> str:
     )
 
 
-def coverage(_: str) -> str:
+def coverage() -> str:
     """Return how many checks each scene, engine and kind has."""
     rows: dict[tuple[str, str], list[str]] = {}
     for cell in catalogue.coverage()["cells"]:
@@ -111,13 +98,7 @@ def coverage(_: str) -> str:
     )
 
 
-def rules(_: str) -> str:
-    """Return the rules that warn of a run."""
-    rows = [(f"`{name}`", rule.meaning) for name, rule in RULES.items()]
-    return markdown_table(("Rule", "It says that"), rows)
-
-
-def findings(_: str) -> str:
+def findings() -> str:
     """Return the rules of ``mbcheck inspect``."""
     return markdown_table(
         ("Rule", "Severity", "Needs", "Finds"),
@@ -128,30 +109,22 @@ def findings(_: str) -> str:
                 rule.needs,
                 rule.meaning,
             )
-            for name, rule in INSPECT_RULES.items()
+            for name, rule in RULES.items()
         ],
     )
 
 
-def not_provoked(_: str) -> str:
+def not_provoked() -> str:
     """Return the known failures that no check provokes."""
     return markdown_table(("Failure", "Why it is not provoked"), NOT_PROVOKED)
 
 
-TABLES: dict[str, Callable[[str], str]] = {
-    "scene": scene,
+TABLES: Mapping[str, Callable[[], str]] = {
     "maps": maps,
     "axes": axes,
     "coverage": coverage,
-    "rules": rules,
-    "findings": findings,
-    "not_provoked": not_provoked,
+    "rules of models": findings,
+    "failures that are not provoked": not_provoked,
+    **{f"scene {name}": partial(scene, name) for name in SCENES},
 }
-"""Each table by the name in its mark."""
-
-
-if __name__ == "__main__":
-    for path in Path(__file__).parent.glob("*.md"):
-        page = path.read_text(encoding="utf-8")
-        if (written := with_tables(page)) != page:
-            path.write_text(written, encoding="utf-8")
+"""The tables by name."""

@@ -1,0 +1,117 @@
+"""``mbcheck explain``: the terms of reports and documents."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from fnmatch import fnmatchcase
+from importlib.resources import files
+from typing import Any
+
+import click
+from rich.console import Console
+
+from ...reference import SCENES, get_scene
+from ...reference.errors import UnknownNameError
+from ..checks.rules.cautions import RULES as CAUTIONS
+from ..inspect.console import print_rule
+from ..inspect.rules.table import RULES as FINDINGS
+from ..reports.text import print_wrapped
+from ..terminal.program import console, examples
+
+KINDS = "kind of check"
+
+
+def glossary() -> Mapping[str, Mapping[str, str]]:
+    """Return the text of each term, by the sort of term.
+
+    Returns
+    -------
+    Mapping
+        Kinds of check, verdicts, quantities and other terms. A term may be a pattern.
+    """
+    kinds = {
+        kind: f"{entry['question']} It finds: {entry['catches']}."
+        for kind, entry in kinds_of_check().items()
+    }
+    return {KINDS: kinds, **{sort: text for sort, text in entries().items() if sort != KINDS}}
+
+
+def kinds_of_check() -> Mapping[str, Mapping[str, str]]:
+    """Return the question of each kind of check, and the faults that it catches."""
+    return entries()[KINDS]
+
+
+def entries() -> dict[str, Any]:
+    """Return the file of terms."""
+    text = files(__package__).joinpath("glossary.toml").read_text(encoding="utf-8")
+    return tomllib.loads(text)
+
+
+def explanations(name: str) -> list[str]:
+    """Return the entries that explain a term, a quantity of a check, or an observable.
+
+    Parameters
+    ----------
+    name : str
+        A part that an engine reads, ``damper.theta``, is a quantity of the kind *parts*.
+    """
+    term = "parts" if "." in name else name
+    found = [
+        f"{pattern} ({sort}): {text}"
+        for sort, entries in glossary().items()
+        for pattern, text in entries.items()
+        if fnmatchcase(term, pattern)
+    ]
+    units = {scene: get_scene(scene).units for scene in SCENES}
+    where = [f"{scene} [{unit[name]}]" for scene, unit in units.items() if name in unit]
+    return found + [f"{name} (observable): of {', '.join(where)}"] * bool(where)
+
+
+def print_terms(screen: Console) -> None:
+    """Print the terms that are explained."""
+    rules = {"rule": dict.fromkeys([*CAUTIONS, *FINDINGS])}
+    for sort, entries in {**glossary(), **rules}.items():
+        print_wrapped(screen, f"{sort}: {', '.join(entries)}", hanging="  ")
+
+
+def explain_term(screen: Console, name: str) -> None:
+    """Print the entries of a term, an observable or a rule.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such term.
+    """
+    name = name.strip("`")
+    found = explanations(name) or explanations(name.lower())
+    rule = name if name in FINDINGS else None
+    if name in CAUTIONS and not rule:
+        found.append(f"{name} (rule for a run of a scene): {CAUTIONS[name].meaning}")
+    if not found and not rule:
+        known = [term for terms in glossary().values() for term in terms]
+        raise UnknownNameError("term", name, [*known, *CAUTIONS, *FINDINGS])
+    for entry in found:
+        print_wrapped(screen, entry, hanging="  ")
+    if rule:
+        print_rule(screen, rule)
+
+
+@click.command(
+    epilog=examples(
+        "mbcheck explain                all terms",
+        "mbcheck explain least_error    a quantity",
+        "mbcheck explain step_limit     a rule",
+    ),
+)
+@click.argument("terms", metavar="[TERM]...", nargs=-1)
+def explain(terms: tuple[str, ...]) -> None:
+    """Explain terms of the reports: kinds of check, verdicts, quantities and rules.
+
+    Without a TERM all of them are listed.
+    """
+    screen = console()
+    if not terms:
+        print_terms(screen)
+    for term in terms:
+        explain_term(screen, term)
