@@ -15,10 +15,10 @@ from mbcheck.comparisons.checks.rules.cautions import RULES as CAUTIONS
 from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.cli.explain import glossary, kinds_of_check
 from mbcheck.comparisons.documents import DOCUMENTS, schema
-from mbcheck.comparisons.inspect.rules.table import RULES as FINDINGS
 from mbcheck.comparisons.reports.text import Markdown, markdown_table
 
 import fields
+import tables
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -27,7 +27,9 @@ BLOCK = re.compile(r"(<!-- (fields|table) of ([\w ]+) -->\n).*?(<!-- end -->)", 
 
 
 def table(name: str) -> str:
-    """Return a table as Markdown: kinds, rules of runs, rules of models, or a sort of terms."""
+    """Return a table as Markdown: one of `tables`, kinds, rules of runs, or a sort of terms."""
+    if name in tables.TABLES:
+        return tables.TABLES[name]()
     if name == "kinds":
         heads = ["Kind", "Question", "What it catches"]
         of = kinds_of_check()
@@ -35,9 +37,6 @@ def table(name: str) -> str:
     elif name == "rules of runs":
         heads = ["Rule", "It finds"]
         rows = [[f"`{key}`", rule.meaning] for key, rule in CAUTIONS.items()]
-    elif name == "rules of models":
-        heads = ["Rule", "Severity", "It finds"]
-        rows = [[f"`{key}`", rule.severity, rule.meaning] for key, rule in FINDINGS.items()]
     else:
         heads = ["Term", "Meaning"]
         rows = [[f"`{key}`", text] for key, text in glossary()[name].items()]

@@ -36,3 +36,9 @@ def test_schemas_are_in_the_package_under_fixed_names() -> None:
     folder = Path(str(mbcheck.__file__)).parent / "comparisons" / "documents" / "schemas"
     assert {path.name for path in folder.iterdir()} == {f"{name}.schema.json" for name in DOCUMENTS}
     assert json.loads((folder / "check.schema.json").read_text("utf-8")) == schema("check")
+
+
+def test_every_table_is_on_a_page(build: Any, clone: Path) -> None:
+    pages = "\n".join(page.read_text(encoding="utf-8") for page in clone.glob("docs/*.md"))
+    for name in build.tables.TABLES:
+        assert f"<!-- table of {name} -->" in pages, name

@@ -12,11 +12,9 @@ from typing import Any
 import pytest
 
 from mbcheck.comparisons.checks import comparison
-from mbcheck.comparisons.checks.rules.cautions import RULES
 from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.checks.truth import MOST_AMPLIFICATION
 from mbcheck.comparisons.checks.verdict import PROFILES
-from mbcheck.comparisons.cli import catalogue
 from mbcheck.comparisons.cli.group import VERBS
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.tests.support.command import MAIN, invoke
@@ -28,7 +26,6 @@ SLOW = (
     "mbcheck orbit rotor_pendulum",
     "mbcheck check --id",
     "mbcheck simulate rotating_beam --model",
-    "mbcheck simulate rotating_beam --set",
     "mbcheck boundary",
     "mbcheck check --quick --engine mujoco",
     "mbcheck reproduce",
@@ -36,12 +33,6 @@ SLOW = (
     "mbcheck extremes",
 )
 """How commands begin that take more than seconds."""
-
-SLOW_PYTHON = "# takes"
-"""How blocks of Python begin that do."""
-
-ONE_OF_FOUR = "in (0.0, 0.4, 0.8, 1.2)", "in (0.4,)"
-"""What shortens the longest of them."""
 
 
 def marked(text: str, slow: str | tuple[str, ...]) -> Any:
@@ -127,19 +118,56 @@ def test_commands_run_one_after_the_other(block: str) -> None:
         assert result.exit_code == int(line.startswith("mbcheck compare ")), result.stderr
 
 
+FENCED = re.MULTILINE | re.DOTALL
+
+SHOWN = re.compile(r"^```\w*\n((?:mbcheck .*\n)+)```\n\n```text\n(.*?)^```$", FENCED)
+"""Commands, and what the last of them prints."""
+
+
+def shown() -> list[Any]:
+    """Return commands with the output that a document shows of the last, slow if they are."""
+    return [
+        pytest.param(block, output, marks=pytest.mark.slow if is_slow(block) else (), id=path.stem)
+        for path in DOCUMENTS
+        for block, output in SHOWN.findall(path.read_text(encoding="utf-8"))
+        if not re.search(f"{OWN_ENGINE}|toy_engine", block)
+    ]
+
+
+def is_slow(block: str) -> bool:
+    """Return True if commands take more than seconds."""
+    return block.startswith(SLOW) or re.search(TOGETHER, block) is not None
+
+
+def assert_prints(output: str, shown: str) -> None:
+    """Fail unless all parts of a text, between dots, are in an output, in this order."""
+    printed, place = " ".join(output.split()), 0
+    for part in shown.split("...\n"):
+        place = printed.find(" ".join(part.split()), place)
+        assert place >= 0, part
+
+
+@pytest.mark.parametrize(("block", "output"), shown())
+@pytest.mark.usefixtures("own_folder")
+def test_output_is_what_is_printed(block: str, output: str) -> None:
+    for line in block.splitlines():
+        result = invoke("", *shlex.split(line)[1:])
+    assert_prints(result.stdout, output)
+
+
 @pytest.mark.parametrize(
     "block",
     # modules print nothing: engines are followed below and in test_plugin, and the new scene in
     # test_new_scene
     [
-        marked(text, SLOW_PYTHON)
+        text
         for name, text in blocks("python")
         if name != "docs/new_scene.md" and "(self, " not in text
     ],
 )
 def test_python_runs(block: str, tmp_path: Path) -> None:
     ended = subprocess.run(
-        [sys.executable, "-c", block.replace(*ONE_OF_FOUR)],
+        [sys.executable, "-c", block],
         cwd=tmp_path,
         capture_output=True,
         text=True,
@@ -151,49 +179,6 @@ def test_python_runs(block: str, tmp_path: Path) -> None:
 def read(name: str) -> str:
     """Return a document."""
     return (ROOT / name).read_text(encoding="utf-8")
-
-
-def test_the_coverage_is_shown() -> None:
-    text = read("docs/checks.md")
-    for engine in ("mujoco", "exudyn"):
-        pytest.importorskip(engine, exc_type=ImportError)
-    rows: dict[tuple[str, str], list[str]] = {}
-    for cell in catalogue.coverage()["cells"]:
-        rows.setdefault((cell["scene"], cell["engine"]), []).append(str(cell["checks"]))
-    kinds = " | ".join(KINDS)
-    assert f"| Scene | Engine | {kinds} |" in text
-    for place, checks in rows.items():
-        assert f"| {' | '.join((*place, *checks))} |" in text
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_scenes_are_described_as_they_are(name: str) -> None:
-    text = read("docs/scenes.md").partition(f"\n## {name}\n")[2].partition("\n## ")[0]
-    sheet = catalogue.scene_sheet(name)
-    for item in sheet["parameters"]:
-        default = item["default"]
-        shown = default if isinstance(default, str) else f"{default:.10g}"
-        cells = (f"`{item['name']}`", item["symbol"], item["unit"], shown, item["meaning"])
-        assert f"| {' | '.join(cells)} |" in text
-    named = [entry["name"] for entry in sheet["cases"] if not entry["full_only"]]
-    for word in (
-        *named,
-        *sheet["about"],
-        *(m for models in sheet["models"].values() for m in models),
-    ):
-        assert word == "exact" or f"`{word}`" in text, word
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_maps_are_described_as_they_are(name: str) -> None:
-    text = read("docs/maps.md")
-    sheet = catalogue.scene_sheet(name)
-    for item in sheet["maps"]:
-        models, variables = (", ".join(f"`{w}`" for w in item[k]) for k in ("models", "variables"))
-        cells = (name, f"`{item['quantity']}`", item["about"], models, variables)
-        assert f"| {' | '.join(cells)} |" in text
-    for axis in sheet["axes"]:
-        assert f"`{axis['name']}`" in text
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -212,9 +197,6 @@ def anchors(text: str) -> set[str]:
     return {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
 
 
-FENCED = re.MULTILINE | re.DOTALL
-
-
 @pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
 def test_links_lead_somewhere(path: Path) -> None:
     text = path.read_text(encoding="utf-8")
@@ -224,12 +206,6 @@ def test_links_lead_somewhere(path: Path) -> None:
         if anchor:
             found = anchors(page.read_text(encoding="utf-8"))
             assert anchor in found, f"{path.name} links to {target}#{anchor}"
-
-
-def test_rules_are_described_as_they_are() -> None:
-    text = read("docs/checks.md")
-    for name, rule in RULES.items():
-        assert f"| `{name}` | {rule.meaning} |" in text
 
 
 def test_tolerances_are_described_as_they_are() -> None:
@@ -289,36 +265,6 @@ def test_a_page_shows_what_is_printed_of_its_defect(page: str, tmp_path: Path) -
     ended = run_own_engine(page, tmp_path, source.replace(reads, f"{reads}        {defect}\n"))
     assert ended.returncode == 1
     assert_prints(ended.stdout, shown)
-
-
-def assert_prints(output: str, shown: str) -> None:
-    """Fail unless all parts of a text, between lines with dots, are in an output, in this order."""
-    printed, place = " ".join(output.split()), 0
-    for part in re.split(r"^\.\.\.\n", shown, flags=re.MULTILINE):
-        place = printed.find(" ".join(part.split()), place)
-        assert place >= 0, part
-
-
-@pytest.mark.parametrize(
-    "page",
-    [
-        marked("docs/is_it_right.md", ()),
-        marked("docs/tutorial.md", ()),
-        marked("docs/upgrade.md", "docs"),
-        marked("docs/which_step.md", "docs"),
-        marked("docs/blow_up.md", ()),
-        marked("docs/glossary.md", ()),
-    ],
-)
-@pytest.mark.usefixtures("own_folder")
-def test_a_page_opens_with_the_output_of_its_command(page: str) -> None:
-    pytest.importorskip("mujoco")
-    lines = next(b for name, b in blocks("") if name == page).splitlines()
-    outputs = [invoke("", *shlex.split(line)[1:]).stdout for line in lines]
-    shown = next(text for name, text in blocks("text") if name == page)
-    if page == "docs/which_step.md":  # times vary
-        shown = shown.partition("integrator")[0]
-    assert_prints(outputs[-1], shown)
 
 
 def test_the_readme_asks_a_question_for_every_kind() -> None:
