@@ -200,7 +200,7 @@ def anchors(text: str) -> set[str]:
 @pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
 def test_links_lead_somewhere(path: Path) -> None:
     text = path.read_text(encoding="utf-8")
-    for target, anchor in re.findall(r"\]\(([^)#:\s]*)#?([^)\s]*)\)", text):
+    for target, anchor in re.findall(r"\]\(([^)#:\s]*)(?:#([^)\s]*))?\)", text):
         page = path.parent / target if target else path
         assert page.exists(), f"{path.name} links to {target}"
         if anchor:
