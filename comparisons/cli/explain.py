@@ -37,8 +37,8 @@ def glossary() -> Mapping[str, Mapping[str, str]]:
     return {KINDS: kinds, **{sort: text for sort, text in entries().items() if sort != KINDS}}
 
 
-def kinds_of_check() -> Mapping[str, Mapping[str, str]]:
-    """Return the question of each kind of check, and the faults that it catches."""
+def kinds_of_check() -> Mapping[str, Mapping[str, Any]]:
+    """Return the question of each kind of check, the faults that it catches, its quantities."""
     return entries()[KINDS]
 
 
@@ -49,19 +49,17 @@ def entries() -> dict[str, Any]:
 
 
 def explanations(name: str) -> list[str]:
-    """Return the entries that explain a term, a quantity of a check, or an observable.
-
-    Parameters
-    ----------
-    name : str
-        A part that an engine reads, ``damper.theta``, is a quantity of the kind *parts*.
-    """
-    term = "parts" if "." in name else name
+    """Return the entries that explain a term, a quantity of a check, or an observable."""
     found = [
         f"{pattern} ({sort}): {text}"
-        for sort, entries in glossary().items()
-        for pattern, text in entries.items()
-        if fnmatchcase(term, pattern)
+        for sort, terms in glossary().items()
+        for pattern, text in terms.items()
+        if fnmatchcase(name, pattern)
+    ]
+    found += [
+        f"{name} (quantity of the check {kind}): {entry['question']}"
+        for kind, entry in kinds_of_check().items()
+        if any(fnmatchcase(name, pattern) for pattern in entry.get("quantities", ()))
     ]
     units = {scene: get_scene(scene).units for scene in SCENES}
     where = [f"{scene} [{unit[name]}]" for scene, unit in units.items() if name in unit]

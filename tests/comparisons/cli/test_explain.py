@@ -36,7 +36,7 @@ def test_every_quantity_of_a_check_is_explained() -> None:
     [
         ("trajectory", "Does a run agree with the reference?"),
         ("Located", "start there"),
-        ("damper.theta", "parts (kind of check)"),
+        ("damper.theta", "damper.theta (quantity of the check parts)"),
         ("energy_drift", "*_drift (quantity)"),
         ("theta_dot", "hula_hoop [rad/s]"),
         ("step_limit", FINDINGS["step_limit"].why),
