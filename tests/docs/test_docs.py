@@ -120,7 +120,7 @@ def test_commands_run_one_after_the_other(block: str) -> None:
 
 FENCED = re.MULTILINE | re.DOTALL
 
-SHOWN = re.compile(r"^```\w*\n((?:mbcheck .*\n)+)```\n\n```text\n(.*?)^```$", FENCED)
+SHOWN = re.compile(r"^```\w*\n((?:mbcheck [^\n]*\n)+)```\n\n```text\n(.*?)^```$", FENCED)
 """Commands, and what the last of them prints."""
 
 
