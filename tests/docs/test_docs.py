@@ -120,7 +120,7 @@ def test_commands_run_one_after_the_other(block: str) -> None:
 
 FENCED = re.MULTILINE | re.DOTALL
 
-SHOWN = re.compile(r"^```\w*\n((?:mbcheck .*\n)+)```\n\n```text\n(.*?)^```$", FENCED)
+SHOWN = re.compile(r"^```\w*\n((?:mbcheck [^\n]*\n)+)```\n\n```text\n(.*?)^```$", FENCED)
 """Commands, and what the last of them prints."""
 
 
@@ -204,7 +204,7 @@ def anchors(text: str) -> set[str]:
 )
 def test_links_lead_somewhere(path: Path) -> None:
     text = path.read_text(encoding="utf-8")
-    for target, anchor in re.findall(r"\]\(([^)#:\s]*)#?([^)\s]*)\)", text):
+    for target, anchor in re.findall(r"\]\(([^)#:\s]*)(?:#([^)\s]*))?\)", text):
         page = path.parent / target if target else path
         assert page.exists(), f"{path.name} links to {target}"
         if anchor:
