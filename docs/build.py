@@ -13,9 +13,10 @@ from pathlib import Path
 
 from mbcheck.comparisons.checks.rules.cautions import RULES as CAUTIONS
 from mbcheck.comparisons.checks.table import KINDS
-from mbcheck.comparisons.cli.explain import glossary, kinds_of_check
+from mbcheck.comparisons.cli.explain import glossary, text_of
 from mbcheck.comparisons.documents import DOCUMENTS, schema
-from mbcheck.comparisons.reports.text import Markdown, markdown_table
+from mbcheck.comparisons.reports.text import markdown_table
+from mbcheck.comparisons.reports.words import Markdown
 
 import fields
 import tables
@@ -32,14 +33,14 @@ def table(name: str) -> str:
         return tables.TABLES[name]()
     if name == "kinds":
         heads = ["Kind", "Question", "What it catches"]
-        of = kinds_of_check()
+        of = glossary()["kind of check"]
         rows = [[f"`{key}`", of[key]["question"], of[key]["catches"]] for key in KINDS]
     elif name == "rules of runs":
         heads = ["Rule", "It finds"]
         rows = [[f"`{key}`", rule.meaning] for key, rule in CAUTIONS.items()]
     else:
         heads = ["Term", "Meaning"]
-        rows = [[f"`{key}`", text] for key, text in glossary()[name].items()]
+        rows = [[f"`{key}`", text_of(entry)] for key, entry in glossary()[name].items()]
     return markdown_table(heads, [[Markdown(cell) for cell in row] for row in rows])
 
 

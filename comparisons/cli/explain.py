@@ -19,46 +19,39 @@ from ..inspect.rules.table import RULES as FINDINGS
 from ..reports.text import print_wrapped
 from ..terminal.program import console, examples
 
-KINDS = "kind of check"
 
-
-def glossary() -> Mapping[str, Mapping[str, str]]:
-    """Return the text of each term, by the sort of term.
+def glossary() -> Mapping[str, Mapping[str, Any]]:
+    """Return the entry of each term, by the sort of term.
 
     Returns
     -------
     Mapping
-        Kinds of check, verdicts, quantities and other terms. A term may be a pattern.
+        A text; for a kind of check, its ``question``, the faults that it ``catches``, and its
+        ``quantities``. Terms and quantities may be patterns.
     """
-    kinds = {
-        kind: f"{entry['question']} It finds: {entry['catches']}."
-        for kind, entry in kinds_of_check().items()
-    }
-    return {KINDS: kinds, **{sort: text for sort, text in entries().items() if sort != KINDS}}
-
-
-def kinds_of_check() -> Mapping[str, Mapping[str, Any]]:
-    """Return the question of each kind of check, the faults that it catches, its quantities."""
-    return entries()[KINDS]
-
-
-def entries() -> dict[str, Any]:
-    """Return the file of terms."""
     text = files(__package__).joinpath("glossary.toml").read_text(encoding="utf-8")
     return tomllib.loads(text)
 
 
+def text_of(entry: Any) -> str:
+    """Return an entry as a text."""
+    if isinstance(entry, str):
+        return entry
+    return f"{entry['question']} It finds: {entry['catches']}."
+
+
 def explanations(name: str) -> list[str]:
     """Return the entries that explain a term, a quantity of a check, or an observable."""
+    terms = glossary()
     found = [
-        f"{pattern} ({sort}): {text}"
-        for sort, terms in glossary().items()
-        for pattern, text in terms.items()
+        f"{pattern} ({sort}): {text_of(entry)}"
+        for sort, entries in terms.items()
+        for pattern, entry in entries.items()
         if fnmatchcase(name, pattern)
     ]
     found += [
         f"{name} (quantity of the check {kind}): {entry['question']}"
-        for kind, entry in kinds_of_check().items()
+        for kind, entry in terms["kind of check"].items()
         if any(fnmatchcase(name, pattern) for pattern in entry.get("quantities", ()))
     ]
     units = {scene: get_scene(scene).units for scene in SCENES}
@@ -81,18 +74,16 @@ def explain_term(screen: Console, name: str) -> None:
     UnknownNameError
         If there is no such term.
     """
-    name = name.strip("`")
     found = explanations(name) or explanations(name.lower())
-    rule = name if name in FINDINGS else None
-    if name in CAUTIONS and not rule:
+    if name in CAUTIONS and name not in FINDINGS:
         found.append(f"{name} (rule for a run of a scene): {CAUTIONS[name].meaning}")
-    if not found and not rule:
-        known = [term for terms in glossary().values() for term in terms]
-        raise UnknownNameError("term", name, [*known, *CAUTIONS, *FINDINGS])
     for entry in found:
         print_wrapped(screen, entry, hanging="  ")
-    if rule:
-        print_rule(screen, rule)
+    if name in FINDINGS:
+        print_rule(screen, name)
+    elif not found:
+        known = [term for terms in glossary().values() for term in terms]
+        raise UnknownNameError("term", name, [*known, *CAUTIONS, *FINDINGS])
 
 
 @click.command(

@@ -10,14 +10,15 @@ from mbcheck.comparisons.checks.rules.cautions import RULES as CAUTIONS
 from mbcheck.comparisons.checks.suite import plan
 from mbcheck.comparisons.checks.table import EVERY_KIND, KINDS
 from mbcheck.comparisons.checks.verdict import PROFILES, Verdict
-from mbcheck.comparisons.cli.explain import explanations, glossary, kinds_of_check
+from mbcheck.comparisons.cli.explain import explanations, glossary
 from mbcheck.comparisons.inspect.rules.table import RULES as FINDINGS
 from mbcheck.tests.support.command import invoke, succeeds
 
 
 def test_every_kind_and_verdict_has_an_entry() -> None:
-    assert {*kinds_of_check()} == {*EVERY_KIND}
-    assert [kind for kind in kinds_of_check() if kind in KINDS] == list(KINDS)
+    kinds = glossary()["kind of check"]
+    assert {*kinds} == {*EVERY_KIND}
+    assert [kind for kind in kinds if kind in KINDS] == list(KINDS)
     assert {*glossary()["verdict"]} == {*get_args(Verdict)}
 
 
