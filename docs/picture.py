@@ -21,7 +21,7 @@ from mbcheck.reference.scene import Array
 from drawn_runs import Curve, reference, simulate
 
 RIGHT, WRONG, GREY = "#0072B2", "#D55E00", "#BBBBBB"
-STEPS: Array = 2.0 ** -np.arange(6, 12)
+STEPS: Array = np.array([2.0**-n for n in range(6, 12)])
 
 
 def runs(steps: Array = STEPS) -> dict[str, Any]:

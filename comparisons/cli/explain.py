@@ -43,20 +43,20 @@ def text_of(entry: Any) -> str:
 def explanations(name: str) -> list[str]:
     """Return the entries that explain a term, a quantity of a check, or an observable."""
     terms = glossary()
-    found = [
+    matches = [
         f"{pattern} ({sort}): {text_of(entry)}"
         for sort, entries in terms.items()
         for pattern, entry in entries.items()
         if fnmatchcase(name, pattern)
     ]
-    found += [
+    matches += [
         f"{name} (quantity of the check {kind}): {entry['question']}"
         for kind, entry in terms["kind of check"].items()
         if any(fnmatchcase(name, pattern) for pattern in entry.get("quantities", ()))
     ]
     units = {scene: get_scene(scene).units for scene in SCENES}
     where = [f"{scene} [{unit[name]}]" for scene, unit in units.items() if name in unit]
-    return found + [f"{name} (observable): of {', '.join(where)}"] * bool(where)
+    return matches + [f"{name} (observable): of {', '.join(where)}"] * bool(where)
 
 
 def print_terms(screen: Console) -> None:
@@ -74,14 +74,14 @@ def explain_term(screen: Console, name: str) -> None:
     UnknownNameError
         If there is no such term.
     """
-    found = explanations(name) or explanations(name.lower())
+    matches = explanations(name) or explanations(name.lower())
     if name in CAUTIONS and name not in FINDINGS:
-        found.append(f"{name} (rule for a run of a scene): {CAUTIONS[name].meaning}")
-    for entry in found:
+        matches.append(f"{name} (rule for a run of a scene): {CAUTIONS[name].meaning}")
+    for entry in matches:
         print_wrapped(screen, entry, hanging="  ")
     if name in FINDINGS:
         print_rule(screen, name)
-    elif not found:
+    elif not matches:
         known = [term for terms in glossary().values() for term in terms]
         raise UnknownNameError("term", name, [*known, *CAUTIONS, *FINDINGS])
 
