@@ -15,7 +15,8 @@ from mbcheck.comparisons.checks.rules.cautions import RULES as CAUTIONS
 from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.cli.explain import glossary, kinds_of_check
 from mbcheck.comparisons.documents import DOCUMENTS, schema
-from mbcheck.comparisons.reports.text import Markdown, markdown_table
+from mbcheck.comparisons.reports.text import markdown_table
+from mbcheck.comparisons.reports.words import Markdown
 
 import fields
 import tables
