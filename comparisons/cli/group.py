@@ -20,6 +20,7 @@ VERBS: Mapping[str, tuple[str, str]] = {
     "frequencies": ("cli.verbs.frequencies", "Find the modes about a state of rest."),
     "export": ("cli.verbs.export", "Write a scene's MJCF with these parameters."),
     "list": ("cli.group.list_", "List scenes and engines, the parts of a scene, or all checks."),
+    "explain": ("cli.explain.explain", "Explain a term of the reports."),
     "compare": ("compare.verb.compare_models", "Compare two readings of one model."),
     "diff": ("diff.verb.diff", "Compare two runs of `mbcheck check --json`."),
     "map": ("maps.verbs.map_", "Map a quantity of a scene over two of its parameters."),
