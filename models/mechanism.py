@@ -24,7 +24,7 @@ from .joints import SIZES, SPATIAL, JointLayout, layout_of
 
 
 def read_only(values: dict[str, Any]) -> MappingProxyType[str, Any]:
-    """Return a view of values by which they cannot be changed."""
+    """Return a view of values that does not allow to change them."""
     return MappingProxyType(values)
 
 
@@ -46,7 +46,7 @@ class Term:
     joints : mapping of joint to factor
     constant, per_length, per_rate : float
     amplitude, omega, phase : float
-        What a control makes of an actuator that takes one (N or N m, rad/s, rad).
+        Force of an actuator that a control drives (N or N m, rad/s, rad).
     until : float or None
         Time [s] from which it no longer acts.
     """
@@ -129,9 +129,9 @@ class Closure:
     solref: Array
 
 
-@dataclass(frozen=True, eq=False)  # hashable: what is derived of it is kept by it
+@dataclass(frozen=True, eq=False)  # hashable: a key of caches
 class Mechanism:
-    """What an MJCF file holds, as far as it moves."""
+    """The moving parts of an MJCF file."""
 
     joints: tuple[Joint, ...]
     bodies: tuple[Body, ...]
@@ -141,7 +141,7 @@ class Mechanism:
 
     @cached_property
     def layout(self) -> JointLayout:
-        """Where its joints stand in vectors."""
+        """Places of its joints in vectors."""
         return layout_of(tuple(one.kind for one in self.joints))
 
 
@@ -285,7 +285,7 @@ def refuse_unknown(root: ET.Element) -> None:
 
 
 def default_classes(root: ET.Element) -> dict[tuple[str, str], dict[str, str]]:
-    """Return what each default class says of each tag, with what it inherits."""
+    """Return the attributes of each default class for each tag, inherited ones included."""
     defaults: dict[tuple[str, str], dict[str, str]] = {}
 
     def visit(element: ET.Element, name: str, above: Mapping[str, dict[str, str]]) -> None:

@@ -1,7 +1,7 @@
-"""Parameters into MJCF: what a scene's `mjcf` module tells, and how its text is written.
+"""Parameters into MJCF: the models of a scene's `mjcf` module, and their text.
 
-The committed file is the model; this module only exchanges numbers in it, so that comments
-and formatting stay. Text is all that is handled here: no engine is needed.
+The committed file is the model; this module only exchanges numbers in its text, so that comments
+and formatting stay. No engine is needed.
 """
 
 from __future__ import annotations
@@ -44,12 +44,12 @@ class Wave(NamedTuple):
 
 @dataclass(frozen=True)
 class Elements:
-    """How a model approaches a scene that is a continuum.
+    """Convergence of a model to a scene with a continuum.
 
     Attributes
     ----------
     order : int
-        With which it converges as its segments are halved; 0: it has none.
+        Order of convergence as its segments are halved; 0: it has none.
     side : callable ``(parameters) -> -1, 0 or 1``
         Whether its first frequency lies below or above that of the continuum; 0: unknown.
     """
@@ -84,7 +84,7 @@ class Mjcf:
         its first site.
     equations : callable ``(parameters) -> (EquationsOfMotion, parameters)``, or None
         The equations of motion that this model really has, where MuJoCo cannot express the
-        scene's: what the engine is held against. None if they are the scene's own.
+        scene's: the engine is compared with these. None if they are the scene's.
     why_not : callable ``(parameters) -> str or None``
         Why the model cannot stand for the scene with these parameters.
     expand : callable ``(text, parameters) -> text``
@@ -100,7 +100,8 @@ class Mjcf:
     softened : callable ``(time constant [s]) -> Mjcf``, or None
         The same model with its loop closed more softly, or harder.
     controls : callable ``(parameters) -> {actuator: Wave}``, or None
-        Of a model that is the scene's default one but for its drive: no body, but a control.
+        Controls of a model that differs from the scene's default one by its drive: a control in
+        place of a body.
     """
 
     path: Path

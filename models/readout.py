@@ -31,7 +31,7 @@ class Readout:
         What is missing is a joint of the same name. A quaternion is the ball joint, or the end of
         the free joint, of its name.
     axes : array (3, 3)
-        From those of the model to those of the world, in which free joints are told.
+        Rotation from the axes of the model to those of the world, which free joints have.
     """
 
     scene: Dynamics
@@ -43,7 +43,7 @@ class Readout:
 
     @property
     def quaternions(self) -> tuple[Quaternion, ...]:
-        """Those that are joints, and no coordinates of their own."""
+        """Quaternions that are joints of the model."""
         return tuple(one for one in self.scene.quaternions if one.name in self.joints)
 
     def place(self, name: str) -> tuple[slice, slice]:

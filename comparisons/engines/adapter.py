@@ -57,7 +57,7 @@ T = TypeVar("T")
 CLOSURE_TIME = Option(
     "closure_time", "s", 2e-3, (2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4), "closure softness"
 )
-"""Of models whose file may be written with another softness, for engines that read it."""
+"""Closure softness, an option of engines that read it from the file."""
 
 MODELS = 256
 """Bound models that an adapter keeps, since a map runs its points repeatedly."""
@@ -140,10 +140,10 @@ class BoundModel:
 
     @cached_property
     def described(self) -> tuple[ModelDescription, str | None]:
-        """What is to be known of the model, and the engine's reason where it cannot tell.
+        """The description of the model, and the engine's reason if it has none.
 
-        Of a file most stands in its `Mjcf`; an engine is asked that models scenes itself, or whose
-        joints or loops give way by a rule of its own.
+        An MJCF model is described by its `Mjcf`; the engine describes models that it builds itself,
+        and those whose joints or loops are compliant by its own rule.
 
         Raises
         ------
@@ -229,7 +229,7 @@ class BoundModel:
 
     @cached_property
     def description(self) -> ModelDescription:
-        """What is to be known of the model, see `described`."""
+        """The description of the model, see `described`."""
         return self.described[0]
 
     @cached_property
@@ -254,7 +254,7 @@ class BoundModel:
 
     @cached_property
     def solved_equations(self) -> ModelEquations:
-        """What runs converge to as steps are halved: its elements' equations, or the model's."""
+        """The equations that runs converge to as steps are halved: of its elements, if any."""
         return self.discrete or self.equations
 
     @cached_property
@@ -297,7 +297,7 @@ class BoundModel:
 
     @cached_property
     def observables(self) -> tuple[str, ...]:
-        """What is compared of a run; closed loops also show how far they are open."""
+        """Names of the outputs that are compared; for closed loops also their residuals."""
         names = self.scene.observables
         return (*names, *VIOLATIONS) if self.has_constraints else names
 
@@ -309,7 +309,7 @@ class BoundModel:
     # What it supports
 
     def unsupported_reason(self, case: Case, method: Method | None) -> str | None:
-        """Return why this method cannot run a case with these parameters, or None."""
+        """Return the reason why this method cannot run a case, or None."""
         if case.placement and self.description.unplaceable_reason:
             return self.description.unplaceable_reason
         if self.engine.reads_mjcf:
@@ -317,7 +317,7 @@ class BoundModel:
         return self.described[1] or self.engine_reason(case, method) or self.model_reason(case)
 
     def model_reason(self, case: Case) -> str | None:
-        """Return why the model cannot stand for a case, whatever the engine says, or None."""
+        """Return the reason why the model cannot represent a case in any engine, or None."""
         engine, description = self.engine, self.description
         if case.inconsistency and not description.constrained:
             return f"no constraint closes a loop of {self.name}: none can start open"
@@ -371,7 +371,7 @@ class BoundModel:
         return method.scheme if method.scheme_with_loops or not loop else None
 
     def options(self, method: Method) -> tuple[Option, ...]:
-        """Return what limits accuracy beside the step: how a loop is closed, and the engine's."""
+        """Return the options that limit accuracy: the closure's softness, and the engine's."""
         engine = self.engine
         soft = engine.closure == "mjcf" and self.source.softened is not None
         own: tuple[Option, ...] = ()
@@ -566,12 +566,12 @@ class BoundModel:
     def trajectory(
         self, system: System, step: float, times: Array, motion: Any, precision: str | None = None
     ) -> Trajectory:
-        """Return what a method of this precision returned of a run, in the scene's observables.
+        """Return the record of a run, in the scene's observables.
 
         Raises
         ------
         EngineError
-            ``returned``, if it has no sense, or what was returned in place of a motion.
+            ``returned``, if ``motion`` is not a valid `Motion`; the error itself if it is one.
         """
         q, v, sensed = motion_of(system, motion, times, precision or self.engine.precision)
         values = self.observed(q, v, sensed)
@@ -801,7 +801,7 @@ class Adapter:
     closure_time : float or None
         Time constant [s] in which loops close whose softness is free; None: as in the file.
     failure : BrokenEngineError or None
-        How it failed as checks of it were planned, after which it is asked for nothing.
+        Its failure while checks were planned, after which it is not called again.
     bound : type
         Of its models.
     """
@@ -818,7 +818,7 @@ class Adapter:
         self.hold(inner)
 
     def hold(self, inner: Engine) -> None:
-        """Replace the wrapped engine and clear what is cached of the one before."""
+        """Replace the wrapped engine and clear cached models."""
         self.inner = inner
         self.accumulates_clock, self.min_inertia = inner.accumulates_clock, inner.min_inertia
         self.max_value, self.newton_tolerance = inner.max_value, inner.newton_tolerance
@@ -843,7 +843,7 @@ class Adapter:
     def models(self, scene: str) -> tuple[str, ...]:
         """Return the names of its models of a scene, default first: those in MJCF, or its own.
 
-        A closure that is there with different softness is there once for an engine that ignores it.
+        For engines that ignore the softness of a closure, models that differ in it count once.
         """
         if not self.reads_mjcf:
             return self.names(scene)
@@ -876,7 +876,7 @@ class Adapter:
         Raises
         ------
         Unsupported
-            If it cannot do what it was asked for.
+            If it refuses the call.
         BrokenEngineError
             If it gives no answer; names the line of its code that raised.
         """
@@ -974,7 +974,7 @@ def adapt(name: str, offered: Any) -> Adapter:
     Parameters
     ----------
     name : str
-        How it was asked for, for messages.
+        The name given by the user, for messages.
     offered : class, or instance
         An `Engine`, or what has its attributes.
 

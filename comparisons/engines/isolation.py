@@ -48,7 +48,7 @@ STATM = Path("/proc/self/statm")
 """How much memory a process maps, where the kernel tells and limits it: on Linux."""
 
 MEMORY = 4096.0 if STATM.exists() else None
-"""What a task may take, where that can be limited, beside what its process has mapped [MiB]."""
+"""Memory that a task may map in addition to that of its process, where it can be limited [MiB]."""
 
 SIGKILL = 9
 """Absent from `signal` on Windows, which has no groups of processes to send it to."""
@@ -180,7 +180,7 @@ def within_limits(seconds: float | None, megabytes: float | None) -> Iterator[No
 
 
 def await_call(worker: Worker, call: Callable[[], T], most: float) -> T | EngineError:
-    """Return what a worker's call returns, or the `EngineError` of its failure.
+    """Return the result of a worker's call, or the `EngineError` of its failure.
 
     Parameters
     ----------
@@ -200,11 +200,11 @@ def await_call(worker: Worker, call: Callable[[], T], most: float) -> T | Engine
 
 
 def process_context() -> Any:
-    """Return how processes are started: by a server that has loaded no engine, where there is one.
+    """Return the context that starts processes: a server without engines, where there is one.
 
-    It has loaded what all of them need, which would take each a second; there linear algebra has
-    one thread. A process that makes
-    calls for another one has loaded no engine either: it is copied.
+    The server has loaded the modules that all of them need, which would take each process a second,
+    and linear algebra has one thread in it. A process that serves another one has loaded no engine
+    either: it is forked.
     """
     if "forkserver" not in get_all_start_methods():  # Windows has no fork
         return get_context("spawn")
@@ -274,7 +274,7 @@ class Worker:
         sent(self.pipe, pickle.dumps((call, seconds, megabytes)))
 
     def ended(self) -> bool:
-        """Return whether the call has ended, and put into ``outcome`` how."""
+        """Return True if the call has ended, with its result in ``outcome``."""
         try:
             while self.pipe.poll():
                 done, self.outcome = received(self.pipe, self.plain)
@@ -302,7 +302,7 @@ class Worker:
 
     @property
     def death(self) -> str:
-        """What the process died of."""
+        """The cause of the process's death."""
         code = self.process.exitcode or 0
         if code >= 0:
             return f"exit code {code}"
@@ -430,7 +430,7 @@ def end_with_program(lifeline: Connection) -> None:
 
 
 def outcome(call: Callable[[], Any], seconds: float | None, megabytes: float | None) -> Any:
-    """Return what a call returns, or the `EngineError` of its failure."""
+    """Return the result of a call, or the `EngineError` of its failure."""
     LIMITS.set((seconds, megabytes))
     try:
         with limited_memory(megabytes):
@@ -518,7 +518,7 @@ class RemoteEngine(Engine):
             setattr(self, name, partial(ask, name))
 
     def call(self, work: Callable[[], Any], most: float = math.inf) -> Any:
-        """Return what work in the engine's process returns, which may take so long [s] at most.
+        """Return the result of some work in the engine's process, within a time limit [s].
 
         Raises
         ------
@@ -535,18 +535,18 @@ class RemoteEngine(Engine):
         return outcome
 
     def with_option(self, name: str, value: float) -> Self:
-        """Return the engine that is told of an option before it is asked."""
+        """Return the engine with an option set."""
         other = copy(self)
         other.settings = (*self.settings, (name, value))
         other.connect()
         return other
 
     def ask(self, function: str, *arguments: Any, **how: Any) -> Any:
-        """Return what a function of the engine returns."""
+        """Return the answer of a function of the engine."""
         return self.call(partial(asked, self.local, self.settings, function, arguments, how))
 
     def ask_by_method(self, function: str, *arguments: Any, method: Method | None = None) -> Any:
-        """Return what a function of the engine returns for a method."""
+        """Return the answer of a function of the engine for a method."""
         return self.ask(function, *arguments, method=method)
 
 
@@ -557,13 +557,13 @@ def asked(
     arguments: tuple[Any, ...],
     how: Mapping[str, Any],
 ) -> Any:
-    """Return what a function of an engine of this process returns."""
+    """Return the answer of a function of an engine in this process."""
     call = getattr(local(settings), function)
     return call_engine(lambda: call(*arguments, **how))
 
 
 def guarded(work: Callable[[], Any]) -> Any:
-    """Return what work returns, or the error of mbcheck's own that it raises."""
+    """Return the result of some work, or the `MbcheckError` that it raises."""
     try:
         return work()
     except MbcheckError as error:

@@ -34,7 +34,7 @@ __all__ = [
 ]
 
 NO_ACCELERATIONS = "has no accelerations(...)"
-"""What is said of an engine that gives none."""
+"""The words for an engine without accelerations."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Method:
         Whether it is this scheme of models with loops too, if these give way as the file says.
     linear_scheme : str or None
         The scheme in `mbcheck.reference.amplification` that it is on a linear system without
-        constraints, where that is not ``scheme``: what stability and damping are predicted by.
+        constraints, if another one than ``scheme``: stability and damping are predicted by it.
     evaluations_per_step : int, optional
         How often a step evaluates forces. A run whose `Motion.rhs_evaluations` differs took other
         steps than requested.
@@ -95,7 +95,7 @@ class Option:
 
 @dataclass(frozen=True)
 class ModelDescription:
-    """What an engine tells of a model that it makes itself, or whose parts give way.
+    """An engine's description of a model that it builds itself, or that has compliant parts.
 
     Attributes
     ----------
@@ -125,7 +125,7 @@ class ModelDescription:
 
 @dataclass(frozen=True)
 class Motion:
-    """What an engine returns of a run.
+    """The result of a run.
 
     Attributes
     ----------
@@ -136,7 +136,7 @@ class Motion:
     steps : int, optional
         Steps that the engine counted itself.
     warnings : mapping of str to int
-        Warning counters; any that is not zero fails the run.
+        Warning counters; any of them above zero fails the run.
     rhs_evaluations : int, optional
         How often forces were evaluated.
     newton_iterations : int, optional
@@ -176,8 +176,8 @@ class Engine:
         Whether the engine reads `System.mjcf`. One that does not models the scenes itself, and
         takes their coordinates for joints.
     needs_only_mjcf : bool
-        Whether it needs nothing of `System` but the file and the state: then it is also asked for
-        models of which `System.terms` cannot tell the forces, and is empty.
+        Whether it needs nothing of `System` but the file and the state: then it also runs models
+        whose forces `System.terms` cannot represent, and is empty.
     precision : str
         Of the numbers that it computes with, ``float64`` or ``float32``. All tolerances follow.
     closure : str
@@ -256,9 +256,9 @@ class Engine:
         raise Unsupported(f"{self.name} has no linearise(...)")
 
     def unsupported_reason(self, system: System, method: Method | None) -> str | None:
-        """Return why this method cannot run this system; its checks are then skipped. Else None.
+        """Return the reason why this method cannot run this system, or None.
 
-        Without a method: why the system cannot be modelled at all.
+        Its checks are then skipped. Without a method: the reason why no method can.
         """
         return None
 
@@ -270,9 +270,9 @@ class Engine:
         return ("scene",)
 
     def describe_model(self, system: System) -> ModelDescription:
-        """Return what is to be known of a model.
+        """Return the description of a model.
 
-        Of an engine that reads no MJCF, or one whose joints or loops give way.
+        Called if the engine reads no MJCF, or if its joints or loops are compliant.
         """
         return ModelDescription()
 
@@ -297,7 +297,7 @@ class Engine:
         raise Unsupported(f"{self.name} has no reactions(...)")
 
     def options(self, system: System, method: Method) -> tuple[Option, ...]:
-        """Return what limits accuracy beside the step."""
+        """Return the settings that limit accuracy, apart from the step."""
         return ()
 
     def with_option(self, name: str, value: float) -> Self:
@@ -331,7 +331,7 @@ def import_library(name: str, cure: Callable[[str], str]) -> Any:
 
 
 def refuse_older(name: str, version: str, least: str) -> None:
-    """Refuse an engine that is older than the oldest that is known to work.
+    """Refuse an engine older than the oldest release known to work.
 
     Raises
     ------

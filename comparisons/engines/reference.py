@@ -68,7 +68,7 @@ class ReferenceModel(BoundModel):
         raise Unsupported(f"{self.engine.name} has no joints")
 
     def unsupported_reason(self, case: Case, method: Method | None) -> str | None:
-        """Return why the reference cannot run this case, or None."""
+        """Return the reason why the reference cannot run this case, or None."""
         return "the reference's loops are always closed" if case.inconsistency else None
 
     def simulate(self, case: Case, method: Method, step: float, times: Array) -> Trajectory:

@@ -54,13 +54,13 @@ def known() -> tuple[str, ...]:
 
 
 def ours(name: str) -> bool:
-    """Return whether mbcheck itself offers an engine, by an extra."""
+    """Return True if mbcheck itself offers an engine, by an extra."""
     point = offered().get(name)
     return point is not None and point.dist is not None and point.dist.name == "mbcheck"
 
 
 def installed(name: str) -> bool:
-    """Return whether an engine is there, though it may not run on this machine."""
+    """Return True if an engine is installed, though it may not run on this machine."""
     return name in offered() or importlib.util.find_spec(name) is not None
 
 
@@ -70,7 +70,7 @@ def checked_engines() -> tuple[str, ...]:
 
 
 def usable(engine: str) -> bool:
-    """Return whether an engine can be imported here."""
+    """Return True if an engine can be imported here."""
     try:
         get_engine(engine)
     except EngineUnavailableError:
@@ -86,14 +86,14 @@ def available() -> tuple[str, ...]:
 def resolve_selection(
     scenes: Sequence[str] = (), engines: Sequence[str] = ()
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the scenes and engines that are asked for; without any, all that there are.
+    """Return the selected scenes and engines; all of them if none are named.
 
     An engine may be a ``package.module:Class`` too.
 
     Raises
     ------
     UsageError
-        For an unknown name, the reference, or an engine asked for that is not there.
+        For an unknown name, the reference, or an engine that cannot be imported.
     """
     if REFERENCE in engines:
         raise UsageError(
@@ -113,7 +113,7 @@ def resolve_selection(
 
 
 def broken_engines(names: Sequence[str]) -> dict[str, BrokenEngineError]:
-    """Return how engines fail as they are loaded, by the name that they were asked for by.
+    """Return the failures of engines to load, by the name that the user gave.
 
     Raises
     ------

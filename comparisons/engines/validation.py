@@ -1,4 +1,4 @@
-"""What engines that are plugged in must be, and what their answers must be."""
+"""Requirements on plugged-in engines and on their answers."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def numbers(what: str, value: Any, shape: tuple[int, ...], finite: bool = False)
     Raises
     ------
     EngineError
-        ``returned``, with what is wrong.
+        ``returned``; names the fault.
     """
     try:
         array = np.asarray(value)
@@ -61,7 +61,7 @@ def matrices(answer: Any, size: int | None = None) -> Array:
     Raises
     ------
     EngineError
-        ``returned``, with what is wrong.
+        ``returned``; names the fault.
     """
     try:
         n = len(answer[0]) if size is None else size
@@ -71,7 +71,7 @@ def matrices(answer: Any, size: int | None = None) -> Array:
 
 
 UNIT, UNITS = 1e-9, 256
-"""By how much the length of a quaternion may be off 1: so much, or so many units of rounding."""
+"""Largest error of the length of a quaternion: absolute, and in units of round-off."""
 
 
 def refuse_lost_length(system: System, times: Array, positions: Array, precision: str) -> None:
@@ -156,7 +156,7 @@ def motion_of(
 
 
 def clock_of(motion: Motion, times: Array) -> Array:
-    """Return what an engine's clock shows (n_t,) [s]: the requested times where it has none."""
+    """Return the times of an engine's clock (n_t,) [s]: the requested ones where it has none."""
     return times if motion.clock is None else numbers("Motion.clock", motion.clock, times.shape)
 
 
@@ -216,11 +216,11 @@ def options_of(answer: Any) -> tuple[Option, ...]:
 
 
 INTEGRALS = ("energy", "momentum")
-"""Of motion, which a scene conserves in some of its cases alone: an engine may tell them in all."""
+"""Integrals of motion, conserved in some cases of a scene: an engine may return them in all."""
 
 
 def observables_of(motion: Motion, case: Case, shape: tuple[int, ...]) -> dict[str, Array]:
-    """Return what sensors show in a motion of a case, by name, each of this shape.
+    """Return the sensors' values in a motion of a case, by name, each of this shape.
 
     Raises
     ------
@@ -323,14 +323,14 @@ def declared(name: str, author: Any) -> Engine:
 
 
 def is_size(value: Any) -> bool:
-    """Return True if a value is a number that is not negative."""
+    """Return True if a value is a number and not negative."""
     return isinstance(value, int | float) and value >= 0
 
 
 def refuse_unfit(
     where: str, values: Mapping[str, Any], needs: Mapping[str, tuple[bool, str]]
 ) -> None:
-    """Refuse the first of some values that is not what it must be.
+    """Refuse the first value that does not meet its need.
 
     Raises
     ------
@@ -411,7 +411,7 @@ def functions_by_method(author: Engine) -> frozenset[str]:
 
 
 def takes_keyword(call: Any, name: str) -> bool:
-    """Return whether a function takes an argument by this name."""
+    """Return True if a function takes an argument by this name."""
     try:
         return name in inspect.signature(call).parameters
     except ValueError:  # of compiled code
@@ -460,7 +460,7 @@ def refuse_name(what: str, name: Any) -> None:
 
 
 def refuse_method(name: str, method: Any) -> None:
-    """Refuse what is no `Method`, or has an impossible order or an unknown scheme.
+    """Refuse an object other than a `Method`, an impossible order or an unknown scheme.
 
     Raises
     ------
@@ -509,7 +509,7 @@ def model_names(answer: Any) -> tuple[str, ...]:
 
 
 def model_description(answer: Any, outputs: Collection[str]) -> ModelDescription:
-    """Return what an engine tells of a model of a scene with these outputs.
+    """Return an engine's description of a model of a scene with these outputs.
 
     Raises
     ------
@@ -546,7 +546,7 @@ def model_description(answer: Any, outputs: Collection[str]) -> ModelDescription
 
 
 def reason_of(answer: Any) -> str | None:
-    """Return why an engine cannot run something, None where it gives no reason.
+    """Return an engine's reason for not running something, None if it gives none.
 
     Raises
     ------

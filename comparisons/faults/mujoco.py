@@ -86,7 +86,7 @@ class Edited(Rewritten):
 
 
 class Unwarned(Altered):
-    """A variant that is read by someone who looks at no warning counter."""
+    """A variant whose warning counters are ignored."""
 
     def __init__(self, variant: Variant) -> None:
         super().__init__(variant.make(), lambda run, _: replace(run, warnings={}))
@@ -133,7 +133,7 @@ class WithoutEquations(MujocoAdapter):
     Parameters
     ----------
     make : callable ``(*arguments) -> Mjcf``, optional
-        Makes the model that is run in place of the named one.
+        Makes the model to run in place of the named one.
     arguments : tuple
     """
 

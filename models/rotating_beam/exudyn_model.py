@@ -139,7 +139,7 @@ KINDS = {
 
 
 def turning_of(straight: Array, axes: Array | None) -> Turning:
-    """Return how the hub's angle and the nodes (k, 4 or 3 in the plane) turn about the axis."""
+    """Return the rotation of the hub's angle and the nodes (k, 4 or 3 in the plane)."""
     count, size = straight.shape
     rotate = np.zeros((size, size))
     rotate[:2, :2] = QUARTER
@@ -249,12 +249,12 @@ def equations(p: RotatingBeam) -> tuple[EquationsOfMotion, RotatingBeam]:
 
 
 def why_not_on_hub(p: RotatingBeam) -> str | None:
-    """Return why the hub cannot bear elements, or None."""
+    """Return the reason why elements cannot be clamped to the hub, or None."""
     return why_no_rim() if p.hub_radius else None
 
 
 def why_not_in_space(p: RotatingBeam) -> str | None:
-    """Return why elements cannot be turned, or None."""
+    """Return the reason why elements cannot be turned, or None."""
     if p.element != "ancf":
         return "geometrically exact elements lie in a plane: those in space are others, on SE(3)"
     return why_not_on_hub(p)

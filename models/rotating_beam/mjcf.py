@@ -16,13 +16,13 @@ from ...reference.scene import EquationsOfMotion
 from ..mjcf import Binding, Elements, Mjcf, Motion, Value, Wave, bind, coordinates_alone
 
 HUB_ARMATURE = 2.0**60
-"""Of a hub whose motion is prescribed [kg m^2]; the file tells why."""
+"""Armature of a hub with prescribed motion [kg m^2]; the file tells why."""
 
 GEAR = 2.0**-60
-"""Of the clock's spring to the hub."""
+"""Gear of the clock's spring to the hub."""
 
 HUB_MASS = 1e-3
-"""Of a hub without a half rod [kg]; at its axle it does not act."""
+"""Mass of a hub without a half rod [kg]; at its axle it does not act."""
 
 INERTIA_FLOOR = 2e-15
 """Stands for no mass and no moment of inertia [SI]: MuJoCo refuses less than 1e-15."""
@@ -41,16 +41,16 @@ class Drive(NamedTuple):
     """The drive u of `reference.rotating_beam`: ``constant + wave(omega t)`` until ``end``."""
 
     heaviness: float
-    """Of the hub: torque on it per unit of u"""
+    """Torque on the hub per unit of u"""
     constant: float
     amplitude: float
-    """Of the clock: its acceleration is the wave"""
+    """Amplitude of the clock, whose acceleration is the wave"""
     omega: float
     end: float
 
 
 def drive(p: RotatingBeam) -> Drive:
-    """Return what drives the hub: u is its acceleration by (22), or the torque (23) on it."""
+    """Return the drive of the hub: u is its acceleration by (22), or the torque (23) on it."""
     if p.drive == "torque":
         omega = 2 * pi / p.torque_period
         return Drive(1.0, 0.0, -p.torque_amplitude / omega**2, omega, p.torque_period)
@@ -138,11 +138,11 @@ def chain_bindings(p: RotatingBeam) -> dict[tuple[str, str], Binding]:
 
 
 class HalfRod(NamedTuple):
-    """What scheme B fixes on the hub; nothing in scheme A."""
+    """The half rod that scheme B fixes on the hub; scheme A has none."""
 
     mass: float
     centre: float
-    """From the axis [m]"""
+    """Distance from the axis [m]"""
     inertia: float
     """About its centre"""
 
@@ -155,7 +155,7 @@ def half_rod(p: RotatingBeam) -> HalfRod:
 
 
 def hub_inertia(p: RotatingBeam) -> tuple[float, float, float]:
-    """Moment of inertia of the hub and what is on it, about their centre of mass; only z counts."""
+    """Moment of inertia of hub and half rod about their centre of mass; only z counts."""
     return (max(p.hub_inertia + half_rod(p).inertia, INERTIA_FLOOR),) * 3
 
 
@@ -165,7 +165,7 @@ def equations(p: RotatingBeam) -> tuple[EquationsOfMotion, RotatingBeam]:
 
 
 def hub_lacks_inertia(p: RotatingBeam) -> str | None:
-    """Return why a chain cannot stand for these parameters."""
+    """Return the reason why a chain cannot model these parameters, or None."""
     hub = p.hub_inertia + p.hub_radius + rods(p)[0].hinge
     if p.drive == "prescribed" or hub > 0:
         return None
@@ -176,7 +176,7 @@ def hub_lacks_inertia(p: RotatingBeam) -> str | None:
 
 
 def hub_moves_freely(p: RotatingBeam) -> str | None:
-    """Return why a chain that a torque drives cannot stand for these parameters."""
+    """Return the reason why a chain with a torque cannot model these parameters, or None."""
     if p.drive == "prescribed":
         return "a torque drives this model: its hub has no prescribed motion"
     return hub_lacks_inertia(p)

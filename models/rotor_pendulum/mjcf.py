@@ -12,7 +12,7 @@ INERTIA_FLOOR = 2e-15
 """Stands for no moment of inertia [kg m^2] in the file: MuJoCo refuses less than 1e-15."""
 
 INERTIA_SHARE = 5e-11
-"""What that may be of m r^2: half of what an acceleration may be wrong by."""
+"""Largest share of that in m r^2: half of the largest permitted error of an acceleration."""
 
 
 def joints(p: RotorPendulum, time: float, state: Mapping[str, float]) -> Motion:

@@ -95,7 +95,7 @@ def inertias(p: SpeedRegulator) -> tuple[float, ...]:
 
 
 def kinematics(p: SpeedRegulator, phi: Any, xp: Any = math) -> Kinematics:
-    """Return how all coordinates follow from phi, the loop closed with B below A.
+    """Return all coordinates as functions of phi, the loop closed with B below A.
 
     The height h of A above B is ``l cos theta``; the sine of theta is that of -b.
     """

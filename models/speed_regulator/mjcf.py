@@ -15,10 +15,10 @@ from ..mjcf import Binding, Mjcf, Motion, coordinates_alone
 
 HARD_SOLREF = (-2.5e5, -1e3)
 HARD_SOLIMP = (0.9999, 0.9999, 0.001, 0.5, 2.0)
-"""The hardest closure that is sound at the file's timestep; the file tells why."""
+"""The hardest stable closure at the file's timestep; the file tells why."""
 
 WAIVER = " <!-- mbcheck: allow repeated_default, closure: it tells how far the loop opens -->"
-"""In the file, of the softness there."""
+"""The comment in the file about its softness."""
 
 
 def joints(p: SpeedRegulator, time: float, state: Mapping[str, float]) -> Motion:
@@ -27,7 +27,7 @@ def joints(p: SpeedRegulator, time: float, state: Mapping[str, float]) -> Motion
 
 
 def closure_lacks_mass(p: SpeedRegulator) -> str | None:
-    """Return why a soft closure cannot stand for these parameters."""
+    """Return the reason why a soft closure cannot model these parameters, or None."""
     massless = [name for name in ("rod_mass", "slider_mass") if getattr(p, name) == 0]
     if not massless:
         return None
@@ -38,7 +38,7 @@ def closure_lacks_mass(p: SpeedRegulator) -> str | None:
 
 
 def transmission_carries_mass(p: SpeedRegulator) -> str | None:
-    """Return why the transmission cannot stand for these parameters."""
+    """Return the reason why the transmission cannot model these parameters, or None."""
     if p.rod_mass == 0 and p.slider_mass == 0:
         return None
     return (
@@ -111,7 +111,7 @@ def closed_by(solref: tuple[float, float], solimp: tuple[float, ...]) -> Mjcf:
         return soft_scene(solref, solimp), p
 
     def expand(text: str, p: SpeedRegulator) -> str:
-        """Return the text without the waiver that is for MuJoCo's default softness."""
+        """Return the text; the waiver stays with MuJoCo's default softness alone."""
         return text if (solref, solimp) == (SOLREF, SOLIMP) else text.replace(WAIVER, "")
 
     softness: Mapping[tuple[str, str], Binding] = {

@@ -60,20 +60,20 @@ NEWTON_TOLERANCE = 1e-11
 
 A tolerance on the residual would be in the model's newtons, and lie below rounding for a
 stiff spring or above the signal for a light body. Increments of a full Newton iteration
-converge quadratically, so what is left after the last is far smaller than the tolerance
-(those of a modified one fall by a constant factor, and what is left is about as large);
-rounding of coordinates of size 1 (eps) is 4 orders below it.
+converge quadratically, so that the error after the last is far smaller than the tolerance
+(those of a modified iteration fall by a constant factor, and the error is about as large);
+round-off of coordinates of size 1 (eps) is 4 orders below it.
 """
 
 WORK_POINTS = 12
-"""Gauss points on the way along which strain energy is the work done; the forces are smooth
-there: what is left out lies below rounding."""
+"""Gauss points on the path along which strain energy is the work done; the forces are smooth, and
+the truncation error is below round-off."""
 
 SAME = 1e-12
-"""Part of a constraint's row that is left of one that the scene's coordinates keep."""
+"""Largest relative residual of a constraint's row in the span of the scene's coordinates."""
 
 STEADY_ITERATIONS = 20
-"""Of Newton's method for the shape of a beam that turns steadily."""
+"""Most iterations of Newton's method for the shape of a beam in steady rotation."""
 
 NEWTON = Option(
     "newton_tolerance", "m, rad", NEWTON_TOLERANCE, (1e-4, 1e-6, 1e-8, 1e-11), "solver tolerance"
@@ -85,7 +85,7 @@ steps even where automatic steps are switched off."""
 
 LINEAR_STEPS = (2e-5, 1e-5)
 """Relative steps of the forward differences that linearise, whose error of order 1 is extrapolated.
-With Exudyn's own 1e-7 a coordinate that is not 0 at rest leaves 5e-10 of the stiffness to rounding.
+With Exudyn's default, 1e-7, round-off is 5e-10 of the stiffness if a coordinate at rest is not 0.
 """
 
 AT_REST = 1e-9
@@ -129,7 +129,7 @@ class Exudyn(Engine):
         return tuple(models(scene))
 
     def describe_model(self, system: System) -> ModelDescription:
-        """Return what is to be known of a model."""
+        """Return the description of a model."""
         case, source = system.case, self.source(system.case, system.model)
         p = case.parameters
         return ModelDescription(
@@ -142,7 +142,7 @@ class Exudyn(Engine):
         )
 
     def unsupported_reason(self, system: System, method: Method | None) -> str | None:
-        """Return why this method cannot run this system, or None."""
+        """Return the reason why this method cannot run this system, or None."""
         source = self.source(system.case, system.model)
         if system.case.inconsistency:
             return "Exudyn's joints take only an assembled mechanism: no loop can start open"
@@ -157,7 +157,7 @@ class Exudyn(Engine):
         return reason
 
     def options(self, system: System, method: Method) -> tuple[Option, ...]:
-        """Return what limits accuracy beside the step: where Newton's method stops."""
+        """Return the options that limit accuracy: the tolerance of Newton's method."""
         return () if is_explicit(method) else (NEWTON,)
 
     def simulate(self, system: System, method: Method, step: float, times: Array) -> Motion:
@@ -631,7 +631,7 @@ class Probe:
 
 
 def unplaceable_reason(source: Any, case: Case, model: str) -> str | None:
-    """Return why a model cannot be placed in the world otherwise than it stands, or None."""
+    """Return the reason why a model cannot be placed in the world in this way, or None."""
     if reason := source.why_not_placed(case.parameters):
         return str(reason)
     if get_scene(case.scene).quaternions and np.linalg.det(world_axes(case.placement)) < 0:
@@ -646,12 +646,12 @@ def completed(system: System, positions: Array, matrix: Array) -> Array:
 
 
 def is_explicit(method: Method) -> bool:
-    """Return whether a method is one of the explicit solvers, whatever order is claimed of it."""
+    """Return True if a method is one of the explicit solvers, whatever order is claimed of it."""
     return method.name in {item.name for item in EXPLICIT}
 
 
 def cure(reason: str) -> str:
-    """Return what to do where Exudyn cannot be imported for a reason."""
+    """Return the cure where Exudyn cannot be imported for this reason."""
     if "libGL" in reason:
         return "install OpenGL, on Debian with: apt-get install libgl1"
     return "install it with: pip install exudyn (on Debian it needs libgl1)"
@@ -694,7 +694,7 @@ def place_initial(exudyn: Any, system: Any, state: Array) -> None:
 
 
 def evaluations(solver: Any, method: Method, steps: int) -> int:
-    """Return how often forces were evaluated, those for Newton's Jacobians left out."""
+    """Return the number of evaluations of forces, those for Newton's Jacobians left out."""
     if is_explicit(method):
         return steps * int(solver.GetNumberOfStages())
     return steps + int(solver.it.newtonStepsCount)
@@ -754,7 +754,7 @@ def gave_up(solver: Any) -> str:
 
 
 def changes(solver: Any, step: float) -> tuple[str, ...]:
-    """Return what the solver changed on its own.
+    """Return the inputs that the solver changed.
 
     Fixed steps stay the same to the bit; one that may adapt also shrinks by rounding where
     a leg ends.

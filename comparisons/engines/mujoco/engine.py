@@ -42,7 +42,7 @@ MODELS = 256
 
 @dataclass(frozen=True)
 class Order:
-    """What is to be compiled: a system, and where it is stepped a method and a step [s].
+    """A model to compile: a system and, for runs, a method and a step [s].
 
     Systems with the same text have one model.
     """
@@ -87,7 +87,7 @@ class MuJoCo(Engine):
         self.compiled = lru_cache(MODELS)(self.compile)
 
     def unsupported_reason(self, system: System, method: Method | None) -> str | None:
-        """Return why this method cannot run this system, or None."""
+        """Return the reason why this method cannot run this system, or None."""
         if method is not None and method.name == "discrete" and system.drivers:
             return (
                 "discrete makes springs implicit and so damps the oscillator that drives this "
@@ -96,7 +96,7 @@ class MuJoCo(Engine):
         return None
 
     def options(self, system: System, method: Method) -> tuple[Option, ...]:
-        """Return how exactly constraints are solved, where they are hard enough for it to show."""
+        """Return the tolerance of the constraint solver if constraints are hard enough."""
         hard = any(closure.solref[0] < 0 for closure in system.closures)
         return (SOLVER_TOLERANCE,) if hard else ()
 
@@ -178,7 +178,7 @@ class MuJoCo(Engine):
     def reactions(
         self, system: System, time: float, positions: Array, velocities: Array
     ) -> dict[str, float]:
-        """Return the forces in joints that are asked for, by name."""
+        """Return the forces in the joints of `System.reactions`, by name."""
         with self.opened(system):
             compiled, data = self.at(system, time, positions, velocities)
             self.mujoco.mj_rnePostConstraint(compiled, data)
@@ -288,7 +288,7 @@ def integrator_name(method: str) -> str:
 
 
 def takes_controls(system: System) -> bool:
-    """Return whether actuators of a system take controls that depend on time."""
+    """Return True if actuators of a system take controls that depend on time."""
     return any(term.kind == "actuator" and term.amplitude for term in system.terms)
 
 

@@ -279,7 +279,7 @@ def test_a_clamp_that_keeps_the_slope_vector_costs_part_of_an_order(
     case: str, profile: str, seen: bool
 ) -> None:
     """It converges to the same beam from ten times as far; its elements have other frequencies."""
-    wrong = Rebuilt(exudyn_model, clamp=whole_clamp)
+    wrong = ExudynAdapter(Rebuilt(exudyn_model, clamp=whole_clamp))
     assert is_seen(results_of(ELEMENTS, "order", wrong, case, profile)) == seen
     assert is_seen(results_of(ELEMENTS, "frequency", wrong, case, profile)) == seen
 
