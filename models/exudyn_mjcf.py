@@ -477,7 +477,7 @@ def build_plane(source: ExudynSource) -> ExudynSystem:
     return built.system(
         place_body,
         functions=functions,
-        multipliers=source.reactions(multipliers, 2 * len(joints)),
+        reactions=source.reactions(multipliers, 2 * len(joints)),
         **source.linear(rows, len(built.places)),
     )
 
@@ -535,7 +535,7 @@ def build_space(source: ExudynSource) -> ExudynSystem:
         place_body,
         functions=functions,
         hinges=hinges,
-        multipliers=source.reactions(multipliers, count),
+        reactions=source.reactions(multipliers, count),
         **more,
     )
 
@@ -623,6 +623,6 @@ def model_of(
     return Model(
         placed_system,
         constrained=build is not build_tree,
-        reactions={name: i for i, name in enumerate(mjcf.reactions)},
+        reactions=tuple(mjcf.reactions),
         **more,
     )

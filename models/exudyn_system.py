@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from inspect import signature
@@ -51,7 +51,7 @@ def physics(name: str) -> str:
 items = Items()
 
 
-def why_no_rim() -> str | None:
+def rotor_takes_no_joints() -> str | None:
     """Return the reason why joints act on the axis of an ObjectRotationalMass1D alone, or None."""
     if "inertia" in parameters(Items.module, "ObjectRotationalMass1D"):
         return None
@@ -199,8 +199,8 @@ class ExudynSystem:
         The scene's coordinates where those of Exudyn are 0; None: 0.
     hinges : tuple of Hinge
         The coordinates without a row in ``readout``. Their angles are Exudyn's data coordinates.
-    multipliers : array (k, m), or None
-        The reactions of the model from the m multipliers of this system.
+    reactions : array (k, m), or None
+        The matrix from the m multipliers of this system to the k reactions of the model.
     """
 
     mbs: Any
@@ -212,7 +212,7 @@ class ExudynSystem:
     turning: Turning | None = None
     origin: Array | None = None
     hinges: tuple[Hinge, ...] = ()
-    multipliers: Array | None = None
+    reactions: Array | None = None
 
     def angles(self, q: Array) -> list[float]:
         """Return the data coordinates at positions (n,) of the scene."""
@@ -247,9 +247,8 @@ class Model:
     build : callable ``(parameters, placement) -> System``
     constrained : bool
         Whether it has algebraic constraints, which Exudyn's explicit solvers cannot keep.
-    reactions : mapping of output to int
-        Which output of the scene is which of the system's reactions: the force of a joint on the
-        body of its first marker.
+    reactions : tuple of str
+        Outputs of the scene that are forces in joints: the reactions of the system, in order.
     large : bool
         Whether it has so many coordinates that factorising Newton's Jacobian takes long.
     equations : callable ``(parameters) -> (EquationsOfMotion, parameters)``, or None
@@ -261,9 +260,9 @@ class Model:
         Whether the first coordinate has a given motion.
     element_order : callable ``(parameters) -> int``
         Order with which it converges to that as its elements are halved; 0 without elements.
-    why_not : callable ``(parameters) -> str or None``
+    unsupported_reason : callable ``(parameters) -> str or None``
         Why the model, not placed elsewhere, cannot stand for the scene with these parameters.
-    why_not_placed : callable ``(parameters) -> str or None``
+    unplaceable_reason : callable ``(parameters) -> str or None``
         Why it cannot be placed otherwise than it stands.
     bodies : callable ``(parameters) -> parameters``
         With which the mass matrix holds the scene's bodies alone, and nothing that drives.
@@ -271,14 +270,14 @@ class Model:
 
     build: Callable[[Any, str], ExudynSystem]
     constrained: bool
-    reactions: Mapping[str, int] = field(default_factory=dict)
+    reactions: tuple[str, ...] = ()
     large: bool = False
     equations: Callable[[Any], tuple[EquationsOfMotion, Any]] | None = None
     discrete: Callable[[Any], EquationsOfMotion] | None = None
     prescribed: Callable[[Any], bool] = lambda parameters: False
     element_order: Callable[[Any], int] = lambda parameters: 0
-    why_not: Callable[[Any], str | None] = lambda parameters: None
-    why_not_placed: Callable[[Any], str | None] = lambda parameters: None
+    unsupported_reason: Callable[[Any], str | None] = lambda parameters: None
+    unplaceable_reason: Callable[[Any], str | None] = lambda parameters: None
     bodies: Callable[[Any], Any] = lambda parameters: parameters
 
 

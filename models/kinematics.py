@@ -167,8 +167,7 @@ def with_shares(whole: Mechanism, shares: Mapping[str, float]) -> Mechanism:
 
 def mass_matrix(whole: Mechanism, q: Array) -> Array:
     """Return the mass matrix (n, n) of all joints at positions (n,)."""
-    total: Array = np.sum(list(inertias(whole, q).values()), axis=0)
-    return total
+    return np.asarray(np.sum(list(inertias(whole, q).values()), axis=0))
 
 
 def inertial_force(whole: Mechanism, q: Array, v: Array) -> Array:
@@ -213,14 +212,9 @@ def gyroscopic_forces(whole: Mechanism, q: Array, v: Array) -> dict[str, Array]:
 def weight(whole: Mechanism, q: Array, gravity: Array) -> Array:
     """Return the generalised force (n,) of a gravity (3,) on all bodies."""
     placed = place(whole, q)
-    total: Array = np.sum(
-        [
-            body.mass * gravity @ placed.jacobian(Site(i, body.centre))
-            for i, body in enumerate(whole.bodies)
-        ],
-        axis=0,
-    )
-    return total
+    shifts = [placed.jacobian(Site(i, body.centre)) for i, body in enumerate(whole.bodies)]
+    pulls = [body.mass * gravity @ shift for body, shift in zip(whole.bodies, shifts, strict=True)]
+    return np.asarray(np.sum(pulls, axis=0))
 
 
 def gaps(whole: Mechanism, q: Array) -> Array:

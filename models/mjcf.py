@@ -85,7 +85,7 @@ class Mjcf:
     equations : callable ``(parameters) -> (EquationsOfMotion, parameters)``, or None
         The equations of motion that this model really has, where MuJoCo cannot express the
         scene's: the engine is compared with these. None if they are the scene's.
-    why_not : callable ``(parameters) -> str or None``
+    unsupported_reason : callable ``(parameters) -> str or None``
         Why the model cannot stand for the scene with these parameters.
     expand : callable ``(text, parameters) -> text``
         What bindings cannot do: repeats elements of the file, before they are applied.
@@ -111,7 +111,7 @@ class Mjcf:
     closed: bool = False
     reactions: Mapping[str, tuple[str, int]] = field(default_factory=dict)
     equations: Callable[[Any], tuple[EquationsOfMotion, Any]] | None = None
-    why_not: Callable[[Any], str | None] = lambda parameters: None
+    unsupported_reason: Callable[[Any], str | None] = lambda parameters: None
     expand: Callable[[str, Any], str] = lambda text, parameters: text
     stop: Callable[[Any], float | None] = lambda parameters: None
     prescribed: Callable[[Any], tuple[str, ...]] = lambda parameters: ()

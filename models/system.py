@@ -91,8 +91,7 @@ class System:
         lengths = factors @ scalar_positions(self.layout, positions)
         along = constant + per_length * lengths + per_rate * (factors @ velocities)
         along = along + amplitude * np.cos(omega * time + phase)
-        forces: Array = np.where(time < until, along, 0.0) @ factors
-        return forces
+        return np.asarray(np.where(time < until, along, 0.0) @ factors)
 
     def controls(self, time: float) -> Array:
         """Return the controls (n_actuators,) of all actuators of the file at a time [s].

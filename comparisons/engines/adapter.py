@@ -42,7 +42,6 @@ from .validation import (
     model_description,
     model_names,
     motion_of,
-    named_anew,
     numbers,
     options_of,
     own_functions,
@@ -99,7 +98,7 @@ class BoundModel:
     ----------
     engine : Adapter
     case : Case
-        Its scene, parameters and placement count, its initial state does not.
+        A scene, its parameters and a placement, without an initial state.
     name : str
         One of the engine's models of the scene.
 
@@ -110,31 +109,10 @@ class BoundModel:
     """
 
     def __init__(self, engine: Adapter, case: Case, name: str) -> None:
-        self.engine, self.name = engine, name
-        self.case = Case(case.scene, "", case.parameters, placement=case.placement)
+        self.engine, self.case, self.name = engine, case, name
         self.scene = get_scene(case.scene)
-        self.source = self.read_source()
+        self.source = engine.read_source(case.scene, name)
         self.engine_reason = lru_cache(REASONS)(self.ask_reason)
-
-    def read_source(self) -> mjcf.Mjcf:
-        """Return the named MJCF model.
-
-        Raises
-        ------
-        UnknownNameError
-            If there is none.
-        """
-        scene, engine = self.scene.name, self.engine
-        known = mjcf.models(scene) if engine.reads_mjcf else engine.models(scene)
-        if self.name not in known:
-            owner = "MJCF" if engine.reads_mjcf else engine.name
-            raise UnknownNameError(f"{owner} model of {scene}", self.name, known)
-        if not engine.reads_mjcf:
-            return NO_FILE
-        source = mjcf.models(scene)[self.name]
-        if engine.closure_time is None or source.softened is None:
-            return source
-        return source.softened(engine.closure_time)
 
     # Its equations
 
@@ -328,7 +306,7 @@ class BoundModel:
         if description.equations is None and description.constrained and engine.closure == "soft":
             return self.described[1] or UNKNOWN_SOFTNESS
         if engine.reads_mjcf:
-            return self.source.why_not(self.case.parameters)
+            return self.source.unsupported_reason(self.case.parameters)
         own = description.equations or description.elements
         if self.scene.discretisation_coordinates and not own:
             name = self.scene.name
@@ -823,7 +801,7 @@ class Adapter:
         self.accumulates_clock, self.min_inertia = inner.accumulates_clock, inner.min_inertia
         self.max_value, self.newton_tolerance = inner.max_value, inner.newton_tolerance
         self.takes_method = functions_by_method(inner)
-        self.made = lru_cache(MODELS)(self.make)
+        self.made = lru_cache(MODELS)(partial(self.bound, self))
         self.names = lru_cache(self.ask_names)
 
     def bind(self, case: Case, model: str) -> BoundModel:
@@ -834,11 +812,25 @@ class Adapter:
         UnknownNameError
             If the engine has no such model of the scene.
         """
-        return self.made(case.scene, model, case.parameters, case.placement)
+        return self.made(Case(case.scene, "", case.parameters, placement=case.placement), model)
 
-    def make(self, scene: str, model: str, parameters: Any, placement: str) -> BoundModel:
-        """Return a new bound model."""
-        return self.bound(self, Case(scene, "", parameters, placement=placement), model)
+    def read_source(self, scene: str, model: str) -> mjcf.Mjcf:
+        """Return the named MJCF model, `NO_FILE` of an engine that reads none.
+
+        Raises
+        ------
+        UnknownNameError
+            If the engine has no such model of the scene.
+        """
+        table = mjcf.models(scene)
+        known = table if self.reads_mjcf else self.models(scene)
+        if model not in known:
+            owner = "MJCF" if self.reads_mjcf else self.name
+            raise UnknownNameError(f"{owner} model of {scene}", model, known)
+        source = table[model] if self.reads_mjcf else NO_FILE
+        if self.closure_time is None or source.softened is None:
+            return source
+        return source.softened(self.closure_time)
 
     def models(self, scene: str) -> tuple[str, ...]:
         """Return the names of its models of a scene, default first: those in MJCF, or its own.
@@ -887,7 +879,7 @@ class Adapter:
         except MbcheckError as error:
             lines = re.findall(r'File "([^"]+)", line (\d+)', error.traceback)
             place = "".join(f" ({Path(file).name}, line {line})" for file, line in lines[-1:])
-            reason = named_anew(f"engine {self.name}: {function}: {error}{place}")
+            reason = f"engine {self.name}: {function}: {error}{place}"
             self.failure = BrokenEngineError(reason, error.traceback)
             raise self.failure from error
 
@@ -993,7 +985,7 @@ def adapt(name: str, offered: Any) -> Adapter:
     except EngineUnavailableError:
         raise
     except EngineError as error:
-        reason = named_anew(error.message.replace(":", " on creation:", 1))
+        reason = error.message.replace(":", " on creation:", 1)
         raise BrokenEngineError(f"engine {name}: {reason}", error.traceback) from error
     except MbcheckError as error:
         raise BrokenEngineError(f"{error}", error.traceback) from error

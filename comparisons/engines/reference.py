@@ -38,10 +38,6 @@ class ReferenceModel(BoundModel):
     which ``times`` lie.
     """
 
-    def read_source(self) -> Mjcf:
-        """Return that it has no file."""
-        return NO_FILE
-
     @property
     def solved(self) -> EquationsOfMotion:
         """The exact scene, or one of the paper's simplifications."""
@@ -110,3 +106,7 @@ class ReferenceEngine(Adapter):
     def models(self, scene: str) -> tuple[str, ...]:
         """Return the reference's models of a scene, default first."""
         return (EXACT, *get_scene(scene).variants)
+
+    def read_source(self, scene: str, model: str) -> Mjcf:
+        """Return that it has no file."""
+        return NO_FILE

@@ -26,7 +26,7 @@ from .adapter import Adapter, adapt
 from .isolation import RemoteEngine
 from .protocol import Engine
 from .run import IN_SIGHT, call_engine, captured
-from .validation import attributes, named_anew
+from .validation import attributes
 
 ENGINES = (REFERENCE, "mujoco", "exudyn")
 """Engines that come with mbcheck."""
@@ -361,8 +361,7 @@ def _imported(module: str, attribute: str) -> Any:
             f"{cause.name}."
         )
         kind = EngineUnavailableError if missing else BrokenEngineError
-        reason = named_anew(f"{module} cannot be imported ({error})")
-        raise kind(reason, error.traceback) from error
+        raise kind(f"{module} cannot be imported ({error})", error.traceback) from error
     try:
         place: Any = loaded
         for part in attribute.split("."):

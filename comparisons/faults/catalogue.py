@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ...models import exudyn_mjcf, exudyn_system
+from ...models.mjcf import Binding
 from ...models.speed_regulator import exudyn_model as slider_crank
 from ...models.speed_regulator.exudyn_model import inertias
 from ...reference.hula_hoop.equations import HulaHoop
@@ -79,6 +80,16 @@ def pushed(law: Law) -> Fault:
     )
 
 
+def rebound(bindings: Mapping[tuple[str, str], Binding], *built: Any, **changes: Any) -> Fault:
+    """Return the fault of other values in the MJCF, or in a module of Exudyn models."""
+    return Fault(
+        {
+            MUJOCO: lambda: mujoco.Rebound(bindings),
+            EXUDYN: lambda: exudyn.ExudynAdapter(exudyn.ReboundExudyn(bindings, *built, **changes)),
+        }
+    )
+
+
 def other_items(**kinds: Any) -> Callable[[], Any]:
     """Return the maker of an Exudyn whose models are built with other items of some kinds."""
     items = exudyn.OtherItems(**kinds)
@@ -113,11 +124,6 @@ def half_slope(q: Any, v: Any, p: SpeedRegulator) -> float:
     return float(regulator.inertia_slope(regulator.position(q[0], c), c) * v[0] ** 2 / 4)
 
 
-def heavy_tree(**settings: Any) -> Any:
-    """Return a kinematic tree with gravity along y."""
-    return exudyn_system.items.ObjectKinematicTree(**settings | {"gravity": [0, -9.81, 0]})
-
-
 def thick_inertias(p: SpeedRegulator) -> tuple[float, ...]:
     """Masses and moments of inertia of `one_dof` with the rod's times four."""
     *bodies, rod, across, along = inertias(p)
@@ -148,12 +154,7 @@ FAULTS: Mapping[str, Mapping[str, Fault]] = {
         "spring_0.1_percent": misread(stiffer),
         "no_hinge_damping": without("hinge_damping_ratio"),
         "force_late_by_one_step": wrapped(LateForce),
-        "gravity_along_the_slide": Fault(
-            {
-                MUJOCO: lambda: mujoco.Rebound({("option", "gravity"): lambda p: (0, -9.81, 0)}),
-                EXUDYN: other_items(ObjectKinematicTree=heavy_tree),
-            }
-        ),
+        "gravity_along_the_slide": rebound({("option", "gravity"): lambda p: (0, -9.81, 0)}),
     },
     "rotor_pendulum": {
         "rotor_mass_0.1_percent": scaled("rotor_mass"),
@@ -173,17 +174,8 @@ FAULTS: Mapping[str, Mapping[str, Fault]] = {
         "stiffness_0.1_percent": scaled("stiffness"),
         "no_damping": without("damping"),
         "factor_2_lost_in_the_slope_of_inertia": pushed(half_slope),
-        "rod_inertia_about_its_end": Fault(
-            {
-                MUJOCO: lambda: mujoco.Rebound({("body:rod/inertial", "diaginertia"): third}),
-                EXUDYN: lambda: exudyn.ExudynAdapter(
-                    exudyn.ReboundExudyn(
-                        {("body:rod/inertial", "diaginertia"): third},
-                        slider_crank,
-                        inertias=thick_inertias,
-                    )
-                ),
-            }
+        "rod_inertia_about_its_end": rebound(
+            {("body:rod/inertial", "diaginertia"): third}, slider_crank, inertias=thick_inertias
         ),
         "spring_rest_of_the_averages": misread(
             lambda p: p.replace(spring_rest=-p.crank_radius - p.rod_length)

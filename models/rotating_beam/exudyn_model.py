@@ -38,8 +38,8 @@ from ..exudyn_system import (
     exudyn,
     items,
     load_in_time,
+    rotor_takes_no_joints,
     weigh,
-    why_no_rim,
 )
 from ..placement import right_handed, world_axes
 
@@ -248,16 +248,16 @@ def equations(p: RotatingBeam) -> tuple[EquationsOfMotion, RotatingBeam]:
     return EXTENSIBLE if p.element == "ancf" else SHEARING, p
 
 
-def why_not_on_hub(p: RotatingBeam) -> str | None:
+def hub_takes_no_elements(p: RotatingBeam) -> str | None:
     """Return the reason why elements cannot be clamped to the hub, or None."""
-    return why_no_rim() if p.hub_radius else None
+    return rotor_takes_no_joints() if p.hub_radius else None
 
 
-def why_not_in_space(p: RotatingBeam) -> str | None:
+def elements_cannot_turn(p: RotatingBeam) -> str | None:
     """Return the reason why elements cannot be turned, or None."""
     if p.element != "ancf":
         return "geometrically exact elements lie in a plane: those in space are others, on SE(3)"
-    return why_not_on_hub(p)
+    return hub_takes_no_elements(p)
 
 
 def build(p: RotatingBeam, placement: str) -> ExudynSystem:
@@ -269,14 +269,14 @@ MODELS: Mapping[str, Model] = {
     "elements": Model(
         build,
         constrained=True,
-        why_not=why_not_on_hub,
+        unsupported_reason=hub_takes_no_elements,
         large=True,
         equations=equations,
         discrete=lambda p: element_scene(round(p.segments), p.element),
         prescribed=lambda p: p.drive == "prescribed",
         element_order=lambda p: 4 if p.element == "ancf" else 2,
         bodies=lambda p: p.replace(drive="torque"),
-        why_not_placed=why_not_in_space,
+        unplaceable_reason=elements_cannot_turn,
     )
 }
 """The one model; the parameter ``element`` tells of which elements."""

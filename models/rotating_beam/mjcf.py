@@ -5,14 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import partial
 from math import cos, pi, sin
 from pathlib import Path
 from typing import NamedTuple
 
 from ...reference.rotating_beam.chain import chain_scene
 from ...reference.rotating_beam.parameters import RotatingBeam
-from ...reference.scene import EquationsOfMotion
 from ..mjcf import Binding, Elements, Mjcf, Motion, Value, Wave, bind, coordinates_alone
 
 HUB_ARMATURE = 2.0**60
@@ -70,11 +68,6 @@ def clock(p: RotatingBeam, time: float) -> tuple[float, float]:
     return of.amplitude * cos(phase), 0.0 - of.amplitude * of.omega * sin(phase)
 
 
-def controls(p: RotatingBeam) -> Mapping[str, Wave]:
-    """Return the torque (23) on the hub."""
-    return {"torque": Wave(p.torque_amplitude, drive(p).omega, -pi / 2)}
-
-
 def joints(p: RotatingBeam, time: float, state: Mapping[str, float]) -> Motion:
     """Return the motion of the hub, of the rods that the state names, and of the clock."""
     return {**coordinates_alone(p, time, state), "clock": clock(p, time)}
@@ -111,11 +104,6 @@ def expand(text: str, p: RotatingBeam) -> str:
     return bind(whole, chain_bindings(p), p)
 
 
-def constant(value: Value, p: RotatingBeam) -> Value:
-    """Return the value, whatever the parameters."""
-    return value
-
-
 def chain_bindings(p: RotatingBeam) -> dict[tuple[str, str], Binding]:
     """Return the numbers of rods, mass and tip; each stands in the frame of its own rod."""
     chain = rods(p)
@@ -134,7 +122,7 @@ def chain_bindings(p: RotatingBeam) -> dict[tuple[str, str], Binding]:
         }
     values["body:mass", "pos"] = (p.mass_position * p.length - hinges[carrier(p)], 0, 0)
     values["site:tip", "pos"] = (chain[-1].length, 0, 0)
-    return {key: partial(constant, value) for key, value in values.items()}
+    return {key: lambda p, value=value: value for key, value in values.items()}
 
 
 class HalfRod(NamedTuple):
@@ -159,11 +147,6 @@ def hub_inertia(p: RotatingBeam) -> tuple[float, float, float]:
     return (max(p.hub_inertia + half_rod(p).inertia, INERTIA_FLOOR),) * 3
 
 
-def equations(p: RotatingBeam) -> tuple[EquationsOfMotion, RotatingBeam]:
-    """Return the equations of a chain of rods."""
-    return chain_scene(int(p.segments), p.scheme), p
-
-
 def hub_lacks_inertia(p: RotatingBeam) -> str | None:
     """Return the reason why a chain cannot model these parameters, or None."""
     hub = p.hub_inertia + p.hub_radius + rods(p)[0].hinge
@@ -186,11 +169,6 @@ def side(p: RotatingBeam) -> int:
     """Scheme A has its first frequency below that of the continuum, B above; see the chain."""
     known = p.mass == 0 or p.mass_position == 1
     return {"A": -1, "B": 1}[p.scheme] if known else 0
-
-
-def stop(p: RotatingBeam) -> float | None:
-    """Return when the drive ends [s], None if there is none."""
-    return drive(p).end or None
 
 
 def start_speeds(p: RotatingBeam) -> tuple[float, ...]:
@@ -228,10 +206,10 @@ CHAIN = Mjcf(
     path=Path(__file__).with_name("chain.xml"),
     bindings={**MECHANISM, **CLOCK},
     joints=joints,
-    equations=equations,
-    why_not=hub_lacks_inertia,
+    equations=lambda p: (chain_scene(int(p.segments), p.scheme), p),
+    unsupported_reason=hub_lacks_inertia,
     expand=expand,
-    stop=stop,
+    stop=lambda p: drive(p).end or None,
     prescribed=lambda p: ("theta",) if p.drive == "prescribed" else (),
     elements=Elements(2, side),
 )
@@ -243,7 +221,7 @@ MODELS = {
         path=Path(__file__).with_name("forced.xml"),
         bindings=MECHANISM,
         joints=coordinates_alone,
-        why_not=hub_moves_freely,
-        controls=controls,
+        unsupported_reason=hub_moves_freely,
+        controls=lambda p: {"torque": Wave(p.torque_amplitude, drive(p).omega, -pi / 2)},  # (23)
     ),
 }

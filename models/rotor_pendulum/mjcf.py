@@ -28,7 +28,7 @@ def motor(p: RotorPendulum) -> tuple[float, float, float]:
     return (p.motor_slope * p.synchronous_speed, 0.0, -(p.motor_slope + p.friction))
 
 
-def why_not(p: RotorPendulum) -> str | None:
+def unsupported_reason(p: RotorPendulum) -> str | None:
     """Say so where the inertia that MuJoCo wants is too large beside that of a rotor."""
     share = INERTIA_FLOOR / (p.rotor_mass * p.eccentricity**2)
     if share <= INERTIA_SHARE:
@@ -72,6 +72,6 @@ MODELS = {
         bindings=BINDINGS,
         joints=joints,
         readout={"phi_2": {"phi_3": 1.0, "theta_2": 1.0}},
-        why_not=why_not,
+        unsupported_reason=unsupported_reason,
     ),
 }

@@ -125,7 +125,7 @@ MODELS: Mapping[str, Model] = {
     "one_dof": Model(
         one_dof,
         constrained=False,
-        why_not_placed=lambda p: (
+        unplaceable_reason=lambda p: (
             "one_dof has no place in the world: an angle and our equation are all of it"
         ),
     ),

@@ -47,19 +47,9 @@ def transmission_carries_mass(p: SpeedRegulator) -> str | None:
     )
 
 
-def flywheel(p: SpeedRegulator) -> tuple[float, float, float]:
-    """Moment of inertia of the crank; only that about z counts."""
-    return (p.flywheel_inertia,) * 3
-
-
-def rod_inertia(p: SpeedRegulator) -> tuple[float, float, float]:
-    """Moment of inertia of the homogeneous rod about its centre; only that about z counts."""
-    return (p.rod_mass * p.rod_length**2 / 12,) * 3
-
-
 COMMON: Mapping[tuple[str, str], Binding] = {
     ("option", "gravity"): lambda p: (p.gravity_x, p.gravity_y, 0),
-    ("body:crank/inertial", "diaginertia"): flywheel,
+    ("body:crank/inertial", "diaginertia"): lambda p: (p.flywheel_inertia,) * 3,
     ("geom:crank", "fromto"): lambda p: (0, 0, 0, p.crank_radius, 0, 0),
     ("general:motor", "biasprm"): lambda p: (p.torque, 0, 0),
 }
@@ -70,7 +60,7 @@ LOOP: Mapping[tuple[str, str], Binding] = {
     ("body:rod", "euler"): lambda p: (0, 0, embedding(p, {})["pin_angle"]),
     ("body:rod/inertial", "pos"): lambda p: (0, -p.rod_length / 2, 0),
     ("body:rod/inertial", "mass"): lambda p: p.rod_mass,
-    ("body:rod/inertial", "diaginertia"): rod_inertia,
+    ("body:rod/inertial", "diaginertia"): lambda p: (p.rod_mass * p.rod_length**2 / 12,) * 3,
     ("joint:pin_angle", "ref"): lambda p: embedding(p, {})["pin_angle"],
     ("geom:rod", "fromto"): lambda p: (0, 0, 0, 0, -p.rod_length, 0),
     ("site:rod_end", "pos"): lambda p: (0, -p.rod_length, 0),
@@ -126,7 +116,7 @@ def closed_by(solref: tuple[float, float], solimp: tuple[float, ...]) -> Mjcf:
         longest_step=solref[0] / 2 if solref[0] > 0 else math.inf,  # beyond, `refsafe` softens
         reactions=REACTIONS,
         equations=equations,
-        why_not=closure_lacks_mass,
+        unsupported_reason=closure_lacks_mass,
         expand=expand,
     )
 
@@ -145,7 +135,7 @@ MODELS = {
     "transmission": Mjcf(
         path=Path(__file__).with_name("transmission.xml"),
         bindings=TRANSMISSION,
-        why_not=transmission_carries_mass,
+        unsupported_reason=transmission_carries_mass,
     ),
 }
 """Models by name, default first; `connect.xml` has MuJoCo's default softness."""

@@ -166,7 +166,7 @@ class WithExudynsReactionsAlongTheWorld(Exudyn):
     def system(self, case: Case, model: str) -> Any:
         """Return the assembled system of a case."""
         built, axes = super().system(case, model), world_axes(case.placement)
-        if built.multipliers is None:
+        if built.reactions is None:
             return built
         turn = np.kron(np.eye(2), axes[:2, :2])
-        return replace(built, multipliers=turn @ built.multipliers)
+        return replace(built, reactions=turn @ built.reactions)

@@ -134,7 +134,7 @@ class Exudyn(Engine):
         p = case.parameters
         return ModelDescription(
             constrained=bool(source.constrained),
-            reactions=tuple(source.reactions),
+            reactions=source.reactions,
             equations=source.equations(p) if source.equations else None,
             elements=source.discrete(p) if source.discrete else None,
             element_order=source.element_order(p),
@@ -153,7 +153,7 @@ class Exudyn(Engine):
             )
         if system.case.placement:
             return None  # what `unplaceable_reason` knows
-        reason: str | None = source.why_not(system.case.parameters)
+        reason: str | None = source.unsupported_reason(system.case.parameters)
         return reason
 
     def options(self, system: System, method: Method) -> tuple[Option, ...]:
@@ -225,13 +225,11 @@ class Exudyn(Engine):
     def reactions(
         self, system: System, time: float, positions: Array, velocities: Array
     ) -> dict[str, float]:
-        """Return the forces in joints by name: the multipliers that come with accelerations."""
+        """Return the forces in joints by name, from the multipliers of the constraints."""
         multipliers = self.motion(system, time, positions, velocities)[1]
-        rows = self.probe(system.case, system.model).system.multipliers
-        if rows is not None:
-            multipliers = rows @ multipliers
-        places: Mapping[str, int] = self.source(system.case, system.model).reactions
-        return {name: float(multipliers[place]) for name, place in places.items()}
+        rows = self.probe(system.case, system.model).system.reactions
+        names = self.source(system.case, system.model).reactions
+        return dict(zip(names, (rows @ multipliers).tolist(), strict=True))
 
     def motion(
         self, system: System, time: float, positions: Array, velocities: Array
@@ -426,21 +424,18 @@ class Probe:
     def mass(self) -> Array:
         """Return the mass matrix (N, N)."""
         self.solver.ComputeMassMatrix(self.mbs)
-        matrix: Array = np.array(self.solver.GetSystemMassMatrix())[: self.size, : self.size]
-        return matrix
+        return np.array(self.solver.GetSystemMassMatrix()[: self.size, : self.size])
 
     def forces(self) -> Array:
         """Return generalised forces, velocity-dependent inertia terms included (N,)."""
         self.solver.ComputeODE2RHS(self.mbs)
-        forces: Array = np.array(self.solver.GetSystemResidual())[: self.size]
-        return forces
+        return np.array(self.solver.GetSystemResidual()[: self.size])
 
     def stiffness(self) -> Array:
         """Return minus the derivative of the forces (N, N)."""
         only = {"scalarFactor_ODE2": 1.0, "scalarFactor_ODE2_t": 0.0, "scalarFactor_ODE1": 0.0}
         self.solver.ComputeJacobianODE2RHS(self.mbs, **only)
-        matrix: Array = -np.array(self.solver.GetSystemJacobian())[: self.size, : self.size]
-        return matrix
+        return -np.array(self.solver.GetSystemJacobian()[: self.size, : self.size])
 
     def whole_stiffness(self, coordinates: Array, rates: Array) -> Array:
         """Return minus the derivative of all forces (N, N), by differences.
@@ -466,8 +461,7 @@ class Probe:
         self.solver.ComputeJacobianAE(
             self.mbs, **{**none, "scalarFactor_ODE2": 1.0}, velocityLevel=False
         )
-        matrix: Array = np.array(self.solver.GetSystemJacobian())[self.size :, : self.size]
-        return matrix
+        return np.array(self.solver.GetSystemJacobian()[self.size :, : self.size])
 
     def evaluate_constraints(self) -> None:
         """Put how far loops are open [m] into the solver's residual."""
@@ -632,7 +626,7 @@ class Probe:
 
 def unplaceable_reason(source: Any, case: Case, model: str) -> str | None:
     """Return the reason why a model cannot be placed in the world in this way, or None."""
-    if reason := source.why_not_placed(case.parameters):
+    if reason := source.unplaceable_reason(case.parameters):
         return str(reason)
     if get_scene(case.scene).quaternions and np.linalg.det(world_axes(case.placement)) < 0:
         return f"joints of {model} turn about given axes of frames, which are no mirror images"
@@ -736,21 +730,17 @@ def integrate_samples(
             finished = solver.SolveSteps(mbs, settings)
             steps += progress.currentStepIndex - 1
             if not finished:
-                raise EngineError("solver", gave_up(solver))
+                reason = " ".join(str(solver.GetErrorString()).split()) or "no reason given"
+                raise EngineError(
+                    "solver",
+                    f"Exudyn's solver found no solution at t = {progress.currentTime:.9g} s; "
+                    f"try a smaller step (Exudyn: {reason})",
+                )
         coordinates[row] = data.GetODE2Coordinates()
         rates[row] = data.GetODE2Coordinates_t()
         angles[row] = data.GetDataCoordinates()
         clock[row] = data.GetTime()
     return coordinates, rates, angles, clock, steps
-
-
-def gave_up(solver: Any) -> str:
-    """Return where a solver stopped, and Exudyn's words for it."""
-    reason = " ".join(str(solver.GetErrorString()).split()) or "no reason given"
-    return (
-        f"Exudyn's solver found no solution at t = {solver.it.currentTime:.9g} s; "
-        f"try a smaller step (Exudyn: {reason})"
-    )
 
 
 def changes(solver: Any, step: float) -> tuple[str, ...]:

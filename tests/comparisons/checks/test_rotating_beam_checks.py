@@ -380,10 +380,6 @@ class ModelOfElements(BoundModel):
 
     engine: Elements
 
-    def read_source(self) -> Mjcf:
-        """Return that it has no file."""
-        return NO_FILE
-
     @property
     def described(self) -> tuple[mbcheck.ModelDescription, None]:
         """What it claims."""
@@ -410,6 +406,10 @@ class Elements(Adapter):
     def __init__(self, error: Error, order: int = 2, side: int = 0) -> None:
         super().__init__(ExactEngine())
         self.error, self.order, self.which = error, order, side
+
+    def read_source(self, scene: str, model: str) -> Mjcf:
+        """Return that it has no file."""
+        return NO_FILE
 
 
 Measure = Callable[[Setup], list[Finding]]

@@ -215,7 +215,7 @@ def test_accelerations_are_those_that_exudyn_starts_with(engine: ExudynAdapter) 
     with engine.inner.opened(case, REDUNDANT) as system:
         exudyn.place_initial(engine.inner.exudyn, system, state)
         settings = engine.inner.settings(method("GeneralizedAlpha"), time, 1.0)
-        solver = engine.solver(method("GeneralizedAlpha"))
+        solver = engine.inner.solver(method("GeneralizedAlpha"))
         solver.InitializeSolver(system.mbs, settings)
         theirs = system.readout @ system.mbs.systemData.GetODE2Coordinates_tt()
     mine = engine.bind(case, REDUNDANT).accelerations(np.array([time]), state[None])[0]
@@ -323,7 +323,7 @@ def test_steps_shortened_in_silence_are_refused(engine: ExudynAdapter) -> None:
             a_case(state=SPINNING), method("GeneralizedAlpha"), step, end
         )
     assert np.all(np.isfinite(silent.matrix(SCENE.state_names)))
-    with pytest.raises(EngineError, match="steps, 10 were asked for") as caught:
+    with pytest.raises(EngineError, match="steps, 10 were requested") as caught:
         run(Setup(halving, a_case(state=SPINNING), TREE, method("GeneralizedAlpha"), step), end)
     assert caught.value.kind == "step_count"
     with pytest.raises(EngineError, match="found no solution") as caught:

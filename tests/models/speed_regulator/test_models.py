@@ -78,10 +78,10 @@ def test_joints_of_a_state_that_says_more_are_left_open() -> None:
 
 def test_models_say_what_they_cannot_stand_for() -> None:
     for name in CLOSURES:
-        assert MODELS[name].why_not(DEFAULT) is None
-        assert "rod_mass and slider_mass 0" in str(MODELS[name].why_not(MASSLESS))
-    assert MODELS["transmission"].why_not(MASSLESS) is None
-    assert "must be 0, not 0.5 and 1 kg" in str(MODELS["transmission"].why_not(DEFAULT))
+        assert MODELS[name].unsupported_reason(DEFAULT) is None
+        assert "rod_mass and slider_mass 0" in str(MODELS[name].unsupported_reason(MASSLESS))
+    assert MODELS["transmission"].unsupported_reason(MASSLESS) is None
+    assert "must be 0, not 0.5 and 1 kg" in str(MODELS["transmission"].unsupported_reason(DEFAULT))
 
 
 # --- The transmission
