@@ -313,8 +313,10 @@ class Assembly:
     source : ExudynSource
     origins : mapping of int to array (3,)
         The reference point of each body, in the frame of the body.
+    size : int
+        Number of coordinates of a body that turns.
     add_body : callable ``(Assembly, body) -> (node, number)``
-        Adds a body that turns.
+        Adds such a body.
 
     Attributes
     ----------
@@ -424,12 +426,10 @@ class Assembly:
             positions, velocities = source.motion(q, v)
             now, (coordinates, rates) = place(whole, positions), np.zeros((2, len(self.places)))
             for i, k in self.first.items():
-                joint = source.joints[i]
-                if joint.name in self.slides:
-                    (own,) = whole.bodies[i].joints
-                    places = whole.layout.positions[own], whole.layout.velocities[own]
-                    coordinates[k] = positions[places[0]][0] - joint.ref
-                    rates[k] = velocities[places[1]][0]
+                if source.joints[i].kind == "slide":
+                    site, axis = self.origin(i), source.axis(i)
+                    coordinates[k] = axis @ (now.point(site) - source.start.point(site))
+                    rates[k] = axis @ now.jacobian(site) @ velocities
                     continue
                 there, speed = place_body(now, positions, velocities, i)
                 coordinates[k : k + len(there)], rates[k : k + len(there)] = there, speed

@@ -161,7 +161,7 @@ class Hinge(NamedTuple):
     def row(self, coordinates: Array) -> Array:
         """Return the rate of the scene's coordinate (N,) per rate of each of Exudyn's.
 
-        It is linear in accelerations as well: an axis that stands still in both bodies sees no
+        It is linear in accelerations as well: an axis fixed in both bodies has no
         product of rates.
         """
         row = np.zeros(len(coordinates))
@@ -261,9 +261,9 @@ class Model:
     element_order : callable ``(parameters) -> int``
         Order with which it converges to that as its elements are halved; 0 without elements.
     unsupported_reason : callable ``(parameters) -> str or None``
-        Why the model, not placed elsewhere, cannot stand for the scene with these parameters.
+        The reason why the model, not placed elsewhere, cannot represent these parameters.
     unplaceable_reason : callable ``(parameters) -> str or None``
-        Why it cannot be placed otherwise than it stands.
+        The reason why it cannot be placed in another way.
     bodies : callable ``(parameters) -> parameters``
         With which the mass matrix holds the scene's bodies alone, and nothing that drives.
     """

@@ -31,7 +31,7 @@ class JointLayout:
     """Places of joints in vectors of positions (n_q,) and of velocities (n_v,).
 
     The position of a ball is the unit quaternion (w, x, y, z) from the frame of its body to the
-    frame in which the body stands, its velocity the angular velocity in the frame of the body. A
+    frame of the body's parent, its velocity the angular velocity in the frame of the body. A
     free joint has a place in the world, and its velocity there, before these.
 
     Attributes
@@ -73,7 +73,7 @@ class JointLayout:
     def displaced(self, q: Array, change: Array) -> Array:
         """Return positions (n_q,) after constant velocities that add up to a change (n_v,).
 
-        A quaternion turns about an axis that stands still in its body, and comes out of length 1.
+        A quaternion turns about an axis fixed in its body, and keeps the length 1.
         """
         if not self.is_spatial:
             return np.asarray(q + change)

@@ -327,7 +327,7 @@ def turn(axis: Array, angle: Any) -> Array:
 
 
 def orientation(attributes: Mapping[str, str]) -> Array:
-    """Return the rotation (3, 3) of a frame, as any attribute but ``axisangle`` tells it."""
+    """Return the rotation (3, 3) of a frame, from any attribute but ``axisangle``."""
     if "axisangle" in attributes:
         raise CannotJudgeError("MJCF attribute axisangle is not understood")
     if "quat" in attributes:

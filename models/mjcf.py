@@ -86,7 +86,7 @@ class Mjcf:
         The equations of motion that this model really has, where MuJoCo cannot express the
         scene's: the engine is compared with these. None if they are the scene's.
     unsupported_reason : callable ``(parameters) -> str or None``
-        Why the model cannot stand for the scene with these parameters.
+        The reason why the model cannot represent the scene with these parameters.
     expand : callable ``(text, parameters) -> text``
         What bindings cannot do: repeats elements of the file, before they are applied.
     stop : callable ``(parameters) -> time or None``
@@ -142,7 +142,7 @@ def attribute_text(value: Value) -> str:
 
 @lru_cache(maxsize=64)
 def start_tags(text: bytes) -> Mapping[str, list[tuple[int, int]]]:
-    """Return where the start tags of each element stand, as (begin, end) in bytes."""
+    """Return the places of the start tags of each element, as (begin, end) in bytes."""
     places: dict[str, list[tuple[int, int]]] = {}
     path: list[tuple[str, str | None]] = []
     parser = expat.ParserCreate()

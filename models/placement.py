@@ -31,7 +31,7 @@ MIRROR = np.diag([1.0, -1.0, 1.0])
 are reversed. The x axis of a frame, along which outputs are measured, is not."""
 
 UNEQUAL = (0.6, 0.7, 1.0)
-"""Shares of a body's moments of inertia about x, y, z. All stand for the last: in plane motion no
+"""Shares of a body's moments of inertia about x, y, z. The last one counts: in plane motion no
 other is seen, unless an engine leaves the tensor behind as the body is turned."""
 
 PLANE = 1e-12
@@ -46,7 +46,7 @@ def world_axes(placement: str) -> Array:
     ----------
     placement : str
         ``turned:SEED``, a rotation drawn at random; ``mirrored:SEED``, that of the mirror image;
-        empty: as the model stands.
+        empty: as in the file.
 
     Raises
     ------
@@ -68,8 +68,8 @@ def world_axes(placement: str) -> Array:
 def right_handed(axes: Array) -> Array:
     """Return axes (3, 3) with the third turned over where they are a mirror's.
 
-    What moves in the plane of x and y, about z, is its own image in that plane: in a mirror it is
-    the same mechanism, turned.
+    A mechanism in the plane of x and y is symmetric to that plane: its mirror image is the same
+    mechanism, turned.
     """
     return axes if np.linalg.det(axes) > 0 else axes * [1.0, 1.0, -1.0]
 

@@ -47,12 +47,12 @@ class Readout:
         return tuple(one for one in self.scene.quaternions if one.name in self.joints)
 
     def place(self, name: str) -> tuple[slice, slice]:
-        """Return where a joint stands in vectors of positions and of velocities."""
+        """Return the places of a joint in vectors of positions and of velocities."""
         i = self.joints.index(name)
         return self.layout.positions[i], self.layout.velocities[i]
 
     def quaternion(self, one: Quaternion) -> tuple[list[int], slice, slice]:
-        """Return where a quaternion stands in coordinates, in positions, and its body's rates."""
+        """Return the places of a quaternion in coordinates and positions, and of its rates."""
         at, own = self.place(one.name)
         places = [self.coordinates.index(name) for name in one.coordinates]
         return places, slice(at.stop - 4, at.stop), slice(own.stop - 3, own.stop)

@@ -130,7 +130,7 @@ def factors_of(term: Term, joints: tuple[str, ...], layout: JointLayout) -> Arra
 
 
 def scalar_positions(layout: JointLayout, positions: Array) -> Array:
-    """Return positions (n,) where velocities stand: of hinges and slides, and 0 of all others."""
+    """Return positions (n,) in the places of velocities: of hinges and slides, 0 of all others."""
     if not layout.is_spatial:
         return positions
     scalars = np.zeros(layout.size[1])

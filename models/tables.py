@@ -12,7 +12,7 @@ def table_of(name: str, table: str, empty: T) -> T:
     """Return a table of a module, by its full name.
 
     ``empty`` where the module, its folder or the table is missing; what else a module misses as it
-    is imported is its own error.
+    is imported is raised.
     """
     try:
         module = import_module(name)

@@ -68,7 +68,7 @@ OWN = "scene"
 """Name of the model of an engine that reads no MJCF and names none."""
 
 NO_FILE = mjcf.Mjcf(path=Path(), bindings={}, controls=lambda parameters: {})
-"""Stands for the file of such a model: its joints are the coordinates, and a force drives them."""
+"""The file of such a model: its joints are the coordinates, and a force drives them."""
 
 UNKNOWN_SOFTNESS = "its loops are soft by a rule of its own: no reference has their equations"
 
@@ -223,9 +223,9 @@ class BoundModel:
 
     @cached_property
     def discrete(self) -> ModelEquations | None:
-        """The equations of the model's elements, where it has any and the engine tells them.
+        """The equations of the model's elements, if the engine describes any.
 
-        The engine then takes states in their coordinates, and returns these of a run.
+        The engine then takes and returns states in their coordinates.
         """
         elements = self.description.elements
         return None if elements is None else ModelEquations(elements, self.case.parameters)
@@ -247,7 +247,7 @@ class BoundModel:
 
     @cached_property
     def has_soft_closure(self) -> bool:
-        """Whether a constraint closes a loop of the model, and gives way."""
+        """Whether a soft constraint closes a loop of the model."""
         return self.has_constraints and self.equations.scene is not self.scene
 
     @cached_property
@@ -259,7 +259,7 @@ class BoundModel:
 
     @cached_property
     def approximates_continuum(self) -> bool:
-        """Whether the model converges to a continuum, and does not solve equations of its own."""
+        """Whether the model converges to a continuum whose equations it does not solve."""
         scene = self.equations.scene
         return bool(scene.discretisation_coordinates) and self.coordinates != scene.coordinates
 
@@ -281,7 +281,7 @@ class BoundModel:
 
     @cached_property
     def reaction_names(self) -> tuple[str, ...]:
-        """The outputs of the scene that are forces in joints, which the engine tells."""
+        """The outputs of the scene that are forces in joints and that the engine returns."""
         return tuple(self.description.reactions) if "reactions" in self.engine.functions else ()
 
     # What it supports
@@ -327,7 +327,7 @@ class BoundModel:
         try:
             system = self.system(case)
         except ArithmeticError:
-            return None  # the caller is told, of a run also how many steps it would take
+            return None  # the call itself will raise it
         ask = engine.inner.unsupported_reason
         try:
             return engine.ahead("unsupported_reason", lambda: reason_of(ask(system, method)))
@@ -589,7 +589,7 @@ class BoundModel:
         ):
             raise EngineError("returned", f"Motion.observables must tell {', '.join(missing)}")
         states = np.array([values[name] for name in equations.scene.state_names])
-        with np.errstate(all="ignore"):  # the guard tells of what is not finite
+        with np.errstate(all="ignore"):  # the guard refuses values that are not finite
             others = equations.scene.observe(states, equations.parameters)
             if by_file and self.has_constraints:
                 others |= self.loop_motion(q, v)
@@ -687,14 +687,14 @@ class BoundModel:
     def linearise(self, state: Array, time: float = 0.0) -> tuple[Array, Array, Array]:
         """Return M, C, K, each (n, n), about a state of rest or steady motion.
 
-        The engine's own of a tree at rest, if it tells them, and of models that it describes, in
-        coordinates that may be fewer than the states'; else by central differences.
+        The engine's matrices, if it has `linearise`: for a tree at rest, and for models that it
+        describes, in coordinates that may be fewer than the states'. Else central differences.
 
         Raises
         ------
         Unsupported
-            If a closure gives way and there is no inverse dynamics: modes are those of a closed
-            loop, and accelerations of another.
+            If a closure is soft and there is no inverse dynamics: modes are those of a closed
+            loop, accelerations those of an open one.
         """
         moves = np.any(state[len(state) // 2 :])
         own_models = bool({"models", "describe_model"} & self.engine.functions)
@@ -734,7 +734,7 @@ class BoundModel:
         if not inverse and self.knows_softness:
             raise Unsupported("accelerations of a soft closure show no modes of a closed loop")
         q, v = self.joint_states(times, state[None])
-        # a soft closure gives way even at rest, which a closed loop does not
+        # a soft closure yields even at rest, which a closed loop does not
         acceleration = 0 * v[0]
         if inverse and not self.has_constraints:
             acceleration = self.joint_accelerations(times, q, v)[0]
@@ -833,7 +833,7 @@ class Adapter:
         return source.softened(self.closure_time)
 
     def models(self, scene: str) -> tuple[str, ...]:
-        """Return the names of its models of a scene, default first: those in MJCF, or its own.
+        """Return the names of its models of a scene, default first.
 
         For engines that ignore the softness of a closure, models that differ in it count once.
         """
@@ -844,7 +844,7 @@ class Adapter:
         return tuple(name for name, one in table.items() if every or one.softened is None)
 
     def ask_names(self, scene: str) -> tuple[str, ...]:
-        """Return the names of models that the engine tells, none of a scene that it refuses."""
+        """Return the engine's names of models, none of a scene that it refuses."""
         if "models" not in self.functions:
             return (OWN,)
         try:
@@ -914,7 +914,7 @@ class Reordered(Engine):
     adapter : Adapter
         The other engine's.
     order : tuple of int
-        The joint that each number stands for.
+        The joint of each number.
     inputs_too : bool
         Whether states are given to it in this order as well.
     """

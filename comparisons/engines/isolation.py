@@ -1,6 +1,6 @@
-"""Calls in processes of their own: what crashes, hangs or eats memory takes no other along.
+"""Calls in separate processes: a crash, a hang or an excess of memory ends one call alone.
 
-An engine is C code: it may abort, loop for ever, or allocate without end, and no exception tells.
+An engine is C code: it may abort, loop for ever, or allocate without end, and raises no exception.
 Python's own pools give up all their work when a process dies, and have no time limit. Pebble
 (https://pebble.readthedocs.io) has one; but its workers share a pipe, so one that dies while it
 reads its call breaks the pool, and no pool limits memory. Hence a pipe for each process here.
@@ -45,7 +45,7 @@ except ImportError:  # Windows
 T = TypeVar("T")
 
 STATM = Path("/proc/self/statm")
-"""How much memory a process maps, where the kernel tells and limits it: on Linux."""
+"""File with the memory that a process maps; Linux alone has it, and limits the memory."""
 
 MEMORY = 4096.0 if STATM.exists() else None
 """Memory that a task may map in addition to that of its process, where it can be limited [MiB]."""
@@ -74,11 +74,11 @@ LIMITS: ContextVar[tuple[float | None, float | None]] = ContextVar("limits", def
 
 
 def unheard(message: Any) -> None:
-    """Take no notice."""
+    """Ignore a message."""
 
 
 TELL: ContextVar[Callable[[Any], None]] = ContextVar("TELL", default=unheard)
-"""Sends what a call has to say to the process that waits for it."""
+"""Sends a message of a call to the process that waits for it."""
 
 Local = Callable[[tuple[tuple[str, float], ...]], Engine]
 
@@ -109,7 +109,7 @@ def isolated(
     seconds : float, optional
         Time limit of each call [s], the start of its process apart.
     megabytes : float, optional
-        Memory that each call may map beside what its process has mapped before [MiB].
+        Memory that each call may map in addition to that of its process [MiB].
     groups : sequence of sequences of int, optional
         Numbers of calls that are made one after the other by one process, which keeps what they
         share; as long as it lives.
@@ -241,7 +241,7 @@ class Worker:
     Attributes
     ----------
     heard : callable
-        Is given what a call tells meanwhile, see `tell`.
+        Receives the messages that a call sends before it ends, see `tell`.
     """
 
     def __init__(self, folder: Path | None = None) -> None:
@@ -351,7 +351,7 @@ def serve(
     signal(SIGINT, SIG_DFL)
     lead_group()
     end_with_program(lifeline)
-    with suppress(OSError):  # foreign code has closed the pipe
+    with suppress(OSError):  # third-party code has closed the pipe
         while True:
             answer_next(pipe, folder is not None)
 
@@ -362,7 +362,7 @@ def answer_next(pipe: Connection, plain: bool) -> None:
         call, *limits = pipe.recv()
     except EOFError:
         raise BrokenPipeError from None
-    except BaseException as error:  # whatever a foreign module raises as it is imported
+    except BaseException as error:  # whatever a third-party module raises as it is imported
         pipe.send_bytes(encoded((True, engine_error(error)), plain))
     else:
         pipe.send_bytes(encoded((False, None), plain))
@@ -447,7 +447,7 @@ def outcome(call: Callable[[], Any], seconds: float | None, megabytes: float | N
 
 @contextmanager
 def limited_memory(megabytes: float | None) -> Iterator[None]:
-    """Let this process map so much memory [MiB] beside what it has mapped."""
+    """Let this process map so much additional memory [MiB]."""
     if megabytes is None:
         yield
         return
@@ -483,7 +483,7 @@ class RemoteEngine(Engine):
     ----------
     describe : callable
         Returns the engine's attributes by name, and as ``functions`` the names of the functions
-        that it has of its own, and as ``by_method`` those that take a method; called in that
+        that it defines, and as ``by_method`` those that take a method; called in that
         process.
     local : callable ``(options) -> Engine``
         Returns the engine itself, with options (name, value) set; called in that process.
@@ -512,7 +512,7 @@ class RemoteEngine(Engine):
         self.connect()
 
     def connect(self) -> None:
-        """Have each function that the engine has of its own called in its process."""
+        """Replace each function that the engine defines by a call in its process."""
         for name in self.functions:
             ask = self.ask_by_method if name in self.by_method else self.ask
             setattr(self, name, partial(ask, name))

@@ -1,4 +1,4 @@
-"""Messages between processes; those of a process that runs foreign code are plain data.
+"""Messages between processes; those of a process that runs third-party code are plain data.
 
 docs/engines.md describes their format: JSON that any language can write. Reading one makes
 numbers, text, arrays and objects of the classes listed here, and runs nothing.

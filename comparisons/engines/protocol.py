@@ -1,6 +1,6 @@
 """The protocol of engines: what an author writes (docs/engines.md is the page for authors).
 
-All that MuJoCo and Exudyn take from mbcheck stands here.
+MuJoCo and Exudyn import nothing else of mbcheck.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class Method:
         The published scheme in `mbcheck.reference.solve.schemes` that it claims to be; with it
         the error is predicted exactly, without it by Richardson extrapolation.
     scheme_with_loops : bool
-        Whether it is this scheme of models with loops too, if these give way as the file says.
+        Whether it is this scheme on models with loops too, with their softness as in the file.
     linear_scheme : str or None
         The scheme in `mbcheck.reference.amplification` that it is on a linear system without
         constraints, if another one than ``scheme``: stability and damping are predicted by it.
@@ -74,7 +74,7 @@ class Method:
 
 @dataclass(frozen=True)
 class Option:
-    """A setting of an engine, beside method and step, that limits its accuracy.
+    """A setting of an engine, apart from method and step, that limits its accuracy.
 
     Attributes
     ----------
@@ -100,12 +100,12 @@ class ModelDescription:
     Attributes
     ----------
     constrained : bool
-        Whether constraints close loops; `Motion.observables` then tells how far they are open.
+        Whether constraints close loops; `Motion.observables` then holds their residuals.
     reactions : tuple of str
         Outputs of the scene that are forces in its joints, which `Engine.reactions` returns.
     equations : (EquationsOfMotion, parameters), or None
         The equations of motion that the model really has, or converges to, where they are not the
-        scene's: those of a closure or of joints that give way, for instance.
+        scene's: those of a soft closure or of compliant joints, for instance.
     elements : EquationsOfMotion or None
         Of a model that converges to a continuum: the equations of its elements. The engine then
         takes states in their coordinates, and returns these of a run.
@@ -142,7 +142,7 @@ class Motion:
     newton_iterations : int, optional
         Of an implicit method, or of a solver of constraints; all steps together.
     changed_inputs : tuple of str
-        Inputs that the engine changed on its own (controls, parameters, step): they fail the run.
+        Inputs that the engine changed (controls, parameters, step): they fail the run.
     seconds : float
         Wall time of the stepping alone [s]; that of the whole call counts where it is 0.
     observables : mapping of str to array (n_t,)
@@ -169,7 +169,7 @@ class Engine:
     Attributes
     ----------
     name, version : str
-        The name stands in the ids of results.
+        The name is part of the ids of results.
     methods : tuple of Method
         The engine's integrators.
     reads_mjcf : bool
@@ -182,10 +182,10 @@ class Engine:
         Of the numbers that it computes with, ``float64`` or ``float32``. All tolerances follow.
     closure : str
         How it holds loops closed: ``rigid``, or as ``solref`` and ``solimp`` of the file say
-        (``mjcf``), or ``soft`` by a rule of its own; then models with loops are skipped, unless
+        (``mjcf``), or ``soft`` by another rule; then models with loops are skipped, unless
         `describe_model` returns their equations.
     compliant_joints : bool
-        Whether its joints give way by a rule of its own, as those of position-based dynamics or of
+        Whether its joints are compliant by its own rule, as those of position-based dynamics or of
         maximal coordinates with penalties do. Then models are skipped, unless `describe_model`
         returns their equations.
     accumulates_clock : bool
@@ -284,7 +284,7 @@ class Engine:
         velocities: Array,
         accelerations: Array,
     ) -> Array:
-        """Return the forces (n,) that must act on the joints, beside the model's, for a motion.
+        """Return the forces (n,) on the joints, in addition to the model's, for a given motion.
 
         Constraint forces of closed loops may be included or not: they do no work.
         """

@@ -19,7 +19,7 @@ from .protocol import Engine, Method, ModelDescription
 from .run import Trajectory
 
 EXACT = "exact"
-"""The reference's default model; the others are simplifications that it shows beside."""
+"""The reference's default model; its other models are simplifications from papers."""
 
 
 class ExactEngine(Engine):

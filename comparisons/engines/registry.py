@@ -255,7 +255,7 @@ def load_plugin(name: str) -> Adapter:
 
 
 def remote_plugin(name: str) -> Adapter:
-    """Return a plugged-in engine that runs in a process of its own.
+    """Return a plugged-in engine that runs in a separate process.
 
     Raises
     ------
@@ -271,7 +271,7 @@ def remote_plugin(name: str) -> Adapter:
 
 
 def describe_plugin(name: str) -> dict[str, Any]:
-    """Return the attributes of a plugged-in engine of this process, and its own functions."""
+    """Return the attributes of a plugged-in engine of this process, and the functions it has."""
     adapter = load_plugin(name)
     own = {"functions": sorted(adapter.functions), "by_method": sorted(adapter.takes_method)}
     return attributes(adapter.inner) | own
@@ -355,7 +355,7 @@ def _imported(module: str, attribute: str) -> Any:
         )
     try:
         loaded = call_engine(lambda: importlib.import_module(module), container=captured)
-    except MbcheckError as error:  # whatever a foreign module raises
+    except MbcheckError as error:  # whatever a third-party module raises
         cause = error.__cause__
         missing = isinstance(cause, ModuleNotFoundError) and f"{module}.".startswith(
             f"{cause.name}."

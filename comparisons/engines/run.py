@@ -62,7 +62,7 @@ class Trajectory:
     warnings : mapping of str to int
         The engine's warning counters; any of them above zero is a failure.
     changed_inputs : tuple of str
-        Inputs that the engine changed on its own (controls, parameters, step).
+        Inputs that the engine changed (controls, parameters, step).
     seconds : float
         Wall time of the stepping alone [s]; `run` puts that of the whole call where it is 0.
     """
@@ -195,7 +195,7 @@ def attempt(work: Callable[[], Any]) -> Any:
 
 
 def engine_error(error: BaseException, console: str = "") -> EngineError:
-    """Return the `EngineError` of an exception of foreign code, and what it had printed."""
+    """Return the `EngineError` of an exception of third-party code, with its console."""
     parts = [traceback_of(error), console and f"its console:\n{console}"]
     traceback = excerpt("\n\n".join(filter(None, parts)))
     return EngineError("raised", describe(error, console), traceback)
@@ -228,7 +228,7 @@ def traceback_of(error: BaseException) -> str:
 
 
 def excerpt(traceback: object) -> str:
-    """Return a traceback as it is shown, whatever a foreign process has sent in its place."""
+    """Return a printable traceback, whatever another process has sent in its place."""
     lines = without_middle(f"{traceback}", 2 * LONGEST_TRACEBACK).split("\n")
     return without_middle("\n".join(map(printable, lines)), LONGEST_TRACEBACK).rstrip()
 

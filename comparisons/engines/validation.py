@@ -23,8 +23,7 @@ PRECISIONS = ("float64", "float32")
 CLOSURES = ("rigid", "mjcf", "soft")
 
 LONGEST_NAME, LONGEST_VERSION = 63, 200
-"""Characters of the name of an engine or a method, which stands in ids and in tables, and of the
-version of an engine."""
+"""Most characters of the name of an engine or a method, which is part of ids, and of a version."""
 
 MAX_NAMES = 100
 """Methods of an engine, or models of a scene, above which it is refused: each has its checks."""
@@ -221,7 +220,7 @@ def refuse_step_across_end(system: System, step: float, times: Array) -> None:
 
 
 def options_of(answer: Any) -> tuple[Option, ...]:
-    """Return the options that an engine tells.
+    """Return an engine's options.
 
     Raises
     ------
@@ -345,7 +344,7 @@ def attributes(author: Engine) -> dict[str, Any]:
 
 
 def own_functions(author: Engine) -> frozenset[str]:
-    """Return which functions of the protocol an engine has of its own."""
+    """Return the names of the functions of the protocol that an engine defines."""
     return frozenset(
         name
         for name in CALLS
@@ -384,7 +383,7 @@ RENAMED = {
 
 
 def functions_by_method(author: Engine) -> frozenset[str]:
-    """Return which functions of an engine take a method as a keyword beside their arguments."""
+    """Return the names of the functions of an engine that take the keyword ``method``."""
     taking = set()
     for name in ("accelerations", "mass_matrix"):
         with suppress(ValueError):  # of compiled code
@@ -421,7 +420,7 @@ RENAME = "rename it if it is a helper of yours"
 
 
 def refuse_name(what: str, name: Any) -> None:
-    """Refuse a name that cannot stand in ids of results.
+    """Refuse a name that cannot be part of ids of results.
 
     Raises
     ------
@@ -462,14 +461,14 @@ def refuse_method(name: str, method: Any) -> None:
 
 
 def model_names(answer: Any) -> tuple[str, ...]:
-    """Return the names of models that an engine tells.
+    """Return an engine's names of models.
 
     Raises
     ------
     EngineError
         ``returned``, if they are no names, or too many.
     UsageError
-        If they cannot stand in ids of results.
+        If they cannot be part of ids of results.
     """
     few = isinstance(answer, tuple | list) and len(answer) <= MAX_NAMES
     expect(few, f"models must return a tuple of names, {MAX_NAMES} at most", answer)

@@ -17,13 +17,13 @@ from ..engines.run import Trajectory
 MUJOCO, EXUDYN = "mujoco", "exudyn"
 
 EXTRA_METHODS: Mapping[str, tuple[str, ...]] = {MUJOCO: ("Euler",), EXUDYN: ("GeneralizedAlpha",)}
-"""Methods that are pushed to extremes beside an engine's best."""
+"""Methods that are pushed to extremes, in addition to an engine's best."""
 
 LONG_METHODS: Mapping[str, tuple[str, ...]] = {
     MUJOCO: ("RK4", "implicitfast", "discrete"),
     EXUDYN: ("RK67", "RK44", "GeneralizedAlpha", "TrapezoidalIndex2"),
 }
-"""Methods that are followed for long: the best, and those that tell most."""
+"""Methods of long runs: the best, and the most informative."""
 
 DEFAULT_NEWTON = {
     "newton.residualMode": 0,

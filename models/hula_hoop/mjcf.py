@@ -11,11 +11,11 @@ from ..clock import foot_bindings, foot_motion
 from ..mjcf import Mjcf, Motion, Wave, coordinates_alone
 
 INERTIA_FLOOR = 2e-15
-"""Stands for no moment of inertia [kg m^2]: MuJoCo refuses less than 1e-15."""
+"""Moment of inertia of a point mass [kg m^2]: MuJoCo refuses less than 1e-15."""
 
 
 def inertia(p: HulaHoop) -> tuple[float, float, float]:
-    """Moment of inertia of the free mass about its own centre; only that about z counts."""
+    """Moment of inertia of the free mass about its centre; only that about z counts."""
     about_centre = max(p.inertia_ratio * p.free_mass * p.rod_length**2, INERTIA_FLOOR)
     return (about_centre, about_centre, about_centre)
 

@@ -26,7 +26,7 @@ def floating(p: RigidBody, time: float, state: Mapping[str, float]) -> Motion:
 
 
 def unsupported_floating(p: RigidBody) -> str | None:
-    """Say so where the fixed point is not the centre of mass, or gravity pulls."""
+    """Return the reason if the fixed point is not the centre of mass, or gravity acts."""
     if np.any(p.centre) or np.any(p.gravity):
         return "a body that floats turns about its centre of mass, and falls under gravity"
     return None

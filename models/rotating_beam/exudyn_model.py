@@ -279,4 +279,4 @@ MODELS: Mapping[str, Model] = {
         unplaceable_reason=elements_cannot_turn,
     )
 }
-"""The one model; the parameter ``element`` tells of which elements."""
+"""The one model; the parameter ``element`` selects its elements."""

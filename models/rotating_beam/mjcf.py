@@ -23,7 +23,7 @@ HUB_MASS = 1e-3
 """Mass of a hub without a half rod [kg]; at its axle it does not act."""
 
 INERTIA_FLOOR = 2e-15
-"""Stands for no mass and no moment of inertia [SI]: MuJoCo refuses less than 1e-15."""
+"""Moment of inertia of a hub without one [kg m^2]: MuJoCo refuses less than 1e-15."""
 
 
 class RodBody(NamedTuple):
@@ -90,7 +90,7 @@ def carrier(p: RotatingBeam) -> int:
 
 
 def expand(text: str, p: RotatingBeam) -> str:
-    """Return the file with as many rods as there are segments, the mass behind its own."""
+    """Return the file with as many rods as segments, the mass behind the rod that carries it."""
     lines = text.splitlines(keepends=True)
     places = [i for i, line in enumerate(lines) if re.match(r' *<body name="(rod_\d+|mass)"', line)]
     first, mass = (
@@ -105,7 +105,7 @@ def expand(text: str, p: RotatingBeam) -> str:
 
 
 def chain_bindings(p: RotatingBeam) -> dict[tuple[str, str], Binding]:
-    """Return the numbers of rods, mass and tip; each stands in the frame of its own rod."""
+    """Return the numbers of rods, mass and tip; each is in the frame of its rod."""
     chain = rods(p)
     line = p.density * p.area
     hinges = [-p.hub_radius, *(rod.hinge for rod in chain)]  # the first is the hub's axis

@@ -9,7 +9,7 @@ from ...reference.rotor_pendulum.equations import RotorPendulum
 from ..mjcf import Mjcf, Motion
 
 INERTIA_FLOOR = 2e-15
-"""Stands for no moment of inertia [kg m^2] in the file: MuJoCo refuses less than 1e-15."""
+"""Moment of inertia of a point mass [kg m^2]: MuJoCo refuses less than 1e-15."""
 
 INERTIA_SHARE = 5e-11
 """Largest share of that in m r^2: half of the largest permitted error of an acceleration."""
@@ -29,7 +29,7 @@ def motor(p: RotorPendulum) -> tuple[float, float, float]:
 
 
 def unsupported_reason(p: RotorPendulum) -> str | None:
-    """Say so where the inertia that MuJoCo wants is too large beside that of a rotor."""
+    """Return the reason where the least inertia of MuJoCo is too large for a rotor, or None."""
     share = INERTIA_FLOOR / (p.rotor_mass * p.eccentricity**2)
     if share <= INERTIA_SHARE:
         return None

@@ -218,7 +218,7 @@ class Exudyn(Engine):
         """Return accelerations (n,) at a time and a state.
 
         Mass matrix, forces (with the load at that time) and constraint Jacobian are
-        Exudyn's; its own start accelerations difference that Jacobian to 8 digits only.
+        Exudyn's; the initial accelerations that Exudyn computes have 8 correct digits only.
         """
         return self.motion(system, time, positions, velocities)[0]
 
@@ -287,7 +287,9 @@ class Exudyn(Engine):
         """
         case, model = system.case, system.model
         if case.parameters.has_gravity and not self.source(case, model).constrained:
-            raise Unsupported(f"differences of {model} leave few digits of K beside weights")
+            raise Unsupported(
+                f"in {model} round-off of the weights leaves few digits of the stiffness K"
+            )
         state = np.append(system.positions, system.velocities)
         with quiet(self.exudyn):
             hub_case = in_hub_frame(case, float(system.positions[0]))
@@ -332,7 +334,7 @@ class Exudyn(Engine):
 
     @contextmanager
     def opened(self, case: Case, model: str) -> Iterator[Any]:
-        """Lend the system of a case, with Exudyn's console silent; free its memory after."""
+        """Build the system of a case, with Exudyn's console silent; free its memory after."""
         with quiet(self.exudyn):
             system = self.system(case, model)
             try:
@@ -377,7 +379,7 @@ class Exudyn(Engine):
         time = settings.timeIntegration
         time.verboseMode = 0
         span = {"startTime": start, "endTime": start + step}
-        with any_values(self.exudyn):  # Exudyn runs before t = 0, but refuses to be told so
+        with any_values(self.exudyn):  # Exudyn runs before t = 0, but refuses such a start time
             time.SetDictionary({**time.GetDictionary(), **span})
         time.numberOfSteps = 1
         time.adaptiveStep = self.adaptive_step
@@ -539,7 +541,7 @@ class Probe:
         Raises
         ------
         EngineError
-            ``singular``, if the scene's rates do not tell the motion here.
+            ``singular``, if the scene's rates do not determine the motion here.
         """
         at = np.array(self.mbs.systemData.GetODE2Coordinates(configuration=self.current))
         if self.system.turning is not None:
@@ -552,7 +554,9 @@ class Probe:
         rows = np.vstack([jacobian, readout])
         wanted = np.vstack([np.zeros((len(jacobian), n)), np.eye(n)])
         if rows.shape[0] != self.size or np.linalg.cond(rows) > 1e12:
-            raise EngineError("singular", "the scene's coordinates do not tell the motion here")
+            raise EngineError(
+                "singular", "the scene's coordinates do not determine the motion here"
+            )
         return np.linalg.solve(rows, wanted)
 
     def turning_integrals(self, coordinates: Array, rates: Array) -> dict[str, Array]:
@@ -613,7 +617,7 @@ class Probe:
     def free_shapes(self) -> Array:
         """Return a basis (N, n) of the shapes that the constraints leave, the angle kept.
 
-        They are linear in the frame that turns. What no constraint holds stands alone in them:
+        They are linear in the frame that turns. Unconstrained coordinates are separate columns:
         summed up with coordinates that stretch, those that bend would lose half their digits.
         """
         still, plane = np.zeros(self.size), self.system.turning.plane

@@ -200,7 +200,7 @@ class MuJoCo(Engine):
     def compile(
         self, text: str, model: str, method: str = "Euler", step: float | None = None
     ) -> Any:
-        """Return a compiled model; one that is stepped has a method and a step [s].
+        """Return a compiled model, for runs with a method and a step [s].
 
         Raises
         ------
