@@ -497,12 +497,12 @@ def build_space(source: ExudynSource) -> ExudynSystem:
         (base, own), turn = built.joined(i), to_axis(one.axis)
         multipliers[f"body:{whole.bodies[i].name}"] = count, axes.T
         if one.hinge:
-            frames = (base, whole.bodies[i].rotation @ turn), (own, turn)
-            mbs.AddObject(items.ObjectJointRevoluteZ(**built.frames(*frames)))
+            ends = (base, whole.bodies[i].rotation @ turn), (own, turn)
+            mbs.AddObject(items.ObjectJointRevoluteZ(**built.frames(*ends)))
             count += 5
         elif one.kind == "ball":
-            ends = [built.point(base), built.point(own)]
-            mbs.AddObject(items.ObjectJointSpherical(markerNumbers=ends))
+            markers = [built.point(base), built.point(own)]
+            mbs.AddObject(items.ObjectJointSpherical(markerNumbers=markers))
             count += 3
     upright = right_handed(axes)
     for closure in whole.closures:  # in the plane, in which hinges and slides keep the bodies
@@ -589,9 +589,9 @@ def add_springs(source: ExudynSource, built: Assembly) -> tuple[Hinge, ...]:
             torsion[ends] = torsion.get(ends, 0) + numbers
         elif not reach.keys() <= built.slides.keys():  # the damper of a ball joint
             markers = [built.point(site) for site in built.joined(*map(source.carrier, reach))]
-            damping = -term.per_rate * np.diag([0, 0, 0, 1, 1, 1])
+            about = -term.per_rate * np.diag([0, 0, 0, 1, 1, 1])
             damper = items.ObjectConnectorRigidBodySpringDamper
-            mbs.AddObject(damper(markerNumbers=markers, damping=damping))
+            mbs.AddObject(damper(markerNumbers=markers, damping=about))
     hinges = []
     for ends, (stiffness, damping, torque) in torsion.items():
         axis = source.axis(ends[1])

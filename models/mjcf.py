@@ -13,7 +13,6 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
-from xml.parsers import expat
 from xml.sax.saxutils import quoteattr
 
 from ..reference.scene import EquationsOfMotion
@@ -140,32 +139,29 @@ def attribute_text(value: Value) -> str:
     return " ".join(number(item) for item in value)
 
 
+TAG = re.compile(
+    r"""<!--.*?-->|<(?P<end>/?)(?P<tag>\w+)(?P<rest>(?:[^>"']|"[^"]*"|'[^']*')*)>""", re.DOTALL
+)
+"""A comment or a tag; a ``>`` may stand inside quotes."""
+
+NAME = re.compile(r"""\sname\s*=\s*["']([^"']*)""")
+
+
 @lru_cache(maxsize=64)
-def start_tags(text: bytes) -> Mapping[str, list[tuple[int, int]]]:
-    """Return the places of the start tags of each element, as (begin, end) in bytes."""
+def start_tags(text: str) -> Mapping[str, list[tuple[int, int]]]:
+    """Return the places of the start tags of each element, as (begin, end)."""
     places: dict[str, list[tuple[int, int]]] = {}
     path: list[tuple[str, str | None]] = []
-    parser = expat.ParserCreate()
-
-    def enter(tag: str, attributes: dict[str, str]) -> None:
-        path.append((tag, attributes.get("name")))
-        begin = parser.CurrentByteIndex
-        places.setdefault(address(path), []).append((begin, tag_end(text, begin)))
-
-    def leave(tag: str) -> None:
-        path.pop()
-
-    parser.StartElementHandler = enter
-    parser.EndElementHandler = leave
-    parser.Parse(text, True)
+    for match in TAG.finditer(text):
+        if match["end"]:
+            path.pop()
+        elif match["tag"]:
+            name = NAME.search(match["rest"])
+            path.append((match["tag"], name[1] if name else None))
+            places.setdefault(address(path), []).append(match.span())
+            if match["rest"].endswith("/"):
+                path.pop()
     return places
-
-
-def tag_end(text: bytes, begin: int) -> int:
-    """Return where the tag that begins here ends; a ``>`` may stand inside quotes."""
-    match = re.compile(rb"""<(?:[^>"']|"[^"]*"|'[^']*')*>""").match(text, begin)
-    assert match is not None  # expat has just read it
-    return match.end()
 
 
 def address(path: Sequence[tuple[str, str | None]]) -> str:
@@ -185,22 +181,20 @@ def bind(text: str, bindings: Mapping[tuple[str, str], Binding], parameters: Any
     KeyError
         If the text does not have exactly one such element, or it lacks the attribute.
     """
-    raw = text.encode()
-    places = start_tags(raw)
-    edits = []
+    places, edits = start_tags(text), []
     for (element, attribute), value in bindings.items():
         matches = places.get(element, [])
         if len(matches) != 1:
             raise KeyError(f"{len(matches)} elements {element!r} in the MJCF, expected one")
         begin, end = matches[0]
-        pattern = rb"""\s%s\s*=\s*("[^"]*"|'[^']*')""" % re.escape(attribute).encode()
-        match = re.compile(pattern).search(raw, begin, end)
+        pattern = rf"""\s{attribute}\s*=\s*("[^"]*"|'[^']*')"""
+        match = re.compile(pattern).search(text, begin, end)
         if match is None:
             raise KeyError(f"{element!r} has no attribute {attribute!r} in the MJCF")
-        edits.append((match.span(1), quoteattr(attribute_text(value(parameters))).encode()))
+        edits.append((match.span(1), quoteattr(attribute_text(value(parameters)))))
     for (begin, end), replacement in sorted(edits, reverse=True):
-        raw = raw[:begin] + replacement + raw[end:]
-    return raw.decode()
+        text = text[:begin] + replacement + text[end:]
+    return text
 
 
 def export(model: Mjcf, parameters: Any) -> str:

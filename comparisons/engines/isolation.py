@@ -133,27 +133,25 @@ def isolated(
     groups = alone if groups is None else groups
     owners = [""] * len(groups) if owners is None else owners
     waiting = deque((owner, deque(group)) for owner, group in zip(owners, groups, strict=True))
-    crew: dict[Worker, deque[int]] = {}
-    busy_for: dict[Worker, str] = {}
+    crew: dict[Worker, tuple[str, deque[int]]] = {}
     try:
         while waiting or crew:
             while waiting and len(crew) < jobs:
                 worker = Worker()
-                busy_for[worker], crew[worker] = waiting.popleft()
-                worker.begin(calls[crew[worker][0]], seconds, megabytes)
+                crew[worker] = waiting.popleft()
+                worker.begin(calls[crew[worker][1][0]], seconds, megabytes)
             for worker in ready(crew):
-                group, result = crew[worker], worker.outcome
-                index = group.popleft()
-                owner = busy_for[worker]
-                if not group and waiting:
-                    owner, group = waiting.popleft()
-                if not group or owner != busy_for[worker] or not worker.process.is_alive():
-                    worker.end()
-                    del crew[worker], busy_for[worker]
-                if group:
-                    worker = worker if worker in crew else Worker()
-                    crew[worker], busy_for[worker] = group, owner
+                (owner, group), result = crew.pop(worker), worker.outcome
+                index, alive = group.popleft(), worker.process.is_alive()
+                if not group and alive and waiting and waiting[0][0] == owner:
+                    _, group = waiting.popleft()
+                if group and alive:
+                    crew[worker] = owner, group
                     worker.begin(calls[group[0]], seconds, megabytes)
+                else:
+                    worker.end()
+                    if group:
+                        waiting.appendleft((owner, group))
                 yield index, result
     finally:
         for worker in crew:

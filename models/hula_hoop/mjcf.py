@@ -32,12 +32,6 @@ def joints(p: HulaHoop, time: float, state: Mapping[str, float]) -> Motion:
     return {**coordinates_alone(p, time, state), "foot": foot}
 
 
-def controls(p: HulaHoop) -> Mapping[str, Wave]:
-    """Return the force on the main mass."""
-    c = coefficients(p)
-    return {"force": Wave(c.force, c.omega, 0.0)}
-
-
 MECHANISM = {
     ("option", "gravity"): lambda p: (p.gravity_x, p.gravity_y, 0),
     ("body:main_mass/inertial", "mass"): lambda p: p.main_mass,
@@ -62,6 +56,6 @@ MODELS = {
         path=Path(__file__).with_name("forced.xml"),
         bindings={**MECHANISM, ("joint:y", "stiffness"): lambda p: p.stiffness},
         equations=equations,
-        controls=controls,
+        controls=lambda p: {"force": Wave(coefficients(p).force, coefficients(p).omega, 0.0)},
     ),
 }

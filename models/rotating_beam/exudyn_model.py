@@ -30,7 +30,7 @@ from ...reference.rotating_beam.elements import element_scene, free_coordinates,
 from ...reference.rotating_beam.elements import stations as node_places
 from ...reference.rotating_beam.frequencies.stretching import frequencies
 from ...reference.rotating_beam.parameters import RotatingBeam
-from ...reference.scene import Array, EquationsOfMotion
+from ...reference.scene import Array
 from ..exudyn_system import (
     ExudynSystem,
     Model,
@@ -243,11 +243,6 @@ SHEARING = replace(
 a slender beam by a few parts in 1e5. Runs are compared with `discrete`, which shears."""
 
 
-def equations(p: RotatingBeam) -> tuple[EquationsOfMotion, RotatingBeam]:
-    """Return the beam that the elements converge to."""
-    return EXTENSIBLE if p.element == "ancf" else SHEARING, p
-
-
 def hub_takes_no_elements(p: RotatingBeam) -> str | None:
     """Return the reason why elements cannot be clamped to the hub, or None."""
     return rotor_takes_no_joints() if p.hub_radius else None
@@ -271,7 +266,7 @@ MODELS: Mapping[str, Model] = {
         constrained=True,
         unsupported_reason=hub_takes_no_elements,
         large=True,
-        equations=equations,
+        equations=lambda p: (EXTENSIBLE if p.element == "ancf" else SHEARING, p),
         discrete=lambda p: element_scene(round(p.segments), p.element),
         prescribed=lambda p: p.drive == "prescribed",
         element_order=lambda p: 4 if p.element == "ancf" else 2,
