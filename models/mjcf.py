@@ -173,8 +173,8 @@ def address(path: Sequence[tuple[str, str | None]]) -> str:
     return (owners[-1] if owners else "") + tag
 
 
-def bind(text: str, bindings: Mapping[tuple[str, str], Binding], parameters: Any) -> str:
-    """Return MJCF text with the bound attributes set for these parameters.
+def bind(text: str, values: Mapping[tuple[str, str], Value]) -> str:
+    """Return MJCF text with these values of attributes, by element and attribute.
 
     Raises
     ------
@@ -182,7 +182,7 @@ def bind(text: str, bindings: Mapping[tuple[str, str], Binding], parameters: Any
         If the text does not have exactly one such element, or it lacks the attribute.
     """
     places, edits = start_tags(text), []
-    for (element, attribute), value in bindings.items():
+    for (element, attribute), value in values.items():
         matches = places.get(element, [])
         if len(matches) != 1:
             raise KeyError(f"{len(matches)} elements {element!r} in the MJCF, expected one")
@@ -191,7 +191,7 @@ def bind(text: str, bindings: Mapping[tuple[str, str], Binding], parameters: Any
         match = re.compile(pattern).search(text, begin, end)
         if match is None:
             raise KeyError(f"{element!r} has no attribute {attribute!r} in the MJCF")
-        edits.append((match.span(1), quoteattr(attribute_text(value(parameters)))))
+        edits.append((match.span(1), quoteattr(attribute_text(value))))
     for (begin, end), replacement in sorted(edits, reverse=True):
         text = text[:begin] + replacement + text[end:]
     return text
@@ -200,4 +200,4 @@ def bind(text: str, bindings: Mapping[tuple[str, str], Binding], parameters: Any
 def export(model: Mjcf, parameters: Any) -> str:
     """Return the model's committed MJCF with these parameters."""
     text = model.expand(model.path.read_text(encoding="utf-8"), parameters)
-    return bind(text, model.bindings, parameters)
+    return bind(text, {key: value(parameters) for key, value in model.bindings.items()})

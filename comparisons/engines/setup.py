@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from ...reference import get_scene
 from ...reference.amplification import AMPLIFICATION
-from ...reference.equations import ModelEquations
 from ...reference.errors import EngineError, MbcheckError, NoOrbitError, UsageError
 from ...reference.linear import linearise, modes
 from ...reference.scene import Array, Case, Scene
@@ -137,7 +136,12 @@ class Setup:
     @cached_property
     def stable_step_bound(self) -> float:
         """The longest step [s] for the equations of a closure; a continuum sets none."""
-        return stable_step_bound(self.case, self.bound.equations)
+        equations = self.bound.equations
+        if equations.scene is self.scene or equations.scene.continuum.refined:
+            return np.inf
+        start = equations.start(self.case)
+        matrices = linearise(equations.scene, equations.parameters, start)
+        return STIFF / max(mode.omega for mode in modes(*matrices))
 
     @cached_property
     def unsupported_reason(self) -> str | None:
@@ -219,14 +223,6 @@ def reachable_speed(case: Case) -> float:
     states = np.array([np.concatenate([start[:n] + turn, start[n:]]) for turn in turns])
     faster = [np.max(np.abs(slopes(case.start_time, state)[n:])) for state in states]
     return float(np.max(np.abs(start[n:])) + max(faster) * case.horizon)
-
-
-def stable_step_bound(case: Case, equations: ModelEquations) -> float:
-    """Return the longest step [s] for the equations of a closure; a continuum sets none."""
-    if equations.scene is get_scene(case.scene) or equations.scene.continuum.refined:
-        return np.inf
-    matrices = linearise(equations.scene, equations.parameters, equations.start(case))
-    return STIFF / max(mode.omega for mode in modes(*matrices))
 
 
 def guard(
@@ -354,12 +350,11 @@ def count_remainder_steps(setup: Setup, times: Array) -> int:
     if not most:
         return 0
     case, method, step = setup.case, setup.integrator, setup.step_size
-    grid = case.start_time + step * np.arange(1, TRIAL_STEPS + 1)
-    ends = []
+    ends: list[Array] = []
+    grid: Array = case.start_time + step * np.arange(1, TRIAL_STEPS + 1)
     for samples in (grid[-1:], grid):
         try:
-            simulate = partial(setup.bound.simulate, case, method, step, samples)
-            short = call_engine(simulate)
+            short = call_engine(partial(setup.bound.simulate, case, method, step, samples))
             with noting():
                 guard(short, setup, samples, off_grid_times(setup, samples))
         except MbcheckError:

@@ -101,10 +101,10 @@ def expand(text: str, p: RotatingBeam) -> str:
     chain.insert(carrier(p), mass)
     closed = re.sub(r"(</body>){2,}", "</body>" * count, "".join(lines[places[-1] + 1 :]), count=1)
     whole = "".join([*lines[: places[0]], *chain, closed])
-    return bind(whole, chain_bindings(p), p)
+    return bind(whole, chain_values(p))
 
 
-def chain_bindings(p: RotatingBeam) -> dict[tuple[str, str], Binding]:
+def chain_values(p: RotatingBeam) -> dict[tuple[str, str], Value]:
     """Return the numbers of rods, mass and tip; each is in the frame of its rod."""
     chain = rods(p)
     line = p.density * p.area
@@ -122,7 +122,7 @@ def chain_bindings(p: RotatingBeam) -> dict[tuple[str, str], Binding]:
         }
     values["body:mass", "pos"] = (p.mass_position * p.length - hinges[carrier(p)], 0, 0)
     values["site:tip", "pos"] = (chain[-1].length, 0, 0)
-    return {key: lambda p, value=value: value for key, value in values.items()}
+    return values
 
 
 class HalfRod(NamedTuple):
@@ -187,7 +187,7 @@ MECHANISM: Mapping[tuple[str, str], Binding] = {
     ("site:across", "pos"): lambda p: (p.hub_radius + p.length, 0, 0),
     ("body:mass/inertial", "mass"): lambda p: p.mass,
 }
-"""Attribute of the MJCF -> its value, of both files; those of the chain are in `chain_bindings`."""
+"""Attribute of the MJCF -> its value, of both files; those of the chain are in `chain_values`."""
 
 CLOCK: Mapping[tuple[str, str], Binding] = {
     ("joint:clock", "ref"): lambda p: clock(p, 0.0)[0],
