@@ -703,9 +703,9 @@ def integrate_samples(
 ) -> tuple[Array, Array, Array, Array, int]:
     """Run an initialised solver from sample to sample.
 
-    One solver does all: its memory (the algorithmic accelerations of GeneralizedAlpha) goes
-    on through a sample, which therefore does not act on the motion. It counts its steps and
-    its time from the start of each leg, which is where its own clock stood.
+    One solver does all: its memory (the algorithmic accelerations of GeneralizedAlpha) persists
+    through a sample, which therefore does not act on the motion. It counts its steps and its time
+    from the start of each leg.
 
     Returns
     -------
@@ -723,11 +723,8 @@ def integrate_samples(
     data, progress = mbs.systemData, solver.it
     indices = np.rint((times - progress.startTime) / step).astype(int)
     legs = np.diff(indices, prepend=0).tolist()
-    size = len(data.GetODE2Coordinates())
-    coordinates, rates = np.empty((len(times), size)), np.empty((len(times), size))
-    angles, clock = np.empty((len(times), len(data.GetDataCoordinates()))), np.empty(len(times))
-    steps = 0
-    for row, leg in enumerate(legs):
+    rows, steps = [], 0
+    for leg in legs:
         if leg:
             progress.startTime = begin = data.GetTime()
             progress.endTime = begin + leg * step
@@ -740,10 +737,9 @@ def integrate_samples(
                     f"Exudyn's solver found no solution at t = {progress.currentTime:.9g} s; "
                     f"try a smaller step (Exudyn: {reason})",
                 )
-        coordinates[row] = data.GetODE2Coordinates()
-        rates[row] = data.GetODE2Coordinates_t()
-        angles[row] = data.GetDataCoordinates()
-        clock[row] = data.GetTime()
+        found = data.GetODE2Coordinates(), data.GetODE2Coordinates_t(), data.GetDataCoordinates()
+        rows.append((*map(np.array, found), data.GetTime()))
+    coordinates, rates, angles, clock = (np.array(part) for part in zip(*rows, strict=True))
     return coordinates, rates, angles, clock, steps
 
 
