@@ -58,10 +58,10 @@ CLOSURE_TIME = Option(
 )
 """Closure softness, an option of engines that read it from the file."""
 
-MODELS = 256
+MAX_MODELS = 256
 """Bound models that an adapter keeps, since a map runs its points repeatedly."""
 
-REASONS = 4096
+MAX_REASONS = 4096
 """Reasons of an engine that are kept: each kind of check asks for those of all methods."""
 
 OWN = "scene"
@@ -83,7 +83,7 @@ DIFFERENCE = 0.03
 round-off of accelerations, whose stiffest modes are far faster than those of interest, falls with
 the step."""
 
-TURNING = DIFFERENCE / 6
+CURVED_DIFFERENCE = DIFFERENCE / 6
 """The same step where joints are no sums of coordinates: in loops, and where quaternions turn.
 Rotations have poles at the length 0, at the distance 1."""
 
@@ -112,7 +112,7 @@ class BoundModel:
         self.engine, self.case, self.name = engine, case, name
         self.scene = get_scene(case.scene)
         self.source = engine.read_source(case.scene, name)
-        self.engine_reason = lru_cache(REASONS)(self.ask_reason)
+        self.engine_reason = lru_cache(MAX_REASONS)(self.ask_reason)
 
     # Its equations
 
@@ -165,7 +165,7 @@ class BoundModel:
         engine, names = self.engine, self.scene.public
         bare = System(self.case, self.name, names, *np.zeros((2, len(names))))
         system = self.origin if engine.reads_mjcf else bare
-        description = engine.ahead(
+        description = engine.call_before_checks(
             "describe_model",
             lambda: model_description(engine.inner.describe_model(system), self.scene.units),
         )
@@ -203,7 +203,7 @@ class BoundModel:
                 raise EngineError("returned", f"they do not tell {', '.join(sorted(missing))}")
 
         function = f"describe_model: its equations for {self.scene.name}"
-        self.engine.ahead(function, refuse_missing)
+        self.engine.call_before_checks(function, refuse_missing)
 
     @cached_property
     def description(self) -> ModelDescription:
@@ -330,7 +330,9 @@ class BoundModel:
             return None  # the call itself will raise it
         ask = engine.inner.unsupported_reason
         try:
-            return engine.ahead("unsupported_reason", lambda: reason_of(ask(system, method)))
+            return engine.call_before_checks(
+                "unsupported_reason", lambda: reason_of(ask(system, method))
+            )
         except Unsupported as error:
             return str(error)
 
@@ -702,13 +704,13 @@ class BoundModel:
             own_models or not (moves or self.has_constraints)
         ):
             try:
-                return self.told_matrices(state, time)
+                return self.linearise_by_engine(state, time)
             except Unsupported:
                 if own_models:
                     raise
         return self.linearise_numerically(state, time)
 
-    def told_matrices(self, state: Array, time: float) -> tuple[Array, Array, Array]:
+    def linearise_by_engine(self, state: Array, time: float) -> tuple[Array, Array, Array]:
         """Return M, C, K, each (n, n), by the engine's own function."""
         q, v = self.joint_motion(time, state)
         system = replace(self.origin, positions=q, velocities=v, start_time=time)
@@ -752,7 +754,7 @@ class BoundModel:
         standing = self.jacobian(time, state)
         # joints of a tree in the plane are linear in the coordinates
         curved = self.has_constraints or self.origin.layout.is_spatial
-        width = TURNING if curved else DIFFERENCE
+        width = CURVED_DIFFERENCE if curved else DIFFERENCE
         _, slopes = by_differences(one_by_one(force), state, ORDER, width)
         slopes[self.prescribed] = 0
         mass = self.mass_matrices(state[None])[0] if inverse else self.own_mass_matrix(state)
@@ -793,15 +795,15 @@ class Adapter:
         self.name, self.version, self.methods = inner.name, inner.version, tuple(inner.methods)
         self.reads_mjcf, self.compliant_joints = bool(inner.reads_mjcf), inner.compliant_joints
         self.precision, self.closure = inner.precision, inner.closure
-        self.hold(inner)
+        self.wrap(inner)
 
-    def hold(self, inner: Engine) -> None:
+    def wrap(self, inner: Engine) -> None:
         """Replace the wrapped engine and clear cached models."""
         self.inner = inner
         self.accumulates_clock, self.min_inertia = inner.accumulates_clock, inner.min_inertia
         self.max_value, self.newton_tolerance = inner.max_value, inner.newton_tolerance
         self.takes_method = functions_by_method(inner)
-        self.made = lru_cache(MODELS)(partial(self.bound, self))
+        self.made = lru_cache(MAX_MODELS)(partial(self.bound, self))
         self.names = lru_cache(self.ask_names)
 
     def bind(self, case: Case, model: str) -> BoundModel:
@@ -848,7 +850,7 @@ class Adapter:
         if "models" not in self.functions:
             return (OWN,)
         try:
-            return self.ahead("models", lambda: model_names(self.inner.models(scene)))
+            return self.call_before_checks("models", lambda: model_names(self.inner.models(scene)))
         except Unsupported:
             return ()
 
@@ -862,7 +864,7 @@ class Adapter:
         twins = self.twins(scene)
         return tuple(name for name in self.models(scene) if name not in twins)
 
-    def ahead(self, function: str, work: Callable[[], T]) -> T:
+    def call_before_checks(self, function: str, work: Callable[[], T]) -> T:
         """Return the answer of a function of the engine before there is a check to judge it by.
 
         Raises
@@ -898,7 +900,7 @@ class Adapter:
             other.closure_time = value
         else:
             other.inner = self.inner.with_option(name, value)
-        other.hold(other.inner)
+        other.wrap(other.inner)
         return other
 
     def reordered(self, order: tuple[int, ...], inputs_too: bool) -> Self:
