@@ -8,7 +8,8 @@ file has them, but
 - bodies of a plane mechanism, as it stands, are bodies in the plane of x and y.
 
 Joints are hinges and slides about or along any axis, ball joints and free joints, in the origin of
-their body. A tendon acts between two bodies.
+their body. A tendon acts between two bodies. But in a kinematic tree, slides are on bodies that do
+not move.
 """
 
 from __future__ import annotations

@@ -351,7 +351,7 @@ def count_remainder_steps(setup: Setup, times: Array) -> int:
         return 0
     case, method, step = setup.case, setup.integrator, setup.step_size
     ends: list[Array] = []
-    grid: Array = case.start_time + step * np.arange(1, TRIAL_STEPS + 1)
+    grid = np.asarray(case.start_time + step * np.arange(1, TRIAL_STEPS + 1), dtype=float)
     for samples in (grid[-1:], grid):
         try:
             short = call_engine(partial(setup.bound.simulate, case, method, step, samples))
@@ -421,19 +421,14 @@ def run_many(
     times : array (k, n_t) [s]
         As many steps from one to the next in every case.
     """
-    for case, step, grid in zip(cases, steps, times, strict=True):
-        grid_indices(grid, case.start_time, float(step))
+    rows = list(zip(cases, steps.tolist(), times, strict=True))
+    for case, step, grid in rows:
+        grid_indices(grid, case.start_time, step)
 
     def simulate(case: Case, step: float, grid: Array) -> Trajectory:
-        return setup.with_case(case).bound.simulate(case, setup.integrator, step, grid)
+        own = setup.with_case(case).with_step(step)
+        trajectory = own.bound.simulate(case, setup.integrator, step, grid)
+        guard(trajectory, own, grid)
+        return trajectory
 
-    rows = zip(cases, steps.tolist(), times, strict=True)
-    results = call_engine(lambda: [attempt(partial(simulate, *row)) for row in rows])
-    for i, result in enumerate(results):
-        if isinstance(result, EngineError):
-            continue
-        try:
-            guard(result, setup.with_case(cases[i]).with_step(float(steps[i])), times[i])
-        except EngineError as error:
-            results[i] = error
-    return results
+    return call_engine(lambda: [attempt(partial(simulate, *row)) for row in rows])

@@ -136,7 +136,10 @@ def test_binding_keeps_everything_else() -> None:
     text = (
         "<a>\n <!-- é > -->\n <body  name='b' note='x>y'><inertial\n pos='0'  mass='1'/></body></a>"
     )
-    values = {("body:b/inertial", "mass"): 0.1, ("body:b/inertial", "pos"): (0.1, 1.0)}
+    values: dict[tuple[str, str], Any] = {
+        ("body:b/inertial", "mass"): 0.1,
+        ("body:b/inertial", "pos"): (0.1, 1.0),
+    }
     expected = text.replace("mass='1'", 'mass="0.1"').replace("pos='0'", 'pos="0.1 1"')
     assert bind(text, values) == expected
 
