@@ -209,7 +209,7 @@ def describe(error: BaseException, console: str) -> str:
     lines = (str(error).strip() or "no message").splitlines()
     reason = " ".join(lines[:2]) if lines[0].endswith(":") else lines[0]
     return append_console_tail(
-        printable(f"{type(error).__name__}: {reason}", LONGEST_REASON), console
+        printable_text(f"{type(error).__name__}: {reason}", LONGEST_REASON), console
     )
 
 
@@ -230,10 +230,10 @@ def traceback_of(error: BaseException) -> str:
 def excerpt(traceback: object) -> str:
     """Return a printable traceback, whatever another process has sent in its place."""
     lines = without_middle(f"{traceback}", 2 * LONGEST_TRACEBACK).split("\n")
-    return without_middle("\n".join(map(printable, lines)), LONGEST_TRACEBACK).rstrip()
+    return without_middle("\n".join(map(printable_text, lines)), LONGEST_TRACEBACK).rstrip()
 
 
-def printable(text: str, most: int = 2 * LONGEST_TRACEBACK) -> str:
+def printable_text(text: str, most: int = 2 * LONGEST_TRACEBACK) -> str:
     """Return text of at most so many characters, with escapes for what a terminal might obey."""
     text = without_middle(text, most)
     seen = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
@@ -249,4 +249,4 @@ def without_middle(text: str, most: int) -> str:
 def append_console_tail(message: str, console: str) -> str:
     """Append the last line that the engine printed."""
     lines = [line.strip() for line in console.splitlines() if line.strip()]
-    return f"{message} (console: {printable(lines[-1], 200)})" if lines else message
+    return f"{message} (console: {printable_text(lines[-1], 200)})" if lines else message

@@ -737,8 +737,8 @@ def integrate_samples(
                     f"Exudyn's solver found no solution at t = {progress.currentTime:.9g} s; "
                     f"try a smaller step (Exudyn: {reason})",
                 )
-        found = data.GetODE2Coordinates(), data.GetODE2Coordinates_t(), data.GetDataCoordinates()
-        rows.append((*map(np.array, found), data.GetTime()))
+        parts = data.GetODE2Coordinates(), data.GetODE2Coordinates_t(), data.GetDataCoordinates()
+        rows.append((*map(np.array, parts), data.GetTime()))
     coordinates, rates, angles, clock = (np.array(part) for part in zip(*rows, strict=True))
     return coordinates, rates, angles, clock, steps
 
