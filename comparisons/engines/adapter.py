@@ -803,7 +803,7 @@ class Adapter:
         self.accumulates_clock, self.min_inertia = inner.accumulates_clock, inner.min_inertia
         self.max_value, self.newton_tolerance = inner.max_value, inner.newton_tolerance
         self.takes_method = functions_by_method(inner)
-        self.made = lru_cache(MAX_MODELS)(partial(self.bound, self))
+        self.made = lru_cache(MAX_MODELS)(self.make)
         self.names = lru_cache(self.ask_names)
 
     def bind(self, case: Case, model: str) -> BoundModel:
@@ -814,7 +814,11 @@ class Adapter:
         UnknownNameError
             If the engine has no such model of the scene.
         """
-        return self.made(Case(case.scene, "", case.parameters, placement=case.placement), model)
+        return self.made(case.scene, model, case.parameters, case.placement)
+
+    def make(self, scene: str, model: str, parameters: Any, placement: str) -> BoundModel:
+        """Return a new bound model."""
+        return self.bound(self, Case(scene, "", parameters, placement=placement), model)
 
     def read_source(self, scene: str, model: str) -> mjcf.Mjcf:
         """Return the named MJCF model, `NO_FILE` of an engine that reads none.
