@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from copy import copy
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,13 +83,6 @@ class MuJoCo(Engine):
         hard = any(closure.solref[0] < 0 for closure in system.closures)
         return (SOLVER_TOLERANCE,) if hard else ()
 
-    def with_option(self, name: str, value: float) -> Self:
-        """Return this engine with an option set."""
-        other = copy(self)
-        setattr(other, name, value)
-        other.compiled = lru_cache(MODELS)(other.compile)
-        return other
-
     # Runs
 
     def simulate(self, system: System, method: Method, step: float, times: Array) -> Motion:
@@ -102,7 +94,8 @@ class MuJoCo(Engine):
             ``step``, if it is so long that MuJoCo would soften a closure silently.
         """
         with self.opened(system):
-            compiled = self.compiled(system.mjcf, system.model, method.name, step)
+            chosen = method.name, step, self.solver_tolerance
+            compiled = self.compiled(system.mjcf, system.model, *chosen)
             data = self.data(compiled, system.start_time, system.positions, system.velocities)
             motion = integrate(self.mujoco, compiled, data, times, system.drive_end)
             return self.with_sensors(system, compiled, data, motion)
@@ -198,7 +191,12 @@ class MuJoCo(Engine):
     # Models
 
     def compile(
-        self, text: str, model: str, method: str = "Euler", step: float | None = None
+        self,
+        text: str,
+        model: str,
+        method: str = "Euler",
+        step: float | None = None,
+        tolerance: float | None = None,
     ) -> Any:
         """Return a compiled model, for runs with a method and a step [s].
 
@@ -212,8 +210,8 @@ class MuJoCo(Engine):
         if step is not None:
             self.refuse_softening(compiled, model, step)
             compiled.opt.timestep = step
-            if self.solver_tolerance is not None:
-                compiled.opt.tolerance = self.solver_tolerance
+            if tolerance is not None:
+                compiled.opt.tolerance = tolerance
         return compiled
 
     def load(self, text: str) -> Any:
