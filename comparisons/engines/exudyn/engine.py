@@ -229,7 +229,7 @@ class Exudyn(Engine):
         multipliers = self.motion(system, time, positions, velocities)[1]
         rows = self.probe(system.case, system.model).system.reactions
         names = self.source(system.case, system.model).reactions
-        return dict(zip(names, (rows @ multipliers).tolist(), strict=True))
+        return {} if rows is None else dict(zip(names, (rows @ multipliers).tolist(), strict=True))
 
     def motion(
         self, system: System, time: float, positions: Array, velocities: Array

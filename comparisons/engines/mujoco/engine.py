@@ -94,8 +94,8 @@ class MuJoCo(Engine):
             ``step``, if it is so long that MuJoCo would soften a closure silently.
         """
         with self.opened(system):
-            chosen = method.name, step, self.solver_tolerance
-            compiled = self.compiled(system.mjcf, system.model, *chosen)
+            settings = method.name, step, self.solver_tolerance
+            compiled = self.compiled(system.mjcf, system.model, *settings)
             data = self.data(compiled, system.start_time, system.positions, system.velocities)
             motion = integrate(self.mujoco, compiled, data, times, system.drive_end)
             return self.with_sensors(system, compiled, data, motion)
