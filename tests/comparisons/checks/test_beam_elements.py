@@ -16,7 +16,7 @@ from mbcheck.comparisons.checks.verdict import Finding, Inconclusive, Result
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.faults.catalogue import ENGINES, scaled
-from mbcheck.comparisons.faults.exudyn import OtherItems, Rebuilt
+from mbcheck.comparisons.faults.exudyn import ExudynAdapter, OtherItems, Rebuilt
 from mbcheck.comparisons.faults.runs import Starting
 from mbcheck.comparisons.faults.variants import Misread
 from mbcheck.models.exudyn_system import items
@@ -35,7 +35,7 @@ def rebuilt(kind: str, name: str, factor: float) -> Callable[[], Adapter]:
     def made(**values: Any) -> Any:
         return getattr(items, kind)(**{**values, name: factor * values[name]})
 
-    return lambda: Rebuilt(exudyn_model, items=OtherItems(**{kind: made}))
+    return lambda: ExudynAdapter(Rebuilt(exudyn_model, items=OtherItems(**{kind: made})))
 
 
 EXACT, ANCF = "ObjectBeamGeometricallyExact2D", "ObjectANCFCable2D"

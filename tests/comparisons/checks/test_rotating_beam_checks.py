@@ -279,7 +279,7 @@ def test_a_clamp_that_keeps_the_slope_vector_costs_part_of_an_order(
     case: str, profile: str, seen: bool
 ) -> None:
     """It converges to the same beam from ten times as far; its elements have other frequencies."""
-    wrong = Rebuilt(exudyn_model, clamp=whole_clamp)
+    wrong = ExudynAdapter(Rebuilt(exudyn_model, clamp=whole_clamp))
     assert is_seen(results_of(ELEMENTS, "order", wrong, case, profile)) == seen
     assert is_seen(results_of(ELEMENTS, "frequency", wrong, case, profile)) == seen
 
@@ -380,10 +380,6 @@ class ModelOfElements(BoundModel):
 
     engine: Elements
 
-    def read_source(self) -> Mjcf:
-        """Return that it has no file."""
-        return NO_FILE
-
     @property
     def described(self) -> tuple[mbcheck.ModelDescription, None]:
         """What it claims."""
@@ -410,6 +406,10 @@ class Elements(Adapter):
     def __init__(self, error: Error, order: int = 2, side: int = 0) -> None:
         super().__init__(ExactEngine())
         self.error, self.order, self.which = error, order, side
+
+    def read_source(self, scene: str, model: str) -> Mjcf:
+        """Return that it has no file."""
+        return NO_FILE
 
 
 Measure = Callable[[Setup], list[Finding]]

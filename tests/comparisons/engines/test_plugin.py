@@ -233,7 +233,7 @@ RETURNED: dict[str, tuple[dict[str, Callable[[Any], Any]], str]] = {
     ),
     "a warning": (
         {"simulate": lambda m: replace(m, warnings={"bad": 2})},
-        "counter bad stands at 2",
+        "counter bad is 2",
     ),
     "NaN accelerations": (
         {"accelerations": lambda a: np.nan * a},

@@ -10,6 +10,7 @@ import pytest
 
 from mbcheck.comparisons.checks.suite import checks_of, run_check
 from mbcheck.comparisons.engines.adapter import Adapter, BoundModel
+from mbcheck.comparisons.engines.exudyn.engine import Exudyn
 from mbcheck.comparisons.engines.mujoco.engine import joint_force
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.faults.exudyn import ExudynAdapter
@@ -114,7 +115,7 @@ def wrong_mujoco(mass: float, inertia: float) -> Edited:
     return Edited(('mass="0.5"', f'mass="{mass!r}"'), (repr(HOMOGENEOUS), repr(inertia)))
 
 
-class WrongExudyn(ExudynAdapter):
+class WrongExudyn(Exudyn):
     """Exudyn with other numbers of the rod."""
 
     def __init__(self, mass: float, inertia: float) -> None:
@@ -140,7 +141,7 @@ class PushedBack(Wrapped):
 
 WRONG: Mapping[str, Callable[[float, float], Adapter]] = {
     "mujoco": wrong_mujoco,
-    "exudyn": WrongExudyn,
+    "exudyn": lambda *numbers: ExudynAdapter(WrongExudyn(*numbers)),
 }
 
 

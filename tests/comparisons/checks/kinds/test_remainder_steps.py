@@ -1,4 +1,4 @@
-"""Engines that count slivers of steps are told so; those that take other steps are caught."""
+"""Remainder steps are noted; engines that take other steps are caught."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 import mbcheck
 from mbcheck.comparisons.engines.adapter import adapt
 from mbcheck.comparisons.engines.run import noting
-from mbcheck.comparisons.engines.setup import Setup, missed, run
+from mbcheck.comparisons.engines.setup import Setup, off_grid_times, run
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.solve import schemes
@@ -38,7 +38,7 @@ class Stopping(Solved):
         self.parts, self.more, self.work = parts, more, work
 
     def simulate(self, system: Any, method: Any, step: float, times: Any) -> mbcheck.Motion:
-        """Integrate, and count every step that is taken, slivers too."""
+        """Integrate, and count every step that is taken, remainder steps too."""
         scene, n = get_scene(system.case.scene), len(system.joints)
         equations = schemes.ScalarEquations(scene, self.change(system.case.parameters))
         state = np.concatenate([system.positions, system.velocities])
@@ -61,7 +61,7 @@ class Stopping(Solved):
 def setup_of(engine: Stopping, step: float = STEP, start: float = 0.0) -> Setup:
     """Return a run of hula_hoop."""
     case = replace(get_scene("hula_hoop").case("spinning_3hz_60n"), start_time=start)
-    return Setup(adapt("slivers:Stopping", engine), case, "scene", METHOD, step)
+    return Setup(adapt("remainders:Stopping", engine), case, "scene", METHOD, step)
 
 
 def outcome(engine: Stopping, samples: Any, step: float = STEP, start: float = 0.0) -> Any:
@@ -76,18 +76,18 @@ def outcome(engine: Stopping, samples: Any, step: float = STEP, start: float = 0
 
 @pytest.mark.parametrize("work", [False, True])
 @pytest.mark.parametrize("every", [1, 7, 32])
-def test_slivers_are_noted(every: int, work: bool) -> None:
+def test_remainder_steps_are_noted(every: int, work: bool) -> None:
     samples = np.arange(every, 225, every)
-    assert missed(setup_of(Stopping()), STEP * samples)
+    assert off_grid_times(setup_of(Stopping()), STEP * samples)
     said = outcome(Stopping(work=work), samples)
-    # a sample may cost an evaluation anyway, which leaves room for few slivers
-    assert said == [] if work and every != 7 else "slivers" in said[0]
+    # a sample may cost an evaluation anyway, which leaves room for few remainder steps
+    assert said == [] if work and every != 7 else "remainder steps" in said[0]
 
 
-def test_a_sliver_of_a_single_step_is_noted() -> None:
+def test_a_remainder_of_a_single_step_is_noted() -> None:
     def misses(start: float) -> int:
         setup = setup_of(Stopping(), start=start)
-        return missed(setup, np.array([start + STEP]))
+        return off_grid_times(setup, np.array([start + STEP]))
 
     assert outcome(Stopping(), [1], start=next(n / 7 for n in range(99) if not misses(n / 7))) == []
     with noting() as notes:  # of a time that lies an ulp after the clock
@@ -117,8 +117,8 @@ def test_halved_steps_are_an_error_by_their_work_too() -> None:
     assert outcome(Stopping(parts=2, work=True), np.arange(1, 65)) == "work_count"
 
 
-def test_a_check_passes_and_tells_of_slivers() -> None:
+def test_a_check_passes_and_tells_of_remainder_steps() -> None:
     found = results(Stopping(), "hula_hoop", ("stability",), "point_mass_3hz_60n")
     assert found
     assert {item.verdict for item in found} == {"pass"}
-    assert any("note: the engine counts slivers" in item.reason for item in found)
+    assert any("note: the engine counts remainder steps" in item.reason for item in found)
