@@ -48,11 +48,11 @@ DOCUMENTS: Mapping[str, tuple[str, str]] = {
     ),
     "diff": ("diff.changes.Diff", "What changed between two runs of checks."),
     "inspect": (
-        "inspect.inspection.InspectDocument",
+        "inspect.inspection.Inspection",
         "What is in an MJCF file, and what it could do without.",
     ),
     "inspections": (
-        "inspect.inspection.InspectionsDocument",
+        "inspect.batch.InspectionsDocument",
         "What is found in several MJCF files.",
     ),
 }

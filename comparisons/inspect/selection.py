@@ -1,4 +1,4 @@
-"""Which rules are asked, and what is waived from outside a model: files of waivers, baselines."""
+"""Selected rules, and waivers from outside a model: files of waivers, baselines."""
 
 from __future__ import annotations
 
@@ -18,78 +18,76 @@ from .request import InspectRequest
 from .rules.table import RULES
 
 BESIDE = "mbcheck-inspect.toml"
-"""File of waivers that is looked for beside a model."""
+"""Name of the file of waivers in the folder of a model."""
 
 KEYS = ("rule", "reason", "element", "file")
-"""What an entry of it may say; the first two it must."""
+"""Keys of an entry in a file of waivers; the first two are required."""
 
 HEADER = re.compile(r"^[ \t]*\[\[[ \t]*waive[ \t]*\]\]", re.MULTILINE)
 
-
 Baseline = Mapping[tuple[str, str], float | None]
-"""Rule and element of findings that were there before, and how bad they were, if known."""
+"""Rule and element of each known finding -> its measure, if it has one."""
 
 
 class Selection(NamedTuple):
-    """Rules that are asked, and what is waived beside the comments of the file itself."""
+    """Selected rules, and waivers beside the comments of the file."""
 
     rules: frozenset[str]
     waivers: tuple[Waiver, ...]
     baseline: Baseline
 
 
-def selection_of(asked: InspectRequest) -> Selection:
-    """Return what is asked of a file.
+def selection_of(request: InspectRequest) -> Selection:
+    """Return the selected rules, the waivers and the baseline of a file.
 
     Raises
     ------
     UsageError
-        If a pattern fits no rule, or the file of waivers, or the baseline, cannot be read.
+        If a pattern matches no rule, or the file of waivers, or the baseline, cannot be read.
     """
-    file = str(asked.path)
+    file = str(request.path)
     beside = os.path.join(os.path.dirname(file), BESIDE)
-    place = asked.waivers or (beside if os.path.isfile(beside) else None)
+    place = request.waivers or (beside if os.path.isfile(beside) else None)
     waivers = waivers_of(Path(place), file) if place else ()
-    old = baseline_of(asked.baseline).get(Path(file).as_posix(), {}) if asked.baseline else {}
-    return Selection(rules_of(asked), waivers, old)
+    known = baseline_of(request.baseline) if request.baseline else {}
+    return Selection(rules_of(request), waivers, known.get(Path(file).as_posix(), {}))
 
 
-def refuse_slips(asked: InspectRequest) -> None:
-    """Refuse names that nothing answers to, and files that cannot be read, before any work."""
-    rules_of(asked)
-    if asked.waivers:
-        waivers_of(Path(asked.waivers), "")
-    if asked.baseline:
-        baseline_of(asked.baseline)
+def refuse_slips(request: InspectRequest) -> None:
+    """Refuse unknown rules, and files that cannot be read, before any work."""
+    rules_of(request)
+    if request.waivers:
+        waivers_of(Path(request.waivers), "")
+    if request.baseline:
+        baseline_of(request.baseline)
 
 
-def rules_of(asked: InspectRequest) -> frozenset[str]:
-    """Return the rules that are asked.
+def rules_of(request: InspectRequest) -> frozenset[str]:
+    """Return the selected rules.
 
     Raises
     ------
     UnknownNameError
-        If a pattern fits none.
+        If a pattern matches none.
     """
-    for pattern in (*asked.select, *asked.ignore):
+
+    def matching(patterns: Sequence[str]) -> set[str]:
+        return {name for name in RULES if any(fnmatchcase(name, pattern) for pattern in patterns)}
+
+    for pattern in (*request.select, *request.ignore):
         if not matching([pattern]):
             raise UnknownNameError("rule", pattern, RULES)
-    default = {name for name, rule in RULES.items() if asked.strict or not rule.house}
-    return frozenset((matching(asked.select) or default) - matching(asked.ignore))
-
-
-def matching(patterns: Sequence[str]) -> set[str]:
-    """Return the rules that some pattern fits."""
-    return {name for name in RULES if any(fnmatchcase(name, pattern) for pattern in patterns)}
+    default = {name for name, rule in RULES.items() if request.strict or not rule.house}
+    return frozenset((matching(request.select) or default) - matching(request.ignore))
 
 
 def waivers_of(place: Path, file: str) -> tuple[Waiver, ...]:
-    """Return the waivers of a TOML file that are about a model.
+    """Return the waivers of a TOML file that concern a model.
 
     Raises
     ------
     UsageError
-        If it cannot be read, or an entry is not what it must be.
+        If it cannot be read, or an entry is invalid.
     """
     text, content = read_document(place, "TOML", tomllib.loads, "--waivers: ")
     for key in content:
@@ -103,37 +101,38 @@ def waivers_of(place: Path, file: str) -> tuple[Waiver, ...]:
         line = lines[number] if number < len(lines) else 1
         where = f"{place}, line {line}"
         if not isinstance(entry, dict) or not all(isinstance(v, str) for v in entry.values()):
-            raise UsageError(f"{where}: an entry is a table of strings")
+            raise UsageError(f"{where}: an entry must be a table of strings")
         odd = [key for key in entry if key not in KEYS]
         if odd:
             raise UnknownNameError("key", odd[0], KEYS)
         missing = [key for key in KEYS[:2] if not entry.get(key, "").strip()]
         if missing:
-            raise UsageError(f"{where}: there is no {missing[0]}")
+            raise UsageError(f"{where}: add the missing {missing[0]}")
         if entry["rule"] not in RULES:
             raise UnknownNameError("rule", entry["rule"], RULES)
-        name = Path(file).name
-        if fnmatchcase(name, entry.get("file", "*")) or fnmatchcase(file, entry.get("file", "*")):
-            waiver = Waiver(
-                rule=entry["rule"],
-                pattern=entry.get("element"),
-                reason=entry["reason"],
-                text=json.dumps(entry),
-                file=os.path.relpath(place, Path(file).parent),
-                line=line,
-                required=entry.get("file") in (name, file),
+        names = (Path(file).name, file)
+        if any(fnmatchcase(name, entry.get("file", "*")) for name in names):
+            waivers.append(
+                Waiver(
+                    rule=entry["rule"],
+                    pattern=entry.get("element"),
+                    reason=entry["reason"],
+                    text=json.dumps(entry),
+                    file=os.path.relpath(place, Path(file).parent),
+                    line=line,
+                    required=entry.get("file") in names,
+                )
             )
-            waivers.append(waiver)
     return tuple(waivers)
 
 
 def baseline_of(name: str) -> dict[str, dict[tuple[str, str], float | None]]:
-    """Return the findings of a document: file -> rule and element -> how bad it was, if known.
+    """Return the findings of a document: file -> rule and element -> measure, if any.
 
     Raises
     ------
     UsageError
-        If it cannot be read, or is no document of ``inspect``.
+        If it cannot be read, or is not a document of ``inspect``.
     """
     _, content = read_document(name, "JSON", json.loads, "--baseline: ")
     baselines: dict[str, dict[tuple[str, str], float | None]] = {}
@@ -144,10 +143,10 @@ def baseline_of(name: str) -> dict[str, dict[tuple[str, str], float | None]]:
                 key = one["rule"], one["element"]
                 known[key] = max(known.get(key) or 0.0, one["measure"] or 0.0) or None
     except (KeyError, TypeError, AttributeError):
-        raise UsageError(f"--baseline: {name} is no document of inspect --json") from None
+        raise UsageError(f"--baseline: {name} is not a document of inspect --json") from None
     return baselines
 
 
 def unwaived(model: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Return the findings of an ``inspect`` document that its file does not waive."""
+    """Return the findings of an ``inspect`` document that are not waived."""
     return [one for one in model["findings"] if one["waived"] is None]

@@ -1,4 +1,4 @@
-"""A steady motion of an MJCF model: one hinge turns, and all else keeps its place beside it."""
+"""Steady rotations of an MJCF model: one hinge turns, all other joints keep their positions."""
 
 from __future__ import annotations
 
@@ -7,34 +7,30 @@ from scipy.optimize import least_squares
 
 from ....reference.errors import UnknownNameError, UsageError
 from ....reference.scene import Array
+from ..tuning import NUMERICS
 from .linear import LinearProbe
 from .model import Loaded, State
 
-SETTLED = 1e-12
-"""Share of the forces that a steady motion leaves unbalanced."""
-
-STEADY = 1e-6
-"""Share by which forces may change as a steady rotation goes on."""
-
-TURNS = (0.4, 1.1, 2.3)
-"""Angles [rad] at which that is looked at."""
-
 
 def steady_rotation(loaded: Loaded, joint: str, speed: float | str) -> State:
-    """Find the steady motion in which a hinge turns and all else keeps its place beside it.
+    """Find the steady motion in which a hinge turns and all other joints keep their positions.
 
-    From the first keyframe, or `qpos0`, by Levenberg and Marquardt's method, which moves nothing
-    that floats freely; the hinge is held at its speed.
+    The search starts from the first keyframe, or `qpos0`, and uses the method of Levenberg and
+    Marquardt, which does not move bodies that float freely; the hinge keeps its speed.
 
     Raises
     ------
     UsageError
         If there is no such hinge, or no such motion.
     """
-    dof = hinge(loaded, joint)
+    m, names = loaded.model, [loaded.name("joint", i) for i in range(loaded.model.njnt)]
+    if joint not in names:
+        raise UnknownNameError("joint", joint, names)
+    if not loaded.of_kind("jnt_type", "hinge")[names.index(joint)]:
+        raise UsageError(f"{joint} is not a hinge: give a hinge, which alone can turn steadily")
     if isinstance(speed, str) or not np.isfinite(speed):
         raise UsageError(f"the speed of {joint} must be a finite number [rad/s], not {speed}")
-    axes = np.eye(loaded.model.nv)
+    axes, dof = np.eye(m.nv), int(m.jnt_dofadr[names.index(joint)])
     turn, others = axes[dof], np.delete(axes, dof, axis=1)
     first = loaded.states[min(1, len(loaded.states) - 1)]
     name = f"{joint} at {speed:g} rad/s"
@@ -59,39 +55,23 @@ def steady_rotation(loaded: Loaded, joint: str, speed: float | str) -> State:
             **exact,
         ).x
     excess = unbalanced(x)
-    if not excess <= SETTLED:
+    if not excess <= NUMERICS.balanced:
         raise UsageError(
-            f"no steady motion was found with {name}: a share of {excess:.2g} "
-            "of the forces is left unbalanced; start nearer to it, with a keyframe"
+            f"no steady motion was found with {name}: a share of {excess:.2g} of the forces is "
+            "unbalanced; start nearer to it, with a keyframe"
         )
-    for angle in TURNS:
+    for angle in NUMERICS.steady_angles:
         change = unbalanced(x, angle)
-        if change > STEADY:
+        if change > NUMERICS.steady:
             raise UsageError(
-                f"a rotation of {joint} is not steady: {angle:g} rad on, a share of {change:.2g} "
-                "of the forces is unbalanced (gravity across the axis does that)"
+                f"a rotation of {joint} is not steady: after {angle:g} rad a share of {change:.2g} "
+                "of the forces is unbalanced (gravity across the axis has this effect)"
             )
     return state._replace(position=moved(x))
 
 
-def hinge(loaded: Loaded, joint: str) -> int:
-    """Return the degree of freedom of a hinge.
-
-    Raises
-    ------
-    UsageError
-        If there is none of this name.
-    """
-    names = [loaded.name("joint", i) for i in range(loaded.model.njnt)]
-    if joint not in names:
-        raise UnknownNameError("joint", joint, names)
-    if not loaded.of_kind("jnt_type", "hinge")[names.index(joint)]:
-        raise UsageError(f"{joint} is no hinge, and only a hinge can turn steadily")
-    return int(loaded.model.jnt_dofadr[names.index(joint)])
-
-
 def unbalanced_forces(probe: LinearProbe, position: Array) -> tuple[Array, Array]:
-    """Return the forces (nv,) that are not balanced in a motion, and the size of those that act."""
+    """Return the unbalanced forces (nv,) in a steady motion, and the size of the acting ones."""
     velocity = probe.state.velocity
     probe.put(position, velocity)
     inertia, passive, actuator, _ = probe.forces(np.zeros_like(velocity))
