@@ -35,11 +35,10 @@ from ..reports.words import plural, printable
 from ..terminal.program import MISUSED, complain, console, json_text, progress_bar, to_stdout
 from .console import VERDICTS, inspection_sections, omissions, print_rule, print_rules
 from .fixes import neutral_edit
-from .inspection import Inspection, inspect_in_parts
+from .inspection import Inspection, inspect_in_parts, refuse_slips, unwaived
 from .mujoco.source import ROOT, OtherRootError, read
 from .request import InspectRun
 from .rules.table import RULES
-from .selection import refuse_slips, unwaived
 from .subject import SEVERITIES
 from .tuning import EFFORT
 
@@ -179,7 +178,7 @@ class Inspections:
         return {name: sum(one["summary"][name] for one in self.models) for name in names}
 
     def items(self, fail_on: str) -> list[ReportItem]:
-        """Return an item for each finding, and for each file without any or that is unreadable.
+        """Return an item for each finding, and for each unreadable file, or file without any.
 
         A finding of a failing severity is a failure, others are skipped.
         """

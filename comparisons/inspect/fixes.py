@@ -88,7 +88,7 @@ def neutral_edit(request: InspectRequest) -> NeutralEdit:
     own = loaded.source.files[0]
     candidates = [
         (element, key)
-        for element in loaded.source.walk()
+        for element in loaded.source.root.walk()
         if element.file == own
         for key in element.attributes
         if (own, element.line, element.address, key) in places

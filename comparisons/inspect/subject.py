@@ -30,7 +30,7 @@ Needs = Literal["model", "states", "modes", "runs", "findings"]
 class Hit(NamedTuple):
     """A finding of a rule: element and its name, a sentence with numbers, and a remedy.
 
-    ``attribute`` is the attribute of the element that is wrong, if it is one. ``fix`` is empty
+    ``attribute`` is the wrong attribute of the element, if it is one. ``fix`` is empty
     where that of the rule suffices. ``measure`` is the larger the worse.
     """
 
@@ -44,7 +44,7 @@ class Hit(NamedTuple):
 
 @dataclass(frozen=True)
 class InspectedModel(Facts):
-    """A model, and everything that is computed about it.
+    """A model, and everything computed about it.
 
     Attributes
     ----------
@@ -105,7 +105,7 @@ class InspectedModel(Facts):
 
     @property
     def limits_of_file(self) -> list[StepLimit]:
-        """Largest stable step of the file's integrator, if it has one that is known."""
+        """Largest stable step of the file's integrator, if it is known."""
         return [one for one in self.steps if one.of_file and 0 < one.limit < math.inf]
 
     def size_of(self, closure: ClosedLoop) -> float:
@@ -181,7 +181,7 @@ class ModelRule:
     find : callable
         From a model to the findings; rules that need those of others are evaluated with them.
     needs : {"model", "states", "modes", "runs", "findings"}
-        Input that is computed first: nothing but the compiled model, its states with the loads of
+        Input computed first: nothing but the compiled model, its states with the loads of
         their loops, small motions about these (`--no-modes` leaves such rules out), short runs, or
         the findings of all other rules.
     house : bool

@@ -36,7 +36,7 @@ class Thresholds:
     locked_range : float
         Width [rad, m] of a range that leaves a joint no motion.
     idle_acceleration : float
-        Share of the largest acceleration that is round-off.
+        Share of the largest acceleration up to which another is round-off.
     max_turn : float
         Angle [rad] beyond which a range or a position of a hinge is taken to be in degrees.
     control_excess : float
@@ -83,7 +83,7 @@ class Thresholds:
         Armatures that are tried, relative to the inertia of a joint; the same over the step are
         tried as damping.
     damping_unit : float
-        Unit of the damping that is tried on a growing mode, relative to inertia times frequency.
+        Unit of the damping tried on a growing mode, relative to inertia times frequency.
     gain_shares : tuple of float
         Factors of servo gains that are tried.
     impedances : tuple of float
@@ -177,7 +177,7 @@ class Numerics:
     constraint_share : float
         Share of the resistance of a mode from which on constraints set it.
     min_opening : float
-        Opening of a loop [m, rad] that is round-off.
+        Opening of a loop [m, rad] below which it is round-off.
     balanced, steady : float
         Shares of the forces that may be unbalanced in a steady rotation, and as it goes on.
     steady_angles : tuple of float
@@ -199,7 +199,7 @@ class Numerics:
     energy_gain : float
         Gain from part to part, relative to the kinetic energy, of a run that keeps growing.
     energy_roundoff : float
-        Share of an energy that is round-off in another.
+        Share of an energy below which another is round-off.
     perturbation : float
         Departure [rad, m] of a perturbed start.
     steps_per_radian, min_steps_per_radian : float

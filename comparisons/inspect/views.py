@@ -343,18 +343,16 @@ def view_of(loaded: Loaded, state: State, steady_hinge: str | None = None) -> Vi
 def why_no_modes(loaded: Loaded, state: State, wanted: bool | None) -> str | None:
     """Return the reason why modes of a state are not computed, if they are not."""
     nv, ball = loaded.model.nv, loaded.of_kind("jnt_type", "free", "ball")
-    if nv == 0:
-        return "nothing can move"
-    if wanted is False:
-        return "switched off by --no-modes"
-    if wanted is None and nv > EFFORT.max_dofs:
-        return f"{nv} degrees of freedom (--modes finds them)"
-    if loaded.model.nflex and nv > EFFORT.max_dofs:
-        return f"a flex with {nv} degrees of freedom"
-    ends = np.append(loaded.model.jnt_dofadr, nv)[1:][ball]
-    if any(np.any(state.velocity[end - 3 : end]) for end in ends):
-        return "a ball or free joint turns: its small motions are not constant"
-    return None
+    ends, many = np.append(loaded.model.jnt_dofadr, nv)[1:][ball], nv > EFFORT.max_dofs
+    turns = any(np.any(state.velocity[end - 3 : end]) for end in ends)
+    reasons = {
+        "nothing can move": nv == 0,
+        "switched off by --no-modes": wanted is False,
+        f"{nv} degrees of freedom (--modes finds them)": wanted is None and many,
+        f"a flex with {nv} degrees of freedom": loaded.model.nflex and many,
+        "a ball or free joint turns: its small motions are not constant": turns,
+    }
+    return next((words for words, applies in reasons.items() if applies), None)
 
 
 def step_limits(loaded: Loaded, views: Sequence[View]) -> tuple[StepLimit, ...]:

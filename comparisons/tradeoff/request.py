@@ -46,7 +46,7 @@ class TradeoffRequest:
     Raises
     ------
     UsageError
-        If a number makes no sense, or an option does not go with what is traded off.
+        If a number makes no sense, or an option does not go with a scene or a file.
     """
 
     scenes: Annotated[tuple[str, ...], OptionMark("[SCENE|MODEL.xml]...", ())] = ()

@@ -184,7 +184,7 @@ class Facts:
 
 def facts(loaded: Loaded, file: str) -> Facts:
     """Return the content of a model that was read from a file, as it was given."""
-    m = loaded.model
+    m, lib = loaded.model, loaded.mujoco
     counts = {name: int(getattr(m, field)) for name, field in COUNTED.items()}
     depths = [-1]  # the world; a parent comes before its children
     for parent in m.body_parentid[1:]:
@@ -193,25 +193,35 @@ def facts(loaded: Loaded, file: str) -> Facts:
         file=file,
         files=loaded.source.files,
         name=loaded.source.root.attributes.get("model", ""),
-        options=options(loaded),
+        options=Options(
+            integrator=integrator(loaded),
+            timestep=float(m.opt.timestep),
+            solver=word(lib.mjtSolver, m.opt.solver),
+            tolerance=float(m.opt.tolerance),
+            iterations=int(m.opt.iterations),
+            cone=word(lib.mjtCone, m.opt.cone).lower(),
+            jacobian=word(lib.mjtJacobian, m.opt.jacobian).lower(),
+            gravity=(0.0, 0.0, 0.0) if loaded.disabled("gravity") else floats(m.opt.gravity),
+            energy=loaded.enabled("energy"),
+            autoreset=not loaded.disabled("autoreset"),
+            contact=not (loaded.disabled("contact") or loaded.disabled("constraint")),
+            refsafe=not loaded.disabled("refsafe"),
+        ),
         counts=counts | {"bodies": m.nbody - 1},
         mass=float(np.sum(m.body_mass[1:])),
         size=float(m.stat.extent),
-        bodies=tuple(body(loaded, number, depths[number]) for number in range(1, m.nbody)),
-    )
-
-
-def body(loaded: Loaded, number: int, depth: int) -> BodyFacts:
-    """Return a body with its joints."""
-    m = loaded.model
-    return BodyFacts(
-        name=loaded.name("body", number),
-        parent=loaded.name("body", m.body_parentid[number]) if depth else "world",
-        depth=depth,
-        mass=float(m.body_mass[number]),
-        centre=floats(m.body_ipos[number]),
-        inertia=floats(m.body_inertia[number]),
-        joints=tuple(joint(loaded, int(i)) for i in np.flatnonzero(m.jnt_bodyid == number)),
+        bodies=tuple(
+            BodyFacts(
+                name=loaded.name("body", i),
+                parent=loaded.name("body", m.body_parentid[i]) if depths[i] else "world",
+                depth=depths[i],
+                mass=float(m.body_mass[i]),
+                centre=floats(m.body_ipos[i]),
+                inertia=floats(m.body_inertia[i]),
+                joints=tuple(joint(loaded, int(j)) for j in np.flatnonzero(m.jnt_bodyid == i)),
+            )
+            for i in range(1, m.nbody)
+        ),
     )
 
 
@@ -229,25 +239,6 @@ def joint(loaded: Loaded, number: int) -> JointFacts:
         damping=float(m.dof_damping[dof]),
         armature=float(m.dof_armature[dof]),
         range=floats(m.jnt_range[number]) if m.jnt_limited[number] else None,
-    )
-
-
-def options(loaded: Loaded) -> Options:
-    """Return the options with which a file is simulated."""
-    lib, opt = loaded.mujoco, loaded.model.opt
-    return Options(
-        integrator=integrator(loaded),
-        timestep=float(opt.timestep),
-        solver=word(lib.mjtSolver, opt.solver),
-        tolerance=float(opt.tolerance),
-        iterations=int(opt.iterations),
-        cone=word(lib.mjtCone, opt.cone).lower(),
-        jacobian=word(lib.mjtJacobian, opt.jacobian).lower(),
-        gravity=(0.0, 0.0, 0.0) if loaded.disabled("gravity") else floats(opt.gravity),
-        energy=loaded.enabled("energy"),
-        autoreset=not loaded.disabled("autoreset"),
-        contact=not (loaded.disabled("contact") or loaded.disabled("constraint")),
-        refsafe=not loaded.disabled("refsafe"),
     )
 
 

@@ -166,7 +166,7 @@ class Loaded:
     @cached_property
     def elements(self) -> tuple[tuple[str, Element], ...]:
         """Elements that become objects, with their kinds."""
-        elements = self.source.walk()
+        elements = self.source.root.walk()
         return tuple((kind, element) for element in elements if (kind := kind_of(element)))
 
     def name(self, kind: str, number: SupportsInt) -> str:
@@ -258,7 +258,7 @@ class Loaded:
         return tuple(self.member("mjtWarning", "mjWARN", name) for name in names)
 
     def lost(self, data: Any) -> bool:
-        """Return True if MuJoCo has counted a state that is not finite, or huge."""
+        """Return True if MuJoCo has counted a non-finite or huge state."""
         return any(data.warning[number].number for number in self.fatal_warnings)
 
     def disabled(self, name: str) -> bool:
@@ -355,7 +355,7 @@ def load(path: str | Path) -> Loaded:
 
 def includer(source: Source, failure: str) -> str:
     """Return the line that includes the file which a message of MuJoCo names, if any."""
-    for element in source.walk():
+    for element in source.root.walk():
         files = [Path(x).name for key, x in element.attributes.items() if key.startswith("file")]
         if any(name and name in failure for name in files) and " line " not in failure:
             return f" ({element.file}, line {element.line})"
@@ -364,7 +364,7 @@ def includer(source: Source, failure: str) -> str:
 
 def refuse_numbers(source: Source) -> None:
     """Refuse values that are not numbers, or too large to compute with."""
-    for element in source.walk():
+    for element in source.root.walk():
         for name, value in element.attributes.items():
             where = f"{element.file}, line {element.line}: {name} of {element.address}"
             if NOT_A_NUMBER.search(value) and name not in ("name", "class", "file"):

@@ -114,18 +114,14 @@ class Source:
     waivers: tuple[Waiver, ...]
     files: tuple[str, ...]
 
-    def walk(self) -> Iterator[Element]:
-        """Yield all elements, in the order of the text."""
-        return self.root.walk()
-
     def tagged(self, *tags: str) -> list[Element]:
         """Return all elements with one of these tags."""
-        return [element for element in self.walk() if element.tag in tags]
+        return [element for element in self.root.walk() if element.tag in tags]
 
     def text(self, leave_out: Collection[Attribute] = ()) -> str:
         """Return the model as one text, includes inserted, without some attributes."""
         omitted, made = set(leave_out), dict[Element, ET.Element]()
-        for element in self.walk():
+        for element in self.root.walk():
             attributes = element.attributes.items()
             left = {key: value for key, value in attributes if (element, key) not in omitted}
             made[element] = ET.Element(element.tag, left)

@@ -374,7 +374,7 @@ class KeyframeForces(NamedTuple):
     free : array (nv,)
         True if it falls freely.
     undriven : array (nv,)
-        Largest unbalanced force in its tree at a joint that is neither free nor driven.
+        Largest unbalanced force in its tree at a joint, neither free nor driven.
     """
 
     force: Array

@@ -170,7 +170,7 @@ def empty_body(s: InspectedModel) -> Iterator[Hit]:
 
 def leaves(s: InspectedModel) -> Flags:
     """Return the bodies (nbody,) without children that no other element names."""
-    m, elements = s.model, s.loaded.source.walk()
+    m, elements = s.model, s.loaded.source.root.walk()
     words = {element.attributes.get(key, "") for element in elements for key in NAMING}
     named = words.union(*(word.split() for word in words))
     unnamed = np.array([i and s.loaded.name("body", i) not in named for i in range(m.nbody)], bool)
@@ -365,7 +365,7 @@ LIMITS = {
     "tendon": (("range", "tendon_limited"), ("actuatorfrcrange", "tendon_actfrclimited")),
     "actuator": (("forcerange", "actuator_forcelimited"), ("actrange", "actuator_actlimited")),
 }
-"""Kind -> attribute, and the field that is true if it counts."""
+"""Kind -> attribute, and the field of flags for those with effect."""
 
 
 def range_ignored(s: InspectedModel) -> Iterator[Hit]:
@@ -436,7 +436,7 @@ def duplicate_sensor(s: InspectedModel) -> Iterator[Hit]:
 def unused_asset(s: InspectedModel) -> Iterator[Hit]:
     m, kind = s.model, s.loaded.of_kind
     owners = ("geom", "site", "tendon", "skin", "flex")
-    named = {element.attributes.get("mesh", "") for element in s.loaded.source.walk()}
+    named = {element.attributes.get("mesh", "") for element in s.loaded.source.root.walk()}
     used = {
         "material": [np.ravel(getattr(m, f"{owner}_matid", [])) for owner in owners],
         "mesh": [  # a geom may be fitted to one, a flex made of one
@@ -462,7 +462,7 @@ def unused_asset(s: InspectedModel) -> Iterator[Hit]:
 def unused_site(s: InspectedModel) -> Iterator[Hit]:
     words = {
         value
-        for element in s.loaded.source.walk()
+        for element in s.loaded.source.root.walk()
         for key, value in element.attributes.items()
         if key != "name"
     }

@@ -40,7 +40,7 @@ RULES: Mapping[str, ModelRule] = {
     "coarse_step": ModelRule(
         "note",
         MEANINGS["coarse_step"],
-        "A mode that is resolved by a few steps in its period is stable at best: its phase, and "
+        "A mode resolved by a few steps in its period is stable at best: its phase, and "
         "with most integrators its amplitude, are wrong.",
         "shorten the timestep if that motion matters; waive the finding if it does not",
         motion.coarse_step,
@@ -60,7 +60,7 @@ RULES: Mapping[str, ModelRule] = {
     ),
     "unstable_equilibrium": ModelRule(
         "note",
-        "a state of rest that is not a minimum of the potential",
+        "a state of rest away from a minimum of the potential",
         "An inverted pendulum rests there until something disturbs it.",
         "waive it if a controller is to stabilise it",
         motion.unstable_equilibrium,
@@ -349,7 +349,7 @@ RULES: Mapping[str, ModelRule] = {
     ),
     "inactive_equality": ModelRule(
         "note",
-        "an equality that is off",
+        "an inactive equality",
         "It has no effect until a program activates it.",
         "remove it, or waive it if a program activates it",
         parts.inactive_equality,
@@ -503,7 +503,7 @@ RULES: Mapping[str, ModelRule] = {
     ),
     "zero_quaternion": ModelRule(
         "warning",
-        "a keyframe with a quaternion that is not of norm 1",
+        "a keyframe with a quaternion whose norm is not 1",
         "The body silently starts with another orientation than the numbers say.",
         "write 1 0 0 0 for no rotation",
         drives.zero_quaternion,

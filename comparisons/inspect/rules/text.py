@@ -74,7 +74,7 @@ def repeated_default(
 def attributes(s: InspectedModel) -> Iterator[Attribute]:
     """Yield the attributes that are tried."""
     unused = set(unused_classes(s))
-    for element in s.loaded.source.walk():
+    for element in s.loaded.source.root.walk():
         needed = element.tag in CONVENTIONS or element.within("custom")
         if not (needed or unused.intersection((element, *element.ancestors()))):
             yield from ((element, key) for key in element.attributes if key not in IDENTITY)
@@ -90,7 +90,7 @@ def unused_classes(s: InspectedModel) -> list[Element]:
     """Return the classes of defaults that no element uses, nor a class within them."""
     used = {
         element.attributes.get(key)
-        for element in s.loaded.source.walk()
+        for element in s.loaded.source.root.walk()
         for key in ("class", "childclass")
         if element.tag != "default"
     }
@@ -188,7 +188,7 @@ def unused_setting(s: InspectedModel) -> Iterator[Hit]:
 
 
 def implicit_degrees(s: InspectedModel) -> Iterator[Hit]:
-    elements = [] if s.setting("angle") else s.loaded.source.walk()
+    elements = [] if s.setting("angle") else s.loaded.source.root.walk()
     keys = [(element, key) for element in elements for key in angles(s, element)]
     for element, key in keys[:1]:
         text = shortened(element.attributes[key])

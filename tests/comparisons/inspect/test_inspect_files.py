@@ -16,7 +16,7 @@ from rich.console import Console
 
 import mbcheck
 from mbcheck.comparisons.documents import schema
-from mbcheck.comparisons.inspect import console
+from mbcheck.comparisons.inspect import batch
 from mbcheck.comparisons.inspect.inspection import Inspection, inspect
 from mbcheck.comparisons.inspect.rules.table import RULES
 from mbcheck.reference.errors import UsageError
@@ -222,7 +222,7 @@ def test_modes_may_be_left_out(tmp_path: Path) -> None:
     path = written(tmp_path)
     found = inspect(path, modes=False)
     assert found.steps == ()
-    assert found.views[0].reason == "not asked for"
+    assert found.views[0].reason == "switched off by --no-modes"
     assert inspect(path, modes=True).steps
 
 
@@ -230,9 +230,9 @@ def test_the_public_function(tmp_path: Path) -> None:
     found = mbcheck.inspect(written(tmp_path))
     assert isinstance(found, Inspection)
     assert found.exit_code == 0
-    assert found.facts.counts["nv"] == 1
-    assert found.facts.mass == pytest.approx(1.0)
-    (body,) = found.facts.bodies
+    assert found.counts["nv"] == 1
+    assert found.mass == pytest.approx(1.0)
+    (body,) = found.bodies
     assert body.inertia == (0.1, 0.1, 0.01)
     assert body.joints[0].axis == (0.0, 1.0, 0.0)
 
@@ -263,7 +263,7 @@ def test_a_floating_humanoid(tmp_path: Path) -> None:
     found = inspect(large.humanoid(tmp_path))
     VALIDATOR.validate(json.loads(json.dumps(found.as_json())))
     assert found.exit_code == 0
-    assert found.facts.counts["nv"] == 31
+    assert found.counts["nv"] == 31
     standing, crouched = found.views
     assert [view.state.name for view in found.views] == ["as opened = standing", "crouched"]
     for view in (standing, crouched):
@@ -290,7 +290,7 @@ def test_large_models_take_seconds(text: str, tmp_path: Path) -> None:
     VALIDATOR.validate(found.as_json())
     assert "--modes finds them" in str(found.views[0].reason)
     printed = io.StringIO()
-    console.print_inspection(Console(file=printed, width=100), found, full=False)
+    batch.print_inspection(Console(file=printed, width=100), found, full=False)
     assert len(printed.getvalue().splitlines()) < 60
 
 

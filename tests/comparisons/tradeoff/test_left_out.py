@@ -110,7 +110,7 @@ def test_where_an_engine_has_no_such_orbit_nothing_is_shifted(
 def test_all_that_is_measured_can_be_sent_and_written() -> None:
     """Each piece is a callable for another process; results stand in the document and the page."""
     scenes = ("hula_hoop", "rotating_beam", "speed_regulator")
-    pieces = Tradeoff.asked(TradeoffRequest(scenes, ("mujoco", "exudyn"))).pieces()
+    pieces = Tradeoff.of_request(TradeoffRequest(scenes, ("mujoco", "exudyn"))).pieces()
     assert pickle.loads(pickle.dumps(list(pieces))) == list(pieces)
     methods = [one.name for one in get_engine("exudyn").methods]
     names = [name for name, _ in boundaries_of(("hula_hoop",), ("exudyn",))]
