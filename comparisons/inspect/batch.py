@@ -19,7 +19,7 @@ from typing import Any, TypeVar
 import click
 from rich.console import Console
 
-from ...reference.errors import EngineError, MbcheckError, UnknownNameError, UsageError
+from ...reference.errors import EngineError, MbcheckError, UsageError
 from ..documents import document
 from ..documents.reading import read_bytes
 from ..engines.isolation import MEMORY, Worker, await_call, tell, within_limits
@@ -33,7 +33,7 @@ from ..reports.sections import Section, markdown_sections, print_sections
 from ..reports.text import STYLES, in_encoding, print_line
 from ..reports.words import plural, printable
 from ..terminal.program import MISUSED, complain, console, json_text, progress_bar, to_stdout
-from .console import VERDICTS, inspection_sections, omissions, print_rule, print_rules
+from .console import VERDICTS, print_rule, inspection_sections, omissions
 from .fixes import neutral_edit
 from .inspection import Inspection, inspect_in_parts, refuse_slips, unwaived
 from .mujoco.source import ROOT, OtherRootError, read
@@ -368,7 +368,7 @@ def inspect_models(
         If options do not go together, or the only file cannot be read.
     """
     if run.explain is not None:
-        explain_rule(run.explain)
+        print_rule(console(), run.explain)
         if not run.models:
             return 0
     if not run.models:
@@ -499,19 +499,3 @@ def print_lines(console: Console, every: Inspections, fail_on: str) -> None:
         if words := omissions(one["left_out"]):
             print_line(console, f"{one['file']}: {words}")
     every.print_verdict(console, fail_on)
-
-
-def explain_rule(name: str) -> None:
-    """Print the texts of a rule, or the list of all rules.
-
-    Raises
-    ------
-    UnknownNameError
-        If there is no such rule.
-    """
-    if name == "all":
-        print_rules(console())
-    elif name in RULES:
-        print_rule(console(), name)
-    else:
-        raise UnknownNameError("rule", name, (*RULES, "all"))

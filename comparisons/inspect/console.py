@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from rich.console import Console
 
+from ...reference.errors import UnknownNameError
 from ..reports.item import Level, ReportItem
 from ..reports.sections import Section, print_sections
 from ..reports.text import print_table
@@ -257,18 +258,24 @@ def closures_section(inspection: Inspection, full: bool) -> Iterator[Section]:
 
 
 def print_rule(console: Console, name: str) -> None:
-    """Print the meaning of a rule, why it matters, and the remedy."""
+    """Print the texts of a rule: meaning, reason and remedy; or a list, for the name ``all``.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such rule.
+    """
+    if name == "all":
+        rows = [
+            [one, rule.severity, "strict" if rule.house else "default", rule.meaning]
+            for one, rule in RULES.items()
+        ]
+        print_table(console, ["rule", "severity", "profile", "finds"], rows)
+        return
+    if name not in RULES:
+        raise UnknownNameError("rule", name, (*RULES, "all"))
     rule = RULES[name]
     lines = [rule.why, f"fix: {rule.fix}"]
     lines += ["a rule of the house: evaluated with --strict or --select"] * rule.house
     lines.append(f"waiver in the file: <!-- mbcheck: allow {name}, ELEMENT: REASON -->")
     print_sections(console, [Section(f"{name} ({rule.severity}): {rule.meaning}", lines=lines)])
-
-
-def print_rules(console: Console) -> None:
-    """Print all rules."""
-    rows = [
-        [name, rule.severity, "strict" if rule.house else "default", rule.meaning]
-        for name, rule in RULES.items()
-    ]
-    print_table(console, ["rule", "severity", "profile", "finds"], rows)

@@ -368,14 +368,13 @@ def complaint(waiver: Waiver) -> tuple[str, Hit]:
     words = " ".join(waiver.text.split())
     quoted = repr(words if len(words) < 60 else f"{words[:57]}...")
     about = "" if waiver.pattern is None else f" for {waiver.pattern}"
-    if not waiver.rule:
-        rule, message = "waiver_reason", f"{quoted} is not a waiver"
-    elif waiver.rule not in RULES:
-        rule, message = "waiver_unknown", f"there is no rule {waiver.rule!r}"
-    elif not waiver.reason:
-        rule, message = "waiver_reason", f"{quoted} gives no reason"
-    else:
-        rule, message = "waiver_unused", f"{waiver.rule} finds nothing{about}"
+    complaints = (
+        (not waiver.rule, "waiver_reason", f"{quoted} is not a waiver"),
+        (waiver.rule not in RULES, "waiver_unknown", f"there is no rule {waiver.rule!r}"),
+        (not waiver.reason, "waiver_reason", f"{quoted} gives no reason"),
+        (True, "waiver_unused", f"{waiver.rule} finds nothing{about}"),
+    )
+    _, rule, message = next(row for row in complaints if row[0])
     return rule, Hit(Element("comment", {}, waiver.file, waiver.line), "comment", message)
 
 

@@ -17,7 +17,7 @@ from ...reference.errors import UsageError
 from ...reference.scene import Array
 from ..inspect.mujoco.facts import integrator, integrators
 from ..inspect.mujoco.model import Loaded, State
-from ..inspect.mujoco.trial import edited
+from ..inspect.rules.remedies import edited
 from ..inspect.views import state_views, step_limits
 from ..queries.environment import versions
 from .request import TradeoffRequest
@@ -167,11 +167,6 @@ class Bench:
     def file(self) -> Setting:
         """Setting of the file."""
         return Setting(integrator(self.loaded), float(self.loaded.model.opt.timestep))
-
-    @property
-    def late(self) -> bool:
-        """True if the time is up."""
-        return monotonic() > self.deadline
 
     def limit(self, setting: Setting) -> float:
         """Return the largest stable step of small motions [s]; infinite if there is none."""
@@ -334,9 +329,10 @@ class Bench:
             for done in range(0, steps, BENCH.steps_at_once):
                 lib.mj_step(model, data, min(BENCH.steps_at_once, steps - done))
                 lost = self.loaded.lost(data)
-                if lost or self.late:
+                late = monotonic() > self.deadline
+                if lost or late:
                     break
-            if self.late:
+            if late:
                 raise TimeUpError
             seconds += thread_time() - begin
             if lost or not np.all(np.isfinite(data.qpos)):
@@ -484,11 +480,6 @@ class Converged:
         return min(known(self.error, most), known(self.spread, most))
 
     @property
-    def unmoved(self) -> bool:
-        """True if nothing moves."""
-        return float(np.max(self.size, initial=0.0)) < BENCH.still
-
-    @property
     def smooth(self) -> bool:
         """True if no contacts, limits and friction acted."""
         return self.run.rows == 0
@@ -564,7 +555,7 @@ def refined(bench: Bench, start: Start) -> Converged | str:
         for name in BENCH.sharpest:
             setting = Setting(name, step, closure=closure)
             truth = converged_by(bench, start, setting)
-            if truth.unmoved:
+            if float(np.max(truth.size, initial=0.0)) < BENCH.still:
                 return "nothing moves"
             best = max(best or truth, truth, key=lambda one: one.count(target))
             known_long = truth.count(target) >= min(BENCH.min_periods, bench.count)

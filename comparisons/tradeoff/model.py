@@ -429,7 +429,7 @@ class ModelTradeoff:
         error = percent(max(choice.error, self.elsewhere or 0.0))
         words = f"{setting_of(choice).name}: {error} {over}"
         if choice.point is own.point:
-            return f"{words}, the setting of the file"
+            return f"{words}, the file's own setting"
         fewer = work_of(own) / work_of(choice)
         count = f"{fewer:.2g} times fewer" if fewer > 1 else f"{1 / fewer:.2g} times as many"
         count = "as many" if fewer == 1 else count
@@ -438,7 +438,7 @@ class ModelTradeoff:
         if BENCH.margin * request.target < own.error <= request.target:
             mine += ": no margin for other motions"
         return (
-            f"{words}, {count} evaluations of forces {link} the setting of the file "
+            f"{words}, {count} evaluations of forces {link} the file's setting "
             f"({setting_of(own).name}, {mine})"
         )
 
@@ -459,9 +459,10 @@ class ModelTradeoff:
             )
         soft = self.softness
         if soft is not None and soft >= BENCH.softness_share * target:
-            more = "" if self.request.exact else "; --exact-closures compares with hard ones"
+            more = "" if self.request.exact else "; --exact-closures uses those"
             notes.append(
-                f"closures as soft as in the file change the motion by {percent(soft)}{more}"
+                f"closures as soft as in the file change the motion by {percent(soft)} "
+                f"compared with hard ones{more}"
             )
         notes += [
             f"{setting.name} has an error of {percent(error)} from other starts or with other "

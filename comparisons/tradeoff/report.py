@@ -99,9 +99,7 @@ class Tradeoff:
         }
         for name, pair in pairs_of(self.scenes, self.engines):
             pieces[name] = LeftOut, partial(compare, pair)
-        for name, setup in boundaries_of(self.scenes, self.engines):
-            case, method = setup.case, setup.integrator.name
-            names = case.scene, case.name, setup.engine.name, setup.model, method
+        for name, names in boundaries_of(self.scenes, self.engines):
             pieces[name] = StabilityShift, partial(shift, *names)
         return pieces
 

@@ -68,8 +68,13 @@ class StabilityShift:
     floor: float | None
 
 
-def boundaries_of(scenes: Sequence[str], engines: Sequence[str]) -> Iterator[tuple[str, Setup]]:
-    """Yield the methods that can find a boundary of a case, by each engine's default model."""
+def boundaries_of(
+    scenes: Sequence[str], engines: Sequence[str]
+) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """Yield name and arguments of each `shift`: methods that can find a boundary of a case.
+
+    Each engine runs its default model.
+    """
     cases = [
         case
         for scene in scenes
@@ -81,7 +86,8 @@ def boundaries_of(scenes: Sequence[str], engines: Sequence[str]) -> Iterator[tup
         for model, method in product(engine.models(case.scene)[:1], engine.methods):
             setup = Setup(engine, case, model, method)
             if not setup.unsupported_reason and boundary.quantities(setup) and setup.epsilon <= EPS:
-                yield f"{case.scene} {name} {method.name}, {case.name}", setup
+                names = case.scene, case.name, name, model, method.name
+                yield f"{case.scene} {name} {method.name}, {case.name}", names
 
 
 def shift(

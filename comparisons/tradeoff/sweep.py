@@ -24,7 +24,6 @@ from ..checks.suite import best_method
 from ..checks.truth import Truth, permitted_horizon, rounding, roundoff_reference
 from ..engines.protocol import Option
 from ..engines.registry import get_engine
-from ..engines.run import Trajectory
 from ..engines.setup import Setup, power_of_two, run, shortest_period
 from ..queries.query import choose_method
 from .table import (
@@ -176,7 +175,13 @@ def swept(series: StepSeries, repeats: int = SWEEP.repeats) -> StepSeries:
         values = trajectories[0].matrix(names)
         right = thinned(exact.values, len(times))
         errors = (np.max(np.abs(values - right), axis=1) / exact.size).tolist()
-        cost = cost_of(trajectories, float(times[-1] - span.start))
+        length, first = float(times[-1] - span.start), trajectories[0]
+        counts = (first.rhs_evaluations, first.newton_iterations)
+        cost = Cost.of(
+            [one.seconds / length for one in trajectories],
+            first.steps / length,
+            *(None if count is None else count / length for count in counts),
+        )
         runs.append(values)
         points.append(Point(step, max(errors), dict(zip(names, errors, strict=True)), cost))
         if finished(points) or min(one.seconds for one in trajectories) > SWEEP.longest_run:
@@ -188,17 +193,6 @@ def swept(series: StepSeries, repeats: int = SWEEP.repeats) -> StepSeries:
     labelled = label(points, parts, setup, exact, resized=case != case_of(series.scene))
     series = replace(series, points=tuple(labelled))
     return summed(replace(series, stable_step=limit and limit.step))
-
-
-def cost_of(trajectories: Sequence[Trajectory], span: float) -> Cost:
-    """Return the cost of repeated runs over a span [s]."""
-    first = trajectories[0]
-    counts = [first.rhs_evaluations, first.newton_iterations]
-    return Cost.of(
-        [one.seconds / span for one in trajectories],
-        first.steps / span,
-        *(None if count is None else count / span for count in counts),
-    )
 
 
 def finished(points: Sequence[Point]) -> bool:
@@ -263,16 +257,14 @@ def label(
             by_model = model_error > point.error / 2
             by_step = not (elements or by_model) if part is None else part >= point.error / 2
             roundoff = rounding(round(point.cost.steps), span.growth)
-            if by_step:
-                kind, name = STEP, "step"
-            elif by_model and model_error > trust:
-                kind, name = MODEL, floor_name(setup)
-            elif elements:
-                kind, name = MODEL, "spatial discretisation"
-            elif point.error < max(roundoff, 2 * trust):
-                kind, name = ROUND_OFF, "round-off"
-            else:
-                kind, name = MODEL, "solver tolerance" if solves else UNEXPLAINED
+            limits = (
+                (by_step, STEP, "step"),
+                (by_model and model_error > trust, MODEL, floor_name(setup)),
+                (elements, MODEL, "spatial discretisation"),
+                (point.error < max(roundoff, 2 * trust), ROUND_OFF, "round-off"),
+                (True, MODEL, "solver tolerance" if solves else UNEXPLAINED),
+            )
+            _, kind, name = next(row for row in limits if row[0])
             at_floor = any(one.label in (MODEL, ROUND_OFF) for one in labelled)
             wasted = at_floor or point.error > SWEEP.gain * least
             least = min(least, point.error)

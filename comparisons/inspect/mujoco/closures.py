@@ -12,7 +12,7 @@ whatever the step, and departures from this opening decay as ``r'' + d b r' + d^
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from scipy.optimize import brentq
@@ -94,7 +94,8 @@ def closures(loaded: Loaded, state: State) -> list[ClosedLoop]:
     data = probe.data
     equality = data.efc_type == int(lib.mjtConstraint.mjCNSTR_EQUALITY)
     owner, residual = np.array(data.efc_id)[equality], np.array(data.efc_pos)[equality]
-    inverse = np.array(data.efc_R)[equality] / compliance(np.array(data.efc_KBIP)[equality, 2])
+    stiff = np.array(data.efc_KBIP)[equality, 2]
+    inverse = np.array(data.efc_R)[equality] * stiff / (1 - stiff)
     every = [
         closure(loaded, state.name, i, inverse[at], forces[at], residual[at])
         for i, at in ((i, owner == i) for i in listed if i in owner)
@@ -105,11 +106,6 @@ def closures(loaded: Loaded, state: State) -> list[ClosedLoop]:
 def equality_kind(loaded: Loaded, number: int) -> str:
     """Return the kind of an equality, as MJCF names it."""
     return word(loaded.mujoco.mjtEq, loaded.model.eq_type[number]).lower()
-
-
-def compliance(impedance: Any) -> Any:
-    """Return R / A, the compliance of a constraint of impedance d over its inverse inertia."""
-    return (1 - impedance) / impedance
 
 
 def closure(
@@ -176,7 +172,7 @@ def opening(solimp: tuple[float, ...], spring: float, load: Array) -> tuple[floa
     """
 
     def opened(stiff: float) -> Array:
-        return np.asarray(compliance(stiff) * load / (stiff * spring))
+        return np.asarray((1 - stiff) / stiff * load / (stiff * spring))
 
     def excess(stiff: float) -> float:
         return float(impedance(np.sum(opened(stiff) ** 2), solimp)) - stiff

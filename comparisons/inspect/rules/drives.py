@@ -59,7 +59,9 @@ def drives(s: InspectedModel) -> list[Drive]:
         kind("actuator_trntype", "joint", "jointinparent"),
         kind("actuator_trntype", "tendon"),
     )
-    affine, holds, motor = kind("actuator_biastype", "affine"), pulls_to_control(s), motors(s)
+    affine, holds = kind("actuator_biastype", "affine"), pulls_to_control(s)
+    motor = kind("actuator_gaintype", "fixed") & kind("actuator_biastype", "none")
+    motor &= kind("actuator_dyntype", "none")  # its force is proportional to its control
     listed = []
     for i, target in enumerate(m.actuator_trnid[:, 0].tolist()):
         nothing = (target, float(direct[i]))
@@ -139,13 +141,6 @@ def pulls_to_control(s: InspectedModel) -> Flags:
     alike = (stiffness > 0) & np.isclose(m.actuator_gainprm[:, 0], stiffness)
     affine, plain = kind("actuator_biastype", "affine"), kind("actuator_gaintype", "fixed")
     return np.asarray(alike & affine & plain)
-
-
-def motors(s: InspectedModel) -> Flags:
-    """Return the actuators (nu,) whose force is proportional to their control."""
-    kind = s.loaded.of_kind
-    plain = kind("actuator_gaintype", "fixed") & kind("actuator_biastype", "none")
-    return np.asarray(plain & kind("actuator_dyntype", "none"))
 
 
 class CommandRange(NamedTuple):

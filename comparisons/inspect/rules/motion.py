@@ -13,8 +13,7 @@ from ....reference.scene import Array
 from ....reference.soft_constraint import IMPEDANCES
 from ...checks.rules import conditions
 from ..mujoco.linear import Linear
-from ..mujoco.model import OPENED
-from ..mujoco.trial import edited, growth, short_run, stays_finite
+from ..mujoco.model import OPENED, Loaded
 from ..subject import Hit, InspectedModel
 from ..tuning import EFFORT, NUMERICS, THRESHOLDS
 from ..views import Shape, StepLimit, View, view_of
@@ -22,11 +21,15 @@ from .drives import drives, sign_attribute
 from .remedies import (
     all_stay_finite,
     closure_remedy,
+    edited,
+    growth,
     in_words,
     integrator_remedy,
     joint_edits,
     moments,
     rounded,
+    short_run,
+    stays_finite,
     step_remedies,
     with_option,
 )
@@ -370,25 +373,22 @@ def unstable_mode(s: InspectedModel) -> Iterator[Hit]:
 def grows_in_run(s: InspectedModel, view: View, mode: Shape) -> bool:
     """Return True if a run shows that a mode grows."""
     folds = THRESHOLDS.growth_folds
-    horizon = folds / mode.rate.real
-    step = step_of_run(view, mode, s.timestep, horizon)
-    if step is None:
-        return False
-    return growth(s.loaded, view.state, np.real(mode.vector), step, horizon) > np.exp(folds / 2)
+    factor = growth_in_run(s.loaded, view, mode, folds / mode.rate.real)
+    return factor is not None and factor > np.exp(folds / 2)
 
 
-def step_of_run(view: View, mode: Shape, timestep: float, horizon: float) -> float | None:
-    """Return the step [s] of a run that resolves a mode; None if it takes too many steps.
+def growth_in_run(loaded: Loaded, view: View, mode: Shape, horizon: float) -> float | None:
+    """Return the growth factor along a mode in a run of a length [s]; None if it is too long.
 
-    All modes have `Numerics.steps_per_radian` if there is time for that, else this one has, and all
-    others `Numerics.min_steps_per_radian`.
+    The step resolves all modes by `Numerics.steps_per_radian` if there is time for that, else this
+    one, and all others by `Numerics.min_steps_per_radian`.
     """
-    fastest, many = max(one.omega for one in view.simulated), NUMERICS.steps_per_radian
-    slower = NUMERICS.min_steps_per_radian * fastest
-    finest = min(timestep, 1 / (many * fastest))
-    longest = min(timestep, 1 / max(many * mode.omega, slower))
-    step = max(finest, horizon / NUMERICS.run_steps)
-    return step if step <= longest else None
+    fastest, timestep = max(one.omega for one in view.simulated), float(loaded.model.opt.timestep)
+    many, few = NUMERICS.steps_per_radian, NUMERICS.min_steps_per_radian
+    step = max(min(timestep, 1 / (many * fastest)), horizon / NUMERICS.run_steps)
+    if step > min(timestep, 1 / max(many * mode.omega, few * fastest)):
+        return None
+    return growth(loaded, view.state, np.real(mode.vector), step, horizon)
 
 
 def feeders(s: InspectedModel, view: View, mode: Shape) -> list[int]:
@@ -412,10 +412,8 @@ def ends_growth(s: InspectedModel, one: View, change: Callable[[Any], None]) -> 
         return False
     slowest = max(again.simulated, key=lambda mode: mode.rate.real)
     horizon = THRESHOLDS.growth_folds / max(mode.rate.real for mode in growing(one))
-    step = step_of_run(again, slowest, s.timestep, horizon)
-    if step is None:
-        return False
-    return growth(tried, one.state, np.real(slowest.vector), step, horizon) < np.exp(1)
+    factor = growth_in_run(tried, again, slowest, horizon)
+    return factor is not None and factor < np.exp(1)
 
 
 def sign_remedy(s: InspectedModel, one: View, feeding: Sequence[int]) -> str | None:

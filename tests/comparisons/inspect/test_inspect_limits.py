@@ -12,7 +12,7 @@ import pytest
 
 from mbcheck.comparisons.inspect.inspection import ModelFinding, inspect
 from mbcheck.comparisons.inspect.mujoco.model import load
-from mbcheck.comparisons.inspect.mujoco.trial import stays_finite
+from mbcheck.comparisons.inspect.rules.remedies import stays_finite
 from mbcheck.tests.support.command import invoke
 from mbcheck.tests.support.mjcf.mistakes import JOINT, KEY, MISTAKES, written
 

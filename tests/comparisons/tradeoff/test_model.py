@@ -260,7 +260,7 @@ def loop(folder: Path, iterations: int = 100) -> str:
 def test_soft_closures_are_told_and_hardened(tmp_path: Path) -> None:
     file = loop(tmp_path)
     own, exact = (advised(file, horizon=0.1, target=5e-3, exact=exact) for exact in (False, True))
-    assert any("--exact-closures compares" in note for note in own.notes)
+    assert any("--exact-closures uses those" in note for note in own.notes)
     assert own.largest("softness") == pytest.approx(exact.largest("softness"), rel=0.1)
     assert {setting_of(one).closure for one in own.trials} == {None}
     # as soft as in the file a short step does not meet the target; with hard closures it does
