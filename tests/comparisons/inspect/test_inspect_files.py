@@ -19,8 +19,9 @@ from mbcheck.comparisons.documents import schema
 from mbcheck.comparisons.inspect import batch
 from mbcheck.comparisons.inspect.inspection import Inspection, inspect
 from mbcheck.comparisons.inspect.rules.table import RULES
+from mbcheck.models import mjcf
 from mbcheck.reference.errors import UsageError
-from mbcheck.tests.support.command import invoke, process
+from mbcheck.tests.support.command import invoke, on_a_terminal, process
 from mbcheck.tests.support.mjcf import large
 from mbcheck.tests.support.mjcf.mistakes import MISTAKES, written
 
@@ -309,3 +310,13 @@ def test_an_opengl_that_is_not_there_is_named(tmp_path: Path) -> None:
     assert ended.returncode == 2
     assert "MUJOCO_GL=nonsense" in ended.stderr
     assert ended.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("options", ["", "--full --strict"])
+def test_reports_fit_80_columns(options: str) -> None:
+    """Findings, modes, steps and closures of a mechanism with a loop."""
+    text = mjcf.models("speed_regulator")["connect"].path.read_text("utf-8")
+    Path("crank.xml").write_text(text.replace("<!-- mbcheck: allow", "<!--"))
+    printed = on_a_terminal(f"inspect crank.xml {options}")
+    assert "closure" in printed
+    assert [line for line in printed.splitlines() if len(line) > 80] == []
