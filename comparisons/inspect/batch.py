@@ -33,7 +33,7 @@ from ..reports.sections import Section, markdown_sections, print_sections
 from ..reports.text import STYLES, in_encoding, print_line
 from ..reports.words import plural, printable
 from ..terminal.program import MISUSED, complain, console, json_text, progress_bar, to_stdout
-from .console import VERDICTS, print_rule, inspection_sections, omissions
+from .console import VERDICTS, inspection_sections, omissions, print_rule
 from .fixes import neutral_edit
 from .inspection import Inspection, inspect_in_parts, refuse_slips, unwaived
 from .mujoco.source import ROOT, OtherRootError, read

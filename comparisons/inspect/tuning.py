@@ -245,7 +245,7 @@ class Numerics:
 
 
 @dataclass(frozen=True)
-class Effort:
+class EffortLimits:
     """How much is computed, tried and printed.
 
     Attributes
@@ -301,4 +301,4 @@ class Effort:
     indented_levels: int = 5
 
 
-THRESHOLDS, NUMERICS, EFFORT = Thresholds(), Numerics(), Effort()
+THRESHOLDS, NUMERICS, EFFORT = Thresholds(), Numerics(), EffortLimits()

@@ -334,8 +334,8 @@ def view_of(loaded: Loaded, state: State, steady_hinge: str | None = None) -> Vi
     bare = View(state, linear, steady_hinge=steady_hinge)
     moving = np.eye(loaded.model.nv)[:, bare.moving_dofs]
     free = linear.free if steady_hinge is None else moving
-    modes = shapes(free, linear.mass, linear.damping, linear.stiffness)
-    motion = linear.simulated.motion(integrator(loaded), float(loaded.model.opt.timestep))
+    modes = shapes(free, linear.mass, linear.parts.damping, linear.parts.stiffness)
+    motion = linear.motion(integrator(loaded), float(loaded.model.opt.timestep))
     soft = len(linear.rows.weight) or linear.closed
     return replace(bare, modes=modes, simulated=shapes(moving, *motion[:3]) if soft else modes)
 
@@ -387,12 +387,11 @@ def step_limit_of(
     softened = math.inf
     for one, sliding in product(views, (False, True)):
         assert one.linear is not None
-        simulated = one.linear.simulated
-        raised = simulated.raised_from(name)
+        raised = one.linear.raised_from(name)
         softened = min(softened, raised)
-        if sliding and not np.any(simulated.rows.dry):
+        if sliding and not np.any(one.linear.rows.dry):
             continue  # without friction that sticks both are the same
-        at = partial(simulated.motion, name, sliding=sliding)
+        at = partial(one.linear.motion, name, sliding=sliding)
         motion, modes = at(NUMERICS.short_step), one.simulated
         key = (SCHEMES[name], id(one), sliding, raised, *(part.tobytes() for part in motion[3:]))
         if sliding or (raised < np.inf and len(motion.mass) > NUMERICS.full_matrix_dofs):
@@ -401,7 +400,7 @@ def step_limit_of(
             known[key] = longest_step(name, at, modes, raised)
         limit, mode = known[key]
         if limit < best.limit:
-            row = mode and simulated.setting_row(mode.vector, mode.omega, sliding)
+            row = mode and one.linear.setting_row(mode.vector, mode.omega, sliding)
             omega, joint = (mode.omega, loaded.joint_names[mode.dof]) if mode else (None, None)
             best = StepLimit(name, limit, one.state.name, omega, joint, best.of_file, row)
     m, filters = loaded.model, loaded.of_kind("actuator_dyntype", "filter")

@@ -69,7 +69,7 @@ def test_reports_are_short(inspected: list[Inspection]) -> None:
 def grows(view: View, integrator: str, step: float, steps: int) -> bool:
     """Return whether a small departure grows where constant forces hold the state."""
     assert view.linear is not None
-    loaded = view.linear.simulated.loaded
+    loaded = view.linear.loaded
     lib, model = loaded.mujoco, loaded.sharp("warmstart")
     model.opt.timestep = step
     model.opt.integrator = getattr(lib.mjtIntegrator, f"mjINT_{integrator.upper()}")

@@ -213,13 +213,38 @@ class Parts(NamedTuple):
     stiffness: Array
 
 
-class Simulated(NamedTuple):
-    """Small motions as MuJoCo's integrators treat them: mass (nv, nv), forces, constraints."""
+class Linear(NamedTuple):
+    """Small motions about a state.
+
+    As simulated, they have all of MuJoCo's constraints, which are soft, see `motion`; with loops
+    closed exactly, without contacts, limits and dry friction, they are mass, damping and stiffness
+    in the directions ``free``.
+
+    Attributes
+    ----------
+    loaded : Loaded
+    mass : array (nv, nv)
+    parts : Parts
+        Damping and stiffness, and their parts.
+    rows : Soft
+        Active constraints of the state.
+    free : array (nv, k)
+        Directions in which closed loops let it move.
+    acceleration : array (nv,)
+        Accelerations in the state, loops closed exactly.
+    """
 
     loaded: Loaded
     mass: Array
     parts: Parts
     rows: Soft
+    free: Array
+    acceleration: Array
+
+    @property
+    def closed(self) -> int:
+        """Number of independent directions that closed loops block."""
+        return int(self.free.shape[0] - self.free.shape[1])
 
     def motion(self, integrator: str, step: float, sliding: bool = False) -> LinearMotion:
         """Return the motions, with the parts that an integrator treats implicitly in a step [s].
@@ -275,7 +300,7 @@ class Simulated(NamedTuple):
 def late_parts(loaded: Loaded, parts: Parts, integrator: str) -> tuple[Array, Array]:
     """Return the damping and stiffness (nv, nv) that an integrator treats implicitly.
 
-    Constraints are not among them, see `Simulated.motion`.
+    Constraints are not among them, see `Linear.motion`.
     """
     nothing = np.zeros_like(parts.damping)
     sparse = related(np.asarray(loaded.model.dof_parentid))
@@ -323,35 +348,6 @@ def nonnegative_part(matrix: Array) -> Array:
     scale = np.sqrt(np.where(own > 0, own, 1.0))
     values, vectors = np.linalg.eigh(half / np.outer(scale, scale))
     return np.asarray((vectors * np.maximum(values, 0)) @ vectors.T * np.outer(scale, scale))
-
-
-class Linear(NamedTuple):
-    """Small motions about a state, arrays (nv, nv).
-
-    Attributes
-    ----------
-    mass, damping, stiffness
-        Loops closed exactly; contacts, limits and dry friction left out.
-    free : array (nv, k)
-        Directions in which closed loops let it move.
-    simulated : Simulated
-        With all of MuJoCo's constraints, which are soft, and the parts treated implicitly.
-    acceleration : array (nv,)
-        Accelerations in the state, loops closed exactly.
-    rows : Soft
-        Active constraints of the state.
-    closed : int
-        Number of independent directions that closed loops block.
-    """
-
-    mass: Array
-    damping: Array
-    stiffness: Array
-    free: Array
-    simulated: Simulated
-    acceleration: Array
-    rows: Soft
-    closed: int
 
 
 class LinearProbe:
@@ -495,17 +491,8 @@ def linearise(loaded: Loaded, state: State) -> Linear:
     parts = Parts(bias, passive, actuator, spring, servo, damping, stiffness)
     if not all(np.all(np.isfinite(matrix)) for matrix in parts):
         raise NotFiniteError(f"forces near the state {state.name!r} are not finite")
-    free, rows = unconstrained(at), soft_rows(loaded, state)
-    return Linear(
-        mass=at.mass,
-        damping=damping,
-        stiffness=stiffness,
-        free=free,
-        simulated=Simulated(loaded, at.mass, parts, rows),
-        acceleration=at.acceleration,
-        rows=rows,
-        closed=loaded.model.nv - free.shape[1],
-    )
+    rows = soft_rows(loaded, state)
+    return Linear(loaded, at.mass, parts, rows, unconstrained(at), at.acceleration)
 
 
 def falling(loaded: Loaded, jacobian: Array) -> Array:

@@ -309,7 +309,7 @@ def is_fed_by_drive(linear: Linear, mode: Shape) -> bool:
     In ``f = -C v - K q`` a negative symmetric K feeds a mode that diverges; a negative C and the
     skew part of K feed it in each cycle.
     """
-    parts, rate = linear.simulated.parts, mode.rate
+    parts, rate = linear.parts, mode.rate
 
     def product(matrix: Array) -> complex:
         """Real part by the symmetric part of a matrix, imaginary part by the skew one."""
@@ -323,7 +323,7 @@ def is_fed_by_drive(linear: Linear, mode: Shape) -> bool:
         -rate.real * servo.real,
     ]
     foreign = sum(max(0.0, power) for power in powers)
-    own = max(0.0, -rate.real * product(linear.stiffness - parts.servo).real)
+    own = max(0.0, -rate.real * product(parts.stiffness - parts.servo).real)
     return foreign > THRESHOLDS.fed_share * (foreign + own)
 
 

@@ -276,11 +276,11 @@ def closure_remedy(s: InspectedModel, closure: ClosedLoop) -> str | None:
     """Return settings that close a loop harder at the file's step and integrator, if any do."""
     states = states_of(s, closure.state)
     every = {state.name: state for state in s.loaded.states}
-    given = closure.solref[0]
-    constants = [given if x is None else x * s.timestep for x in THRESHOLDS.closure_steps]
-    tried_constants = constants if given > 0 else constants[:1]
+    time_constant = closure.solref[0]
+    constants = [time_constant if x is None else x * s.timestep for x in THRESHOLDS.closure_steps]
+    tried_constants = constants if time_constant > 0 else constants[:1]
     for constant, hard in product(tried_constants, THRESHOLDS.impedances):
-        if constant > given > 0:
+        if constant > time_constant > 0:
             continue
 
         def change(model: Any, constant: float = constant, hard: float = hard) -> None:

@@ -33,7 +33,7 @@ def repeated_default(
     hits : collection of Hit
         Findings of other rules, whose attributes are not tried.
     budget : float
-        See `Effort.compiled_bytes`.
+        See `EffortLimits.compiled_bytes`.
 
     Returns
     -------

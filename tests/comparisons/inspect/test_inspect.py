@@ -326,7 +326,7 @@ def test_mode_by_mode_agrees_with_the_whole(tmp_path: Path) -> None:
     (view,) = inspect(written(tmp_path, text)).views
     assert view.linear is not None
     for integrator in INTEGRATORS:
-        at, modes = partial(view.linear.simulated.motion, integrator), view.simulated
+        at, modes = partial(view.linear.motion, integrator), view.simulated
         whole, mode = longest_step(integrator, at, modes)
         apart, same = longest_step(integrator, at, modes, full_up_to=0)
         coupled = integrator == "discrete"  # by springs of which it takes one part late
