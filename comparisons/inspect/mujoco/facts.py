@@ -310,7 +310,7 @@ def partners(loaded: Loaded, excluded: bool) -> np.ndarray:
 
 
 def meetings(loaded: Loaded) -> dict[tuple[int, int], int]:
-    """Count the random positions, out of `EffortLimits.draws`, in which two geoms of one tree overlap.
+    """Count the random positions, of `EffortLimits.draws`, in which two geoms of one tree overlap.
 
     Positions lie within the ranges of the joints; pairs that never overlap are left out.
     """
