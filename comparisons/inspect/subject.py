@@ -14,6 +14,7 @@ from ..checks.rules.conditions import Statement
 from ..documents.fields import HIDDEN, documented
 from .mujoco.closures import ClosedLoop
 from .mujoco.facts import Facts, can_touch, meetings
+from .mujoco.linear import Linear
 from .mujoco.model import Flags, Loaded, Numbers
 from .mujoco.source import Element
 from .tuning import NUMERICS
@@ -99,9 +100,9 @@ class InspectedModel(Facts):
         return self.options.timestep
 
     @property
-    def linear_views(self) -> list[View]:
-        """States that have small motions."""
-        return [one for one in self.views if one.linear is not None]
+    def linear_views(self) -> list[tuple[View, Linear]]:
+        """States that have small motions, and these."""
+        return [(one, one.linear) for one in self.views if one.linear is not None]
 
     @property
     def limits_of_file(self) -> list[StepLimit]:

@@ -271,9 +271,9 @@ def conservative(s: InspectedModel) -> bool:
 def ill_conditioned(s: InspectedModel) -> Iterator[Hit]:
     statements = (
         conditions.ill_conditioned(
-            view.linear.mass, f"in the state {view.state.name!r}", conditions.FEW_DIGITS
+            linear.mass, f"in the state {view.state.name!r}", conditions.FEW_DIGITS
         )
-        for view in s.linear_views
+        for view, linear in s.linear_views
     )
     return s.state(next(filter(None, statements), None), "worldbody")
 

@@ -281,8 +281,8 @@ def inertia_floor(s: InspectedModel) -> Iterator[Hit]:
         )
     ] + [
         ("joint", int(joint), "the moved inertia", "(SI)", float(inertia))
-        for view in s.linear_views
-        for joint, inertia in zip(m.dof_jntid, np.diag(view.linear.mass), strict=True)
+        for _, linear in s.linear_views
+        for joint, inertia in zip(m.dof_jntid, np.diag(linear.mass), strict=True)
     ]
     for kind, number, what, unit, inertia in inertias:
         statement = conditions.inertia_floor(

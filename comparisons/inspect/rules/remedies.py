@@ -218,7 +218,7 @@ def step_limit_again(loaded: Loaded, states: Sequence[State]) -> float:
 
 def states_of(s: InspectedModel, name: str | None) -> list[State]:
     """Return the states that have small motions, the one of this name first."""
-    states = [one.state for one in s.linear_views if one.steady_hinge is None]
+    states = [one.state for one, _ in s.linear_views if one.steady_hinge is None]
     return sorted(states, key=lambda state: state.name != name)
 
 
