@@ -131,8 +131,8 @@ def body_rows(body: BodyFacts) -> Iterator[list[object]]:
         joints.append(f"{joint.name}: {', '.join(words)}")
     first, *others = joints or ["(welded)"]
     yield [f"{indent}{body.name}", first, body.mass, " ".join(number(value, 4) for value in values)]
-    for words in others:
-        yield ["", words, None, ""]
+    for joint_text in others:
+        yield ["", joint_text, None, ""]
 
 
 def axis_word(axis: Sequence[float]) -> str:

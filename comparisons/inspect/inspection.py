@@ -201,8 +201,8 @@ class Inspection(InspectedModel):
         return [
             ModelState(
                 names=view.state.keys,
-                position=view.state.position,
-                velocity=view.state.velocity,
+                position=view.state.position.tolist(),
+                velocity=view.state.velocity.tolist(),
                 held=view.steady_hinge,
                 reason=view.reason,
                 acceleration=linear and float(np.max(np.abs(linear.acceleration), initial=0.0)),

@@ -70,7 +70,7 @@ class StabilityShift:
 
 def boundaries_of(
     scenes: Sequence[str], engines: Sequence[str]
-) -> Iterator[tuple[str, tuple[str, ...]]]:
+) -> Iterator[tuple[str, tuple[str, str, str, str, str]]]:
     """Yield name and arguments of each `shift`: methods that can find a boundary of a case.
 
     Each engine runs its default model.
