@@ -253,7 +253,7 @@ def test_the_document_keeps_its_schema(tmp_path: Path) -> None:
     found = document(tmp_path)
     jsonschema.Draft202012Validator.check_schema(SCHEMA)
     VALIDATOR.validate(found)
-    assert set(found) == set(SCHEMA["$defs"]["InspectDocument"]["required"])
+    assert set(found) == set(SCHEMA["$defs"]["Inspection"]["required"])
 
 
 # Larger models ------------------------------------------------------------------------------
