@@ -48,11 +48,11 @@ DOCUMENTS: Mapping[str, tuple[str, str]] = {
     ),
     "diff": ("diff.changes.Diff", "Changes between two runs of checks."),
     "inspect": (
-        "inspect.inspection.InspectDocument",
+        "inspect.inspection.Inspection",
         "Contents, modes and mistakes of an MJCF file.",
     ),
     "inspections": (
-        "inspect.inspection.InspectionsDocument",
+        "inspect.batch.InspectionsDocument",
         "Findings in several MJCF files.",
     ),
 }
