@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -16,7 +17,7 @@ from ...reference.cost import keep_budget, keep_steps
 from ...reference.errors import EngineError, UsageError
 from ...reference.scene import Array, Case, EquationsOfMotion, Scene, coefficients_at
 from ...reference.solve import HEYOKA, takes_heyoka
-from ...reference.solve.rk8 import FixedSteps
+from ...reference.solve.rk8 import equal_steps
 from ..checks.orbits import engine_paths
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup
@@ -273,26 +274,25 @@ class Flow:
         for begin, end in pairwise([0, *np.unique(steps).tolist()]):
             rows = np.flatnonzero(steps >= end)
             share = spacing[rows] / steps[rows]
-            length = (end - begin) * share
-            stepper = self._stepper(coefficients_at(c, which[rows]), states[:, rows], length)
-            legs.append((rows, stepper, begin * share, length, end - begin))
+            stepper = self._stepper(coefficients_at(c, which[rows]), states[:, rows], share)
+            legs.append((rows, stepper, begin * share, share, end - begin))
         path = np.empty((*states.shape, count), dtype=states.dtype)
         with np.errstate(all="ignore"):
             for i in range(count):
-                for rows, stepper, begin, length, number in legs:
+                for rows, stepper, begin, h, number in legs:
                     time = start[rows] + i * spacing[rows] + begin
-                    states[:, rows] = stepper(states[:, rows], time, length, number)
+                    states[:, rows] = stepper(states[:, rows], time, h, number)
                 path[..., i] = states
         return path
 
-    def _stepper(self, c: Any, states: Array, spans: Array) -> Callable[..., Array]:
-        """Return what takes the steps of motions with these coefficients (k,)."""
+    def _stepper(self, c: Any, states: Array, h: Array) -> Callable[..., Array]:
+        """Return `equal_steps` of motions with these coefficients (k,)."""
         heyoka = self.points.backend == HEYOKA and takes_heyoka(HEYOKA)  # a worker may lack it
-        if heyoka and np.isrealobj(spans):
+        if heyoka and np.isrealobj(h):
             from ...reference.solve.compiled import CompiledSteps
 
             return CompiledSteps(self.scene, c, states)
-        return FixedSteps(self.scene.derivative(c), states, spans, spans)
+        return partial(equal_steps, self.scene.derivative(c))
 
     def _simulated(
         self, which: Any, states: Array, start: Any, spacing: Any, count: int, steps: int

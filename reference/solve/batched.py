@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import DOP853
 
-from ..differences import EPS, by_complex_step, probed
+from ..differences import EPS, by_complex_step
 from ..scene import Array, Dynamics, coefficients_at
-from .rk8 import FixedSteps, rk8_samples
+from .rk8 import equal_steps, rk8_samples
 from .single import solve
 from .solution import (
     RELATIVE_PERTURBATION,
@@ -78,12 +78,12 @@ Advance = Callable[[int], tuple[Array, Array]]
 
 def _advance(dynamics: Dynamics, parameters: Any, state: Array, start: Any, end: Any) -> Advance:
     derivative, span = dynamics.right_hand_side(parameters), np.asarray(end) - start
-    with np.errstate(all="ignore"):
-        flow = FixedSteps(derivative, probed(state), start, span)
 
     def advance(steps: int) -> tuple[Array, Array]:
         with np.errstate(all="ignore"):
-            return by_complex_step(lambda x: flow(x, start, span, steps), state)
+            return by_complex_step(
+                lambda x: equal_steps(derivative, x, start, span / steps, steps), state
+            )
 
     return advance
 

@@ -211,9 +211,7 @@ class Kernel:
         What its calls read.
     calls : list of (function, arrays)
     accelerations : list of arrays (...) or numbers
-        What these have computed.
-    needs_time : bool
-        Whether a call reads the time.
+        Results of the calls.
     """
 
     def __init__(self, trace: Trace, ends: Sequence[int], t: Any, x: Any) -> None:
@@ -232,7 +230,6 @@ class Kernel:
                 arguments = (arrays[i] for i in (*taken, *made))
                 ready = [x if isinstance(x, np.ndarray) else np.asarray(x, kind) for x in arguments]
                 self.calls.insert(0, (function, ready))
-        self.needs_time = 0 in read
 
     def __call__(self, t: Any, x: Any) -> Any:
         """Return dx/dt."""
@@ -371,6 +368,11 @@ class RightHandSide:
             written = written_down(self.rates, t, x)
             self.kernels[key] = None if written is None else Kernel(*written, t, x)
         return self.kernels[key]
+
+    def prepared(self, t: Any, x: Any) -> Callable[[Any, Any], Any]:
+        """Return the right-hand side for arrays of these shapes and types."""
+        kernel = self.kernel(t, x)
+        return self.call if kernel is None else watched(kernel)
 
     def value(self, t: Any, x: Any) -> Any:
         """Return dx/dt."""
