@@ -1,4 +1,4 @@
-"""What a map can show: quantities, their variables and points, and the motions behind them."""
+"""Quantities of maps, their variables and points, and the motions behind them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from ..engines.setup import Setup
 from ..queries.query import choose_engine, choose_method, seconds_of_a_step
 
 NO_VALUE = -1
-"""What stands for the class of a point that has none: the engine failed there."""
+"""Class of a point without one: the engine failed there."""
 
 STEP_COUNTS = np.array(sorted({m << j for j in range(24) for m in (1, 3)}))
 """Numbers of steps that are taken between two samples."""
@@ -85,7 +85,7 @@ class Points:
     backend: str = "numpy"
 
     def __len__(self) -> int:
-        """Return how many points there are."""
+        """Return the number of points."""
         return len(self.places)
 
     def one(self, i: int) -> Any:
@@ -122,12 +122,12 @@ class Points:
 
 @dataclass(frozen=True)
 class QuantityValues:
-    """What a quantity is at some points.
+    """Values of a quantity at some points.
 
     Attributes
     ----------
     values : mapping of str to array (k,)
-        By variable. NaN, or `NO_VALUE` for classes, where there is none.
+        Values of each variable. NaN, or `NO_VALUE` for classes, where there is none.
     problems : mapping of int to str
         Which points an engine failed at, and how.
     """
@@ -150,15 +150,15 @@ class QuantityValues:
 
 @dataclass(frozen=True)
 class Quantity:
-    """What a map can show of a scene.
+    """A quantity of a scene that can be mapped.
 
     Attributes
     ----------
     about : str
         One line for ``mbcheck map --help`` and the docs.
     variables : mapping of str to Variable
-        The first is what is drawn and compared. One named ``robust`` (0 or 1) tells where a
-        perturbation and a halved step leave the class as it is.
+        The first is drawn and compared. ``robust`` is 1 where a perturbation and a halved step
+        leave the class unchanged, else 0.
     evaluate : callable ``(Points) -> QuantityValues``
         Runs in a process of its own; what it returns depends on the points alone.
     models : tuple of str
@@ -321,7 +321,7 @@ class Flow:
         return path
 
     def values(self, values: Mapping[str, Any]) -> QuantityValues:
-        """Return what a quantity is at the points: nothing where the engine failed."""
+        """Return the values of a quantity at the points: none where the engine failed."""
         return QuantityValues.of(values, self.problems)
 
 

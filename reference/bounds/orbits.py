@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.linalg import eig, matrix_balance
 
-from ..differences import EPS
+from ..differences import EPS, PROBE
 from ..errors import NoOrbitError
 from ..newton import Rows
 from ..orbits import (
@@ -67,9 +67,9 @@ class OrbitBoundOptions(NamedTuple):
     safety: float = 2.0
     draws: int = 16
     displacement: float = 1e-7
-    deviations: float = 5.0
+    deviations: float = 7.0
     coefficient: float = 0.5 * EPS
-    step: float = 0.3 * EPS
+    step: float = 0.35 * EPS
     parts: int = 16
     samples: int = 16
     curved: float = 0.25
@@ -129,8 +129,8 @@ def solve_orbits(
     steps : int
         Steps in the period.
     kicks : array (parts, 2 n, columns, k)
-        Factors on the states at the ends of parts of the period; the columns are those of the
-        Jacobian.
+        Changes at the ends of parts of the period, of the states relative to themselves, and of the
+        entries of the Jacobian, which has these columns.
     samples : int
         Samples of each part.
     """
@@ -143,8 +143,9 @@ def solve_orbits(
         for part, kick in enumerate(kicks):
             times = (part + np.arange(1, spacing + 1)[:, None] / spacing) * periods / parts
             ends = rk8_samples(derivative, x, part * periods / parts, times, number)
-            ends[..., -1] *= kick[:, columns, rows]
             x = ends[..., -1]
+            size = x.real + 1j * PROBE * about.scale[:, rows] if np.iscomplexobj(x) else x
+            x += kick[:, columns, rows] * size
             path.append(ends)
         return np.concatenate(path, axis=-1)
 
@@ -230,10 +231,8 @@ def orbit_bounds(scene: EquationsOfMotion, parameters: Any, orbit: Orbit) -> Orb
     steps = int(np.ceil(OPTIONS.finer * orbit.steps))
     with np.errstate(all="ignore"):
         coarse = orbit.steps // 4  # round-off needs no more digits
-        near = solve_orbits(scene, points, orbit, coarse, 1 + kicks, OPTIONS.samples)
-        fine = solve_orbits(
-            scene, points, orbit, steps, np.ones_like(kicks[..., :1]), 2 * OPTIONS.samples
-        )
+        near = solve_orbits(scene, points, orbit, coarse, kicks, OPTIONS.samples)
+        fine = solve_orbits(scene, points, orbit, steps, kicks[..., :1], 2 * OPTIONS.samples)
         slopes = near.orbits.closing
         bend = deviation(np.linalg.solve(slopes[0], slopes - slopes[0])) / gain
     bent = float(np.max(np.sum(bend, axis=1)))

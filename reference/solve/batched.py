@@ -73,7 +73,7 @@ OPTIONS = BatchOptions()
 
 
 Advance = Callable[[int], tuple[Array, Array]]
-"""From a number of steps to the flow (2 n, ...) and its Jacobian (2 n, 2 n, ...)."""
+"""Function of a number of steps: the flow (2 n, ...) and its Jacobian (2 n, 2 n, ...)."""
 
 
 def _advance(dynamics: Dynamics, parameters: Any, state: Array, start: Any, end: Any) -> Advance:
@@ -188,7 +188,7 @@ def derivatives(dynamics: Dynamics, c: Any) -> Callable[[Any], Any]:
 def with_relative_perturbation(
     derivative: Callable[[Any, Any], Any],
 ) -> Callable[[Any, Any], Any]:
-    """Return a right-hand side that is off by a `RELATIVE_PERTURBATION`, all along the run."""
+    """Return a right-hand side with a `RELATIVE_PERTURBATION`, all along the run."""
     return lambda t, x: (1 + RELATIVE_PERTURBATION) * derivative(t, x)
 
 
