@@ -97,7 +97,7 @@ class OrbitNumber(NamedTuple):
 
 
 Measure = Callable[["OrbitMap", Ints, Orbits, int], Mapping[str, OrbitNumber]]
-"""Function of a map, points, orbits and the divisor of the step that returns the orbits' numbers."""
+"""Function of a map, points, orbits and the divisor of the step: the numbers of the orbits."""
 
 
 @dataclass(frozen=True)
