@@ -175,7 +175,12 @@ def _cycle_energy(p: SpeedRegulator, tolerance: float) -> float | None:
         atol = 1e-4 * tolerance * max(start, 1e-3 * high)
         ends = 0, 2 * math.pi
         return _integrated(
-            lambda phi, x: [slope(phi, x)], ends, [start], rtol=0.1 * tolerance, atol=atol, events=least
+            lambda phi, x: [slope(phi, x)],
+            ends,
+            [start],
+            rtol=0.1 * tolerance,
+            atol=atol,
+            events=least,
         )
 
     def gain(start: float) -> float:
