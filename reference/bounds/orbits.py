@@ -152,7 +152,8 @@ def solve_orbits(
     states = np.repeat(orbit.state[:, None], count, axis=1)
     about = reference_map(scene, c, states, np.full(count, orbit.period), steps)
     flow = replace(about, flow=lambda rows, x, periods: follow(rows, x, periods, 1)[..., -1])
-    orbits = flow.close()
+    orbits = flow.close()  # Newton's Jacobian precedes its last correction: begin again there
+    orbits = replace(flow, states=orbits.states, periods=orbits.periods).close()
     path = follow(np.arange(count), orbits.states, orbits.periods, samples)[..., :-1]
     return Runs(c, orbits, path.swapaxes(0, 1))
 
