@@ -101,7 +101,7 @@ class OrbitBounds:
     harmonics: Array
 
 
-class Runs(NamedTuple):
+class NearbyOrbits(NamedTuple):
     """Orbits near one another, with samples over their periods.
 
     Attributes
@@ -118,7 +118,7 @@ class Runs(NamedTuple):
 
 def solve_orbits(
     scene: EquationsOfMotion, c: Any, orbit: Orbit, steps: int, kicks: Array, samples: int
-) -> Runs:
+) -> NearbyOrbits:
     """Return the orbits of perturbed equations near an orbit.
 
     Parameters
@@ -155,7 +155,7 @@ def solve_orbits(
     orbits = flow.close()  # Newton's Jacobian precedes its last correction: begin again there
     orbits = replace(flow, states=orbits.states, periods=orbits.periods).close()
     path = follow(np.arange(count), orbits.states, orbits.periods, samples)[..., :-1]
-    return Runs(c, orbits, path.swapaxes(0, 1))
+    return NearbyOrbits(c, orbits, path.swapaxes(0, 1))
 
 
 def measure(
