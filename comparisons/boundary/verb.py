@@ -28,7 +28,7 @@ from ..terminal.program import (
 from .request import BoundaryRequest, refuse_impossible
 
 OFTEN = 1.0
-"""Time [s] after which what is found is written again."""
+"""Time [s] after which the curves found so far are written again."""
 
 
 @click.command(
@@ -45,7 +45,7 @@ OFTEN = 1.0
     "--output",
     callback=destination,
     metavar="FILE.json",
-    help="The document to write; what is in it already is gone on with.",
+    help="The document to write; if it exists, its curves are continued.",
 )
 @PLOT
 @click.option("--workers", type=COUNT, default=1, show_default=True, help="Processes.")
@@ -163,5 +163,5 @@ def print_boundary(screen: Any, text: Mapping[str, Any], quiet: bool) -> None:
         print_line(
             screen,
             f"no stability changes along {plural(text['lines'], 'line')}; more --lines may meet "
-            "an island, and mbcheck map shows what is stable",
+            "an island, and mbcheck map shows where orbits are stable",
         )

@@ -1,4 +1,4 @@
-"""Where engines break, and who notices: for the console, and as the page docs/extremes.md."""
+"""Failures of engines, and who notices: for the console, and as the page docs/extremes.md."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ..reports.text import markdown_table, print_line, print_table
 
 RIGHT, WRONG, FAILED, REFUSED, SKIPPED = "right", "wrong", "failed", "refused", "skipped"
 OUTCOMES: Mapping[str, str] = {
-    RIGHT: "within the error that is predicted",
+    RIGHT: "within the predicted error",
     WRONG: "finite, and wrong",
     FAILED: "no result, and the reason is named",
     REFUSED: "the engine or its adapter refuses the model, the method or the step",
@@ -38,7 +38,7 @@ alone with `mbcheck check --id ID`, or all of them with `mbcheck check --extreme
 """
 
 WHO = """Who notices: `engine`, the engine itself or its adapter; `guard`, what mbcheck asks of
-every run; `rule:...`, a rule that is known before the run; `halving`, a run with half the step;
+every run; `rule:...`, a rule known before the run; `halving`, a run with half the step;
 `reference`, a comparison with the reference.
 """
 

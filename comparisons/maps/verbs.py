@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     required=True,
     callback=destination,
     metavar="FILE.nc",
-    help="The NetCDF file to write; FILE.nc.unfinished keeps what is computed meanwhile.",
+    help="The NetCDF file to write; FILE.nc.unfinished keeps finished blocks meanwhile.",
 )
 @PLOT
 @click.option("--resume", is_flag=True, help="Go on with what an interrupted run has kept.")
@@ -55,7 +55,7 @@ if TYPE_CHECKING:
 @click.option(
     "--boundary",
     metavar="FILE.json",
-    help="Curves of mbcheck boundary: drawn over the map, and held against its classes.",
+    help="Curves of mbcheck boundary: drawn over the map, and compared with its classes.",
 )
 def map_(
     output: Destination,
