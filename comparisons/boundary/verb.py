@@ -11,11 +11,12 @@ import click
 
 from ...reference.cost import within
 from ..reports.files import Destination, refuse_conflicts
-from ..terminal.budget import MAP, budget_option
 from ..terminal.options import COUNT, with_options_of
 from ..terminal.program import (
     INTERRUPTED,
+    MAP,
     PLOT,
+    budget_option,
     console,
     destination,
     examples,
@@ -32,10 +33,10 @@ OFTEN = 1.0
 
 @click.command(
     epilog=examples(
-        "mbcheck boundary hula_hoop --x force_frequency=1:10 --y force_amplitude=5:150 \\",
-        "    -o boundary.json --plot boundary.png",
-        "mbcheck boundary hula_hoop --engine mujoco --step 0.005 --lines 2 -o mujoco.json \\",
-        "    --x force_frequency=5:6 --y force_amplitude=15:35",
+        "mbcheck boundary hula_hoop --x force_frequency=1:10 --y force_amplitude=5:150 "
+        "-o boundary.json --plot boundary.png",
+        "mbcheck boundary hula_hoop --engine mujoco --step 0.005 --lines 2 -o mujoco.json "
+        "--x force_frequency=5:6 --y force_amplitude=15:35",
     ),
 )
 @with_options_of(BoundaryRequest)

@@ -12,7 +12,7 @@ from rich.console import Console
 from ..checks.table import EXTREMES
 from ..checks.verdict import ENGINE, REFERENCE, Result
 from ..faults.variants import NOT_PROVOKED
-from ..reports.text import markdown_table, print_line, print_table, print_wrapped
+from ..reports.text import markdown_table, print_line, print_table
 
 RIGHT, WRONG, FAILED, REFUSED, SKIPPED = "right", "wrong", "failed", "refused", "skipped"
 OUTCOMES: Mapping[str, str] = {
@@ -116,5 +116,5 @@ def show(console: Console, results: Sequence[Result], every: bool) -> None:
     hidden = [one for one in results if is_hidden(one)]
     for one in [one for one in results if outcome(one) != RIGHT] if every else hidden:
         noticed = ", ".join(one.noticed_by) or "-"
-        print_wrapped(console, f"{outcome(one)} {one.id}; noticed by {noticed}: {one.reason}")
+        print_line(console, f"{outcome(one)} {one.id}; noticed by {noticed}: {one.reason}")
     print_line(console, f"{len(results)} results; {len(hidden)} that only the reference notices")

@@ -211,7 +211,7 @@ def check_of(
         quantities=EXTREMES[kind].quantities(setup),
         default_model=setup.model == setup.engine.models(setup.case.scene)[0],
         full_only=setup.case.full_only,
-        why_not=setup.unsupported_reason,
+        unsupported_reason=setup.unsupported_reason,
         step=setup.step,
         variant=variant,
         provoked_by=", ".join(words),
