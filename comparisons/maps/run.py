@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import nullcontext
 from functools import partial
@@ -12,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import KDTree
 
 from ...reference.cost import keep_budget
 from ...reference.errors import UsageError
@@ -34,6 +36,10 @@ class RefinementOptions(NamedTuple):
         Points that take about as long as a single one, computed together.
     shares : int
         Blocks of a pass of refinement, at least where it has many points.
+    look_back : int
+        Passes from whose places the direction of a boundary is taken.
+    look_ahead : int
+        Cells that are computed ahead of it, at most.
     often : float
         Time [s] between two times at which an unfinished map is written.
     rarely : float
@@ -43,6 +49,8 @@ class RefinementOptions(NamedTuple):
     coarse_cells: int = 32
     few: int = 512
     shares: int = 4
+    look_back: int = 4
+    look_ahead: int = 16
     often: float = 2.0
     rarely: float = 20.0
 
@@ -288,7 +296,9 @@ def refined(grid: Grid) -> Iterator[Places]:
     points not computed take the values of the nearest computed one; where corners of a cell have
     different classes, those that are not computed are computed, until none is left. So the
     boundary is followed where it leads, and what lies far from it is never computed; an island
-    that fits between the points of the coarse lattice is missed.
+    that fits between the points of the coarse lattice is missed. Few points at the ends of
+    boundaries that go on are computed together with those where they lead to if they are straight,
+    unless an engine computes them, which takes each point its own time.
     """
     request = grid.request
     key = next(name for name, item in request.mapped.variables.items() if item.classes)
@@ -301,8 +311,34 @@ def refined(grid: Grid) -> Iterator[Places]:
         if spacing == 1:
             return
         spacing //= 2
+        before = deque[Places](maxlen=OPTIONS.look_back)
         while (places := uncertain(grid.variables[key], grid.computed, spacing)).size:
+            follows = len(before) == OPTIONS.look_back and request.engine == REFERENCE
+            far = straight_on(before[0], places, request.shape, spacing) if follows else places[:0]
+            before.append(places)
+            far = far[~grid.computed[far[:, 1], far[:, 0]]]
+            places = np.unique(np.concatenate([places, far]), axis=0)
             yield places
+
+
+def straight_on(before: Places, places: Places, shape: tuple[int, int], spacing: int) -> Places:
+    """Return the places (k, 2) of a lattice where few ones lead to, and their neighbours.
+
+    Each goes on in the direction from the nearest one of an earlier pass.
+    """
+    cells = min(OPTIONS.look_ahead, OPTIONS.few // (3 * len(places)))
+    lines = [lattice(count, spacing) for count in reversed(shape)]
+    old, new = (
+        np.stack([np.searchsorted(*pair) for pair in zip(lines, some.T, strict=True)], axis=1)
+        for some in (before, places)
+    )
+    far, nearest = KDTree(old).query(new, p=np.inf)
+    ahead = (new - old[nearest]) / np.maximum(far, 1)[:, None]
+    line = np.rint(new[:, None] + ahead[:, None] * np.arange(1, cells + 1)[:, None]).astype(int)
+    about = line[..., None, :] + np.array(list(np.ndindex(3, 3))) - 1
+    wanted = np.unique(about.reshape(-1, 2), axis=0)
+    inside = np.all((wanted >= 0) & (wanted < [len(one) for one in lines]), axis=1)
+    return np.stack([one[i] for one, i in zip(lines, wanted[inside].T, strict=True)], axis=1)
 
 
 def lattice(count: int, spacing: int) -> Places:

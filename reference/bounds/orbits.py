@@ -69,7 +69,7 @@ class OrbitBoundOptions(NamedTuple):
     displacement: float = 1e-7
     deviations: float = 7.0
     coefficient: float = 0.5 * EPS
-    step: float = 0.4 * EPS
+    step: float = 0.35 * EPS
     parts: int = 16
     samples: int = 16
     curved: float = 0.25
