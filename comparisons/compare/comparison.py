@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ...reference.errors import MbcheckError
+from ...reference.errors import MbcheckError, UsageError
 from ..documents import document
 from ..documents.fields import HIDDEN, documented
 from ..reports.item import ReportItem
@@ -28,6 +28,8 @@ from .elements import (
     names_of_both,
     touches_nothing,
 )
+from .engine import EngineReading
+from .explain import explain, guesses
 from .gaps import Gap, gaps_between
 from .reading import Edit, Operand, Reading
 from .states import Side, StateRows, layout, states_of
@@ -112,9 +114,9 @@ class Difference:
         """What became of it, in words."""
         if not self.attribute:
             return f"{self.element} {'lost' if self.after == 'lost' else 'is new'}"
-        if self.after in ("none", "no limit") or set(self.after.split()) == {"0"}:
-            return f"{self.element}: {self.attribute} {self.before} dropped"
-        return f"{self.element}: {self.attribute} {self.before} read as {self.after}"
+        dropped = self.after in ("none", "no limit") or set(self.after.split()) == {"0"}
+        words = (self.attribute, self.before, "dropped" if dropped else f"read as {self.after}")
+        return f"{self.element}: {' '.join(filter(None, words))}"
 
 
 @dataclass(frozen=True)
@@ -127,6 +129,10 @@ class ModelComparison:
         the first model, and who reads it
     b : str
         the second
+    versions : mapping of str to str
+        the reader of each, with its version
+    conventions : sequence of str
+        departures of an engine from the protocol of engines, which are accounted for
     renamed : sequence of str
         elements that have another name, or another place in the order, in B
     differences : sequence of Difference
@@ -148,6 +154,7 @@ class ModelComparison:
     a: str
     b: str
     versions: Mapping[str, str]
+    conventions: Sequence[str]
     renamed: Sequence[str]
     differences: Sequence[Difference]
     gaps: Sequence[Gap]
@@ -212,12 +219,18 @@ def compare(a: str, b: str, install: bool = False) -> ModelComparison:
         If a process that reads a file ends, or does not answer in time.
     """
     operands = [Operand.parse(text) for text in (a, b)]
-    pythons = [one.python(install) for one in operands]
+    if operands[0].is_engine:
+        raise UsageError(f"an engine is compared with MuJoCo: mbcheck compare {operands[0].file} {a}")
     with ExitStack() as stack:
-        first, second = (
-            stack.enter_context(Reading(*one)) for one in zip(operands, pythons, strict=True)
-        )
+        first, second = (stack.enter_context(opened(one, install)) for one in operands)
         return compared(first, second, (a, b))
+
+
+def opened(operand: Operand, install: bool) -> Reading:
+    """Return a file as its reader reads it."""
+    if operand.is_engine:
+        return EngineReading(operand)
+    return Reading(operand, operand.python(install))
 
 
 def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelComparison:
@@ -234,13 +247,16 @@ def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelCo
         trial = EditTrial(first, second, match, rows, [e for d in rounding for e in d.edits])
         states = list(trial.states)
         gaps = trial.gaps(())
+        if gaps and isinstance(second, EngineReading):
+            differences += trial.read_differently([e for d in differences for e in d.edits])
         differences = [*map(trial.measured, differences[:MEASURED]), *differences[MEASURED:]]
         differences.sort(key=lambda d: -1.0 if d.effect is None else d.effect, reverse=True)
         left = trial.left([e for d in differences for e in d.edits], gaps) if gaps else []
     return ModelComparison(
         a=names[0],
         b=names[1],
-        versions={"a": one.version, "b": other.version},
+        versions={"a": first.version, "b": second.version},
+        conventions=second.conventions,
         renamed=list(renamed(one, other, match)),
         differences=differences,
         gaps=gaps,
@@ -397,8 +413,12 @@ class EditTrial:
     def __init__(
         self, first: Reading, second: Reading, match: Match, rows: StateRows, always: Sequence[Edit]
     ) -> None:
-        self.first, self.rows, self.always = first, rows, always
+        self.first, self.second, self.rows, self.always = first, second, rows, always
         self.states = states_of(first)
+        if isinstance(second, EngineReading):  # which has no activations
+            rest = [0.0] * int(first.model.field("na"))
+            self.states = {name: {**one, "act": rest} for name, one in self.states.items()}
+        self.elements = [pair[0] for pair in match.pairs]
         self.sides = [side_of(first.model, 0, match, rows), side_of(second.model, 1, match, rows)]
         theirs = [rows.translated(state, second.model) for state in self.states.values()]
         self.other = [self.sides[1].in_order(one) for one in second.at(theirs)]
@@ -416,7 +436,37 @@ class EditTrial:
         own = self.answers(edits) if edits else self.own
         labels = {kind: list(one.values()) for kind, one in self.sides[0].labels.items()}
         labels["joint"] = self.rows.labels
-        return gaps_between(own, self.other, list(self.states), labels)
+        eps = max(self.first.eps, self.second.eps)
+        return gaps_between(own, self.other, list(self.states), labels, eps)
+
+    def force_gap(self, edits: Sequence[Edit]) -> Any:
+        """Return the differences of accelerations as forces, relative to each joint's largest."""
+        forces = np.array([one["mass"] @ one["qacc"] for one in self.own])
+        size = abs(forces).max(axis=0)
+        apart = [
+            mine["mass"] @ (theirs["qacc"] - edited["qacc"])
+            for mine, theirs, edited in zip(
+                self.own, self.other, self.answers(edits, brief=True), strict=True
+            )
+        ]
+        return (np.array(apart) / np.where(size > 0, size, 1.0)).ravel()
+
+    def read_differently(self, before: Sequence[Edit]) -> list[Difference]:
+        """Return the attributes that an engine lost or scaled, after edits that are known."""
+        elements = [option_element(self.first.model), *self.elements]
+        chosen = explain(
+            lambda edits: self.force_gap([*before, *edits]),
+            lambda edits: not self.gaps([*before, *edits]),
+            list(guesses(self.first.model, elements)),
+        )
+        differences = []
+        for one, share in chosen:
+            values = one.cells(share)
+            cells = cells_of(*values) if values[0] else ("", *values[1])
+            differences.append(
+                Difference(one.element, one.attribute, *cells, edits=one.edits(share))
+            )
+        return differences
 
     def left(self, edits: Sequence[Edit], gaps: list[Gap]) -> list[Gap]:
         """Return what edits leave open: all of it where they cannot be made."""

@@ -109,6 +109,7 @@ def gaps_between(
     other: Sequence[Mapping[str, Any]],
     states: Sequence[str],
     labels: Mapping[str, Sequence[str]],
+    eps: float = EPS,
 ) -> list[Gap]:
     """Return the largest gap of each quantity, in units of its tolerance.
 
@@ -120,10 +121,12 @@ def gaps_between(
         Names of the states.
     labels : mapping of str to sequence of str
         Labels of bodies, tendons and actuators, and of each degree of freedom (``joint``).
+    eps : float
+        Rounding unit of the numbers of both.
     """
     worst: dict[str, tuple[float, Gap]] = {}
     for a, b, state in zip(own, other, states, strict=True):
-        for ratio, gap in (*array_gaps(a, b, state, labels), *row_gaps(a, b, state)):
+        for ratio, gap in (*array_gaps(a, b, state, labels, eps), *row_gaps(a, b, state)):
             if ratio > worst[gap.quantity][0] if gap.quantity in worst else ratio > 1:
                 worst[gap.quantity] = ratio, gap
     order = [name for name, _ in QUANTITIES.values()]
@@ -134,10 +137,14 @@ def gaps_between(
 
 
 def array_gaps(
-    a: Mapping[str, Any], b: Mapping[str, Any], state: str, labels: Mapping[str, Sequence[str]]
+    a: Mapping[str, Any],
+    b: Mapping[str, Any],
+    state: str,
+    labels: Mapping[str, Sequence[str]],
+    eps: float,
 ) -> Iterator[tuple[float, Gap]]:
     """Yield the largest difference of each quantity over its tolerance, and where it is."""
-    for key, tolerance in tolerances(a, b):
+    for key, tolerance in tolerances(a, b, eps):
         name, kind = QUANTITIES[key]
         limit = np.broadcast_to(tolerance, a[key].shape)
         if limit.size:
@@ -152,6 +159,8 @@ def array_gaps(
 
 def row_gaps(a: Mapping[str, Any], b: Mapping[str, Any], state: str) -> Iterator[tuple[float, Gap]]:
     """Yield differences of rows of constraints and of contacts, over their tolerances."""
+    if "rows" not in b:
+        return
     unit = OPERATIONS * EPS
     for key in dict.fromkeys((*a["rows"], *b["rows"])):
         kind, label, _ = key
@@ -188,13 +197,15 @@ def missing(quantity: str, label: str, state: str, of_a: Any) -> Gap:
     return Gap(quantity, label, state, there, 1.0 - there, 0.0)
 
 
-def tolerances(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+def tolerances(
+    a: Mapping[str, Any], b: Mapping[str, Any], eps: float
+) -> Iterator[tuple[str, Any]]:
     """Yield the quantities that both have, and how far rounding may part them.
 
     Sums round by the largest of their terms; accelerations lose as many digits as the mass matrix
     has a condition number. What constraints do is known as far as two runs of the solver agree.
     """
-    unit, n = OPERATIONS * EPS, len(a["bias"])
+    unit, n = OPERATIONS * eps, len(a["bias"])
     common = [key for key in QUANTITIES if key in a and key in b]
     size = {key: max(abs(side[key]).max(initial=0.0) for side in (a, b)) for key in common}
     force = sum(
@@ -212,7 +223,8 @@ def tolerances(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[tuple[str
         tolerance: Any = unit * own.get(key, size[key])
         if key in ("qacc_smooth", "qacc") or key.startswith("step_"):
             floor = max(abs(a["qacc_floor"]).max(initial=0), abs(b["qacc_floor"]).max(initial=0))
-            smooth = unit * condition * max(size["qacc_smooth"], size["qacc"])
+            largest = max(size[name] for name in ("qacc_smooth", "qacc") if name in size)
+            smooth = unit * condition * largest
             tolerance = smooth + (4 * floor if key != "qacc_smooth" else 0.0)
         if key.startswith("step_"):
             floors = (abs(side[key.replace("step", "floor")]).max(initial=0.0) for side in (a, b))

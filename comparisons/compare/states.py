@@ -230,14 +230,16 @@ class Side:
             if name == "mass":
                 own[name] = value[np.ix_(dofs, dofs)]
             elif name.startswith(("step_", "floor_")):
-                positions = len(value) - len(answer["bias"])
+                positions = len(value) - len(dofs)
                 own[name] = np.concatenate([value[self.rows["qpos"]], value[positions + dofs]])
             elif name.startswith(("row_", "contact_")):
                 continue
             elif kind in self.labels and (name != "actuator"):
                 own[name] = value[list(self.labels[kind])]
-            elif value.shape == answer["bias"].shape:
+            elif value.shape == dofs.shape:
                 own[name] = value[dofs]
+        if "row_type" not in answer:
+            return own
         return own | {"rows": self.constraint_rows(answer), "contacts": self.contacts(answer)}
 
     def constraint_rows(self, answer: Mapping[str, Any]) -> dict[tuple[str, str, int], Any]:

@@ -109,8 +109,10 @@ def sections(result: ModelComparison) -> Iterator[Section]:
     from ..reports.sections import Section
     from ..reports.words import number
 
-    yield Section(lines=[f"A: {result.a} (MuJoCo {result.versions['a']})",
-                         f"B: {result.b} (MuJoCo {result.versions['b']})"])  # fmt: skip
+    yield Section(lines=[f"A: {result.a} ({result.versions['a']})",
+                         f"B: {result.b} ({result.versions['b']})"])  # fmt: skip
+    if result.conventions:
+        yield Section("Conventions of the engine, accounted for", lines=result.conventions)
     if result.renamed:
         yield Section("Renamed or reordered, compared all the same", lines=result.renamed)
     if result.differences:
@@ -119,7 +121,7 @@ def sections(result: ModelComparison) -> Iterator[Section]:
             for one in result.differences
         ]
         heads = ("difference", "effect on accelerations")
-        yield Section("Compiled differently", heads, rows)
+        yield Section("Read differently", heads, rows)
     if result.gaps:
         title = "What they do at the same state, where they differ most"
         places = [(g.quantity, g.element, g.a, g.b, g.state) for g in result.gaps]

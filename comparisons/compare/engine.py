@@ -1,0 +1,240 @@
+"""An engine as the reader of a file: accelerations and mass matrices, in MuJoCo's conventions."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ...models.joints import JointLayout, layout_of
+from ...models.mechanism import Term
+from ...models.system import System
+from ...reference.errors import EngineError, Unsupported, UsageError
+from ...reference.scene import Array, Case
+from ..engines.registry import get_engine
+from ..engines.run import call_engine
+from ..engines.validation import numbers
+from .elements import Compiled, levels
+from .gaps import OPERATIONS
+from .reading import MUJOCO, Answer, Edit, Operand, Reading, State
+
+TRIED_STATES = 4
+"""Number of states at which an engine's conventions are tried."""
+
+CLEARER = 0.5
+"""A convention is adopted if it reduces the error of accelerations to this share or less."""
+
+FILE_ORDER = "the order of the file"
+
+
+@dataclass(frozen=True)
+class Convention:
+    """The order of joints, and the coordinates of ball and free joints, of an engine.
+
+    Attributes
+    ----------
+    order : str
+        Order of the joints in all vectors.
+    joints : tuple of int
+        Numbers of the joints in this order.
+    scalar_last : bool
+        True if a quaternion is (x, y, z, w).
+    world_rates : bool
+        True if angular velocities are in the frame of the world.
+    body_velocities : bool
+        True if the velocity of a free joint is in the frame of the body.
+    angular_first : bool
+        True if the angular velocity of a free joint precedes its linear velocity.
+    """
+
+    order: str
+    joints: tuple[int, ...]
+    scalar_last: bool = False
+    world_rates: bool = False
+    body_velocities: bool = False
+    angular_first: bool = False
+
+    @property
+    def sentences(self) -> list[str]:
+        """The departures from the protocol of engines, in words."""
+        words = {
+            f"joints in {self.order}": self.order != FILE_ORDER,
+            "quaternions as (x, y, z, w)": self.scalar_last,
+            "angular velocities in the frame of the world": self.world_rates,
+            "velocities of free joints in the frame of the body": self.body_velocities,
+            "angular before linear velocities of free joints": self.angular_first,
+        }
+        return [sentence for sentence, departs in words.items() if departs]
+
+    def positions(self, layout: JointLayout, q: Array) -> Array:
+        """Return positions (n_q,) in the convention of the engine."""
+        q = q.copy()
+        for rows in layout.quaternions if self.scalar_last else ():
+            q[rows] = np.roll(q[rows], -1)
+        return np.concatenate([q[layout.positions[i]] for i in self.joints])
+
+    def velocity_map(self, layout: JointLayout, q: Array, v: Array) -> tuple[Array, Array]:
+        """Return T (n, n) and c (n,): the engine has velocities T v and accelerations T a + c."""
+        blocks, rest = [np.zeros((0, len(v)))], [np.zeros(0)]
+        for i in self.joints:
+            at = layout.velocities[i]
+            block, drift = np.eye(len(v))[at], np.zeros(at.stop - at.start)
+            if layout.kinds[i] in ("ball", "free"):
+                turn = q[layout.positions[i]][-4:]
+                body = Rotation.from_quat(np.roll(turn, -1)).as_matrix()
+                if self.world_rates:
+                    block[-3:] = body @ block[-3:]
+                if layout.kinds[i] == "free" and self.body_velocities:
+                    block[:3] = body.T @ block[:3]
+                    drift[:3] = -np.cross(v[at][3:], block[:3] @ v)
+                if layout.kinds[i] == "free" and self.angular_first:
+                    block, drift = np.roll(block, 3, axis=0), np.roll(drift, 3)
+            blocks.append(block)
+            rest.append(drift)
+        return np.vstack(blocks), np.concatenate(rest)
+
+
+def conventions(model: Compiled, layout: JointLayout) -> Iterator[Convention]:
+    """Yield conventions in which an engine may differ from the protocol, the protocol's first."""
+    names, bodies = model.names["joint"], model.field("jnt_bodyid").tolist()
+    depth = {i: level for level, numbers_ in enumerate(levels(model)) for i in numbers_}
+    keys: dict[str, Callable[[int], Any]] = {
+        FILE_ORDER: lambda i: i,
+        "breadth-first order": lambda i: depth[bodies[i]],
+        "alphabetical order": lambda i: names[i],
+        "reversed order": lambda i: -i,
+    }
+    orders: dict[tuple[int, ...], str] = {}
+    for name, key in keys.items():
+        orders.setdefault(tuple(sorted(range(len(names)), key=key)), name)
+    ball = (False, True) if layout.is_spatial else (False,)
+    free = (False, True) if "free" in layout.kinds else (False,)
+    for joints, name in orders.items():
+        for flags in product(ball, ball, free, free):
+            yield Convention(name, joints, *flags)
+
+
+class EngineReading(Reading):
+    """A file that an engine reads through the public door; MuJoCo reads its names and ranges.
+
+    Parameters
+    ----------
+    operand : Operand
+
+    Raises
+    ------
+    UsageError
+        If there is no such engine, it reads no MJCF, or it cannot evaluate the file.
+    EngineError
+        If the engine fails.
+    """
+
+    def __init__(self, operand: Operand) -> None:
+        self.engine = get_engine(operand.reader)
+        if not self.engine.reads_mjcf:
+            raise UsageError(f"{operand.reader} reads no MJCF: compare an engine that does")
+        super().__init__(replace(operand, reader=MUJOCO), sys.executable)
+        if self.engine.precision == "float32":
+            self.eps = float(np.finfo(np.float32).eps)
+        kinds = tuple(self.model.types("jnt_type"))
+        self.layout = layout_of(kinds)
+        self.system = System(
+            case=Case(Path(operand.file).stem, "file", None),
+            model="file",
+            joints=tuple(self.model.names["joint"]),
+            positions=self.model.field("qpos0").astype(float),
+            velocities=np.zeros(self.layout.size[1]),
+            mjcf=Path(operand.file).read_text(encoding="utf-8", errors="replace"),
+            path=str(Path(operand.file).resolve()),
+            kinds=kinds,
+        )
+
+    @property
+    def version(self) -> str:
+        """Name and version of the engine."""
+        return f"{self.engine.name} {self.engine.version}"
+
+    def ask_engine(self, function: str, *arguments: Any) -> Array:
+        """Return accelerations or a mass matrix as the engine returns them.
+
+        Raises
+        ------
+        UsageError
+            If the engine cannot evaluate the file.
+        """
+        n = self.layout.size[1]
+        shape = (n,) if function == "accelerations" else (n, n)
+        ask: Callable[..., Any] = partial(self.engine.by_method(function, None), *arguments)
+        try:
+            return numbers(function, call_engine(ask), shape, finite=True)
+        except Unsupported as error:
+            message = f"{self.engine.name} cannot evaluate {self.operand.file}: {error}"
+            raise UsageError(message) from error
+        except EngineError as error:
+            message = f"{self.engine.name}, reading {self.operand.file}: {error}"
+            raise EngineError(error.kind, message, error.traceback) from error
+
+    def accelerations(self, state: State, convention: Convention) -> Array:
+        """Return the engine's accelerations (n,) at a state, in MuJoCo's convention."""
+        q, v = (np.array(state[name], dtype=float) for name in ("qpos", "qvel"))
+        turn, drift = convention.velocity_map(self.layout, q, v)
+        q = convention.positions(self.layout, q)
+        a = self.ask_engine("accelerations", self.controlled(state["ctrl"]), 0.0, q, turn @ v)
+        return np.linalg.solve(turn, a - drift)
+
+    def controlled(self, controls: Sequence[float]) -> System:
+        """Return the system whose `System.controls` are these."""
+        names = self.model.names["actuator"]
+        terms = [Term("actuator", name, {}, amplitude=u) for name, u in zip(names, controls)]
+        return replace(self.system, terms=tuple(terms))
+
+    def mass_matrix(self, state: State) -> Array:
+        """Return the engine's mass matrix (n, n) at a state, in MuJoCo's convention."""
+        q, v = (np.array(state[name], dtype=float) for name in ("qpos", "qvel"))
+        turn, _ = self.convention.velocity_map(self.layout, q, v)
+        q = self.convention.positions(self.layout, q)
+        return turn.T @ self.ask_engine("mass_matrix", self.system, q) @ turn
+
+    def find_convention(self, states: Sequence[State], wanted: Sequence[Array]) -> Convention:
+        """Return the convention in which the engine agrees best with MuJoCo's accelerations."""
+        errors: dict[Convention, float] = {}
+        for one in conventions(self.model, self.layout):
+            pairs = zip(states, wanted, strict=True)
+            apart = [self.accelerations(state, one) - exact for state, exact in pairs]
+            errors[one] = float(np.linalg.norm(apart))
+            if errors[one] <= OPERATIONS * self.eps * np.linalg.norm(wanted):
+                return one
+        first, best = next(iter(errors)), min(errors, key=lambda one: errors[one])
+        return best if errors[best] < CLEARER * errors[first] else first
+
+    def at(
+        self, states: Sequence[State], edits: Sequence[Edit] = (), brief: bool = False
+    ) -> list[Answer]:
+        """Return accelerations and mass matrices at states, as the engine returns them.
+
+        Where MuJoCo has no row of a constraint, accelerations are those without constraints too.
+        """
+        mujoco = super().at(states)
+        smooth = [i for i, one in enumerate(mujoco) if not len(one["row_type"])] or [*range(len(states))]
+        sample = smooth[-TRIED_STATES:]
+        self.convention = self.find_convention(
+            [states[i] for i in sample], [mujoco[i]["qacc"] for i in sample]
+        )
+        self.conventions = self.convention.sentences
+        answers: list[Answer] = []
+        for i, state in enumerate(states):
+            answer = {"qacc": self.accelerations(state, self.convention)}
+            answer["qacc_floor"] = np.zeros_like(answer["qacc"])
+            if not len(mujoco[i]["row_type"]):
+                answer["qacc_smooth"] = answer["qacc"]
+            if "mass_matrix" in self.engine.functions:
+                answer["mass"] = self.mass_matrix(state)
+            answers.append(answer)
+        return answers
