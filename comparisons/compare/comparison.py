@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ import numpy as np
 from ...reference.errors import MbcheckError, UsageError
 from ..documents import document
 from ..documents.fields import HIDDEN, documented
+from ..documents.waivers import FileWaiver, waivers_of
 from ..reports.item import ReportItem
 from ..reports.words import number
 from .elements import (
@@ -44,8 +46,17 @@ half a unit of the sixth digit, and what follows from several such numbers."""
 SINGLE = 1e-6
 """The same of fields that MuJoCo keeps in numbers of 32 bits."""
 
+NEVER_SAVED = re.compile(r"\b(euler|axisangle|xyaxes|zaxis|fromto|dampratio|include)\b")
+"""Words of MJCF that MuJoCo never writes, since it computes other attributes from them."""
+
 MEASURED = 60
 """Differences whose effects are measured at the most."""
+
+RULE, UNUSED = "compare", "waiver_unused"
+"""Rules of reports: a difference, and a waiver that waives nothing."""
+
+MIN_FORCE = 1e-6
+"""Share of the largest force below which the force of a joint counts as that large."""
 
 MAX_VALUES = 6
 """Numbers of an attribute that are shown at the most."""
@@ -109,6 +120,11 @@ class Difference:
     share: float = field(default=math.inf, metadata=HIDDEN)
 
     @property
+    def id(self) -> str:
+        """Element and attribute."""
+        return f"{self.element} {self.attribute}".strip()
+
+    @property
     @documented
     def sentence(self) -> str:
         """What became of it, in words."""
@@ -149,6 +165,10 @@ class ModelComparison:
         number of attributes that differ by the digits of a text alone
     not_compared : sequence of str
         fields that are in one release of MuJoCo alone
+    waived : mapping of str to str
+        reasons of waivers, by element and attribute
+    unused_waivers : sequence of str
+        waivers of this model that waive nothing
     """
 
     a: str
@@ -163,6 +183,8 @@ class ModelComparison:
     why_no_states: str
     rounded: int
     not_compared: Sequence[str]
+    waived: Mapping[str, str] = field(default_factory=dict)
+    unused_waivers: Sequence[str] = ()
 
     @property
     @documented
@@ -171,36 +193,42 @@ class ModelComparison:
         return not self.left if self.gaps else None
 
     @property
+    def findings(self) -> list[Difference | Gap]:
+        """Differences, and gaps that they do not explain, but for those that are waived."""
+        return [one for one in (*self.differences, *self.left) if one.id not in self.waived]
+
+    @property
     def exit_code(self) -> int:
-        """1 if anything differs."""
-        return int(bool(self.differences or self.gaps or self.left))
+        """1 if anything differs that is not waived."""
+        return int(bool(self.findings))
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``compare`` document of docs/json.md."""
         return document("compare", self)
 
     def items(self) -> list[ReportItem]:
-        """Return an item for each difference, and one for what they do not explain."""
+        """Return an item for each finding, and one for each waiver that waives nothing."""
         file = self.a.rpartition("@")[0] or self.a
-        items = [
-            ReportItem(
-                id=f"{one.element} {one.attribute}".strip(), rule="compare", suite=self.b,
-                outcome="failure", severity="error", message=one.sentence, file=file,
-                numbers={"before": one.before, "after": one.after, "effect": one.effect},
-            )
-            for one in self.differences
-        ]  # fmt: skip
+        items = []
+        for one in self.findings:
+            is_gap = isinstance(one, Gap)
+            numbers = {} if is_gap else {"before": one.before, "after": one.after,
+                                         "effect": one.effect}  # fmt: skip
+            message = f"{one.sentence}, and no edit explains it" if is_gap else one.sentence
+            items.append(
+                ReportItem(
+                    id=one.id, rule=RULE, suite=self.b, outcome="failure", severity="error",
+                    message=message, file=file, numbers=numbers,
+                )
+            )  # fmt: skip
         items += [
-            ReportItem(
-                id=f"{gap.quantity} {gap.element}", rule="compare", suite=self.b, outcome="failure",
-                severity="error", message=f"{gap.sentence}, and no edit explains it", file=file,
-            )
-            for gap in self.left
-        ]  # fmt: skip
-        return items or [ReportItem("compare", "compare", self.b, "pass", None, "", file=file)]
+            ReportItem(one, UNUSED, self.b, "skipped", "warning", one, file=file)
+            for one in self.unused_waivers
+        ]
+        return items or [ReportItem(RULE, RULE, self.b, "pass", None, "", file=file)]
 
 
-def compare(a: str, b: str, install: bool = False) -> ModelComparison:
+def compare(a: str, b: str, install: bool = False, waivers: str | None = None) -> ModelComparison:
     """Compare two readings of one model.
 
     Parameters
@@ -210,6 +238,8 @@ def compare(a: str, b: str, install: bool = False) -> ModelComparison:
         MuJoCo and NumPy.
     install : bool
         Make an environment for a missing release, in the user's cache.
+    waivers : str or None
+        File of waivers, each with its reason.
 
     Raises
     ------
@@ -220,10 +250,29 @@ def compare(a: str, b: str, install: bool = False) -> ModelComparison:
     """
     operands = [Operand.parse(text) for text in (a, b)]
     if operands[0].is_engine:
-        raise UsageError(f"an engine is compared with MuJoCo: mbcheck compare {operands[0].file} {a}")
+        raise UsageError(
+            f"an engine is compared with MuJoCo: mbcheck compare {operands[0].file} {a}"
+        )
+    allowed = waivers_of(Path(waivers), operands[0].file, (RULE,)) if waivers else ()
     with ExitStack() as stack:
         first, second = (stack.enter_context(opened(one, install)) for one in operands)
-        return compared(first, second, (a, b))
+        return with_waivers(compared(first, second, (a, b)), allowed)
+
+
+def with_waivers(result: ModelComparison, waivers: Sequence[FileWaiver]) -> ModelComparison:
+    """Return a comparison whose findings are waived, and waivers that waive nothing."""
+    waived, used = dict[str, str](), set[FileWaiver]()
+    for one in result.findings:
+        waiver = next((w for w in waivers if w.covers(RULE, one.id)), None)
+        if waiver:
+            waived[one.id] = waiver.reason
+            used.add(waiver)
+    unused = [
+        f"{one.file}, line {one.line}: {one.pattern or 'all'} is alike, remove the waiver"
+        for one in waivers
+        if one.required and one not in used
+    ]
+    return replace(result, waived=waived, unused_waivers=unused)
 
 
 def opened(operand: Operand, install: bool) -> Reading:
@@ -237,7 +286,7 @@ def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelCo
     """Return what two readings differ in."""
     one, other = first.model, second.model
     match = match_elements(one, other)
-    share = SIX_DIGITS if written_in_six_digits(first) != written_in_six_digits(second) else EQUAL
+    share = SIX_DIGITS if is_saved_by_mujoco(first) != is_saved_by_mujoco(second) else EQUAL
     every = list(differences_of(one, other, match))
     differences = [d for d in every if d.share > share]
     rounding = [d for d in every if d.share <= share]
@@ -387,12 +436,14 @@ def shortened(before: Sequence[Any], after: Sequence[Any]) -> tuple[Sequence[Any
     return before[:last], after[:last]
 
 
-def written_in_six_digits(reading: Reading) -> bool:
-    """Return whether each number of a file stands there as MuJoCo writes it, with six digits."""
+def is_saved_by_mujoco(reading: Reading) -> bool:
+    """Return True if a file is written as MuJoCo writes it: radians, numbers of six digits."""
     with open(reading.operand.file, encoding="utf-8", errors="replace") as file:
         text = re.sub(r"<!--.*?-->", "", file.read(), flags=re.DOTALL)
+    if not re.search(r'angle\s*=\s*"radian"', text) or NEVER_SAVED.search(text):
+        return False
     numbers = re.findall(r"(?<![\w.+-])[-+]?\d*\.?\d+(?:[eE][-+]?\d+)?(?![\w.])", text)
-    return bool(numbers) and all(one == f"{float(one):.6g}" for one in numbers)
+    return all(one == f"{float(one):.6g}" for one in numbers)
 
 
 # What they do --------------------------------------------------------------------------------
@@ -449,7 +500,8 @@ class EditTrial:
                 self.own, self.other, self.answers(edits, brief=True), strict=True
             )
         ]
-        return (np.array(apart) / np.where(size > 0, size, 1.0)).ravel()
+        floor = MIN_FORCE * size.max(initial=0.0) or 1.0
+        return (np.array(apart) / np.maximum(size, floor)).ravel()
 
     def read_differently(self, before: Sequence[Edit]) -> list[Difference]:
         """Return the attributes that an engine lost or scaled, after edits that are known."""

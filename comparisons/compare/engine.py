@@ -24,6 +24,7 @@ from ..engines.validation import numbers
 from .elements import Compiled, levels
 from .gaps import OPERATIONS
 from .reading import MUJOCO, Answer, Edit, Operand, Reading, State
+from .states import control_of
 
 TRIED_STATES = 4
 """Number of states at which an engine's conventions are tried."""
@@ -191,8 +192,10 @@ class EngineReading(Reading):
 
     def controlled(self, controls: Sequence[float]) -> System:
         """Return the system whose `System.controls` are these."""
-        names = self.model.names["actuator"]
-        terms = [Term("actuator", name, {}, amplitude=u) for name, u in zip(names, controls)]
+        terms = [
+            Term("actuator", name, {}, amplitude=controls[control_of(self.model, i)])
+            for i, name in enumerate(self.model.names["actuator"])
+        ]
         return replace(self.system, terms=tuple(terms))
 
     def mass_matrix(self, state: State) -> Array:
@@ -222,7 +225,9 @@ class EngineReading(Reading):
         Where MuJoCo has no row of a constraint, accelerations are those without constraints too.
         """
         mujoco = super().at(states)
-        smooth = [i for i, one in enumerate(mujoco) if not len(one["row_type"])] or [*range(len(states))]
+        smooth = [i for i, one in enumerate(mujoco) if not len(one["row_type"])] or [
+            *range(len(states))
+        ]
         sample = smooth[-TRIED_STATES:]
         self.convention = self.find_convention(
             [states[i] for i in sample], [mujoco[i]["qacc"] for i in sample]

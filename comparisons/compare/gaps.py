@@ -94,6 +94,11 @@ class Gap:
     tolerance: Number
 
     @property
+    def id(self) -> str:
+        """Quantity and element."""
+        return f"{self.quantity} {self.element}"
+
+    @property
     @documented
     def sentence(self) -> str:
         """The difference in words."""
@@ -197,9 +202,7 @@ def missing(quantity: str, label: str, state: str, of_a: Any) -> Gap:
     return Gap(quantity, label, state, there, 1.0 - there, 0.0)
 
 
-def tolerances(
-    a: Mapping[str, Any], b: Mapping[str, Any], eps: float
-) -> Iterator[tuple[str, Any]]:
+def tolerances(a: Mapping[str, Any], b: Mapping[str, Any], eps: float) -> Iterator[tuple[str, Any]]:
     """Yield the quantities that both have, and how far rounding may part them.
 
     Sums round by the largest of their terms; accelerations lose as many digits as the mass matrix

@@ -39,8 +39,14 @@ PARTS = (
 
 INTEGRATORS = ("euler", "rk4", "implicit", "implicitfast")
 
-SETTLED = 30
-"""Most times that the solver goes on until its answer stays the same."""
+MAX_RESTARTS = 30
+"""Largest number of times that the solver starts again from its answer, until that has settled."""
+
+ITERATIONS = 30
+"""Iterations of the solver each time."""
+
+SETTLED = 1e-14
+"""Relative change of accelerations below which they have settled."""
 
 COLD, WARM = 0.0, 1.0
 """Accelerations that the solver starts from: none, or the unconstrained ones. How far its answers
@@ -99,12 +105,13 @@ def solved(model: Any, state: Mapping[str, Any], start: float) -> Any:
     put(data, state)
     mujoco.mj_forward(model, data)
     data.qacc_warmstart[:] = start * data.qacc_smooth
-    last = np.full(model.nv, np.nan)
-    for _ in range(SETTLED):
+    last, before = data.qacc.copy(), np.inf
+    for _ in range(MAX_RESTARTS):
         mujoco.mj_forward(model, data)
-        if np.array_equal(data.qacc, last):
+        change = abs(data.qacc - last).max(initial=0.0)
+        if change >= before or change <= SETTLED * abs(data.qacc).max(initial=0.0):
             break
-        last = data.qacc.copy()
+        last, before = data.qacc.copy(), change
         data.qacc_warmstart[:] = last
     return data
 
@@ -113,7 +120,7 @@ def evaluated(model: Any, states: Sequence[Mapping[str, Any]], brief: bool) -> I
     """Yield what a model does at states; in brief its accelerations alone."""
     newton = int(mujoco.mjtSolver.mjSOL_NEWTON)
     settings = [("opt.tolerance", None, 0.0), ("opt.solver", None, newton)]
-    exact = edited(model, [*settings, ("opt.iterations", None, 100)], False)
+    exact = edited(model, [*settings, ("opt.iterations", None, ITERATIONS)], False)
     integrators = {
         name: int(getattr(mujoco.mjtIntegrator, f"mjINT_{name.upper()}")) for name in INTEGRATORS
     }

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import mujoco
 
-KEPT = ("class", "childclass", "file", "type")
+KEPT = ("class", "childclass", "file", "type", "objtype", "reftype")
 """Attributes whose values are no names of elements."""
 
 SHUFFLED = ("worldbody", "body", "actuator", "equality", "sensor", "contact")
