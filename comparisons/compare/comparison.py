@@ -84,6 +84,9 @@ OPTION_WORDS = {
 FLAGS = {"disableflags": "mjtDisableBit", "enableflags": "mjtEnableBit"}
 """Option -> the enumeration of its number, or of its bits."""
 
+RETARGETED = ("actuator_trnid", "eq_obj1id", "eq_obj2id")
+"""References to elements that can be edited in a compiled model."""
+
 WITH = {"body_inertia": "body_iquat"}
 """Field -> another that says in which frame it is."""
 
@@ -383,6 +386,13 @@ def edits_of(one: Compiled, other: Compiled, pair: Sequence[Attribute]) -> Itera
             yield name, None, np.asarray(other.answer[name]).tolist()
             continue
         theirs = pair[1].rows.get(name, ())
+        if name in RETARGETED and len(theirs):
+            numbers = [number_of(one, label) for label in pair[1].values]
+            width = np.size(one.field(name)[rows])
+            numbers += [-1] * (width - len(numbers))
+            shape = np.shape(one.field(name)[rows])
+            yield f"model.{name}", rows.tolist(), np.reshape(numbers, shape).tolist()
+            continue
         fixed = name in (*ENUMERATIONS, *REFERENCES) or name.startswith("sensor_")
         if fixed or len(theirs) != len(rows):
             continue
@@ -391,6 +401,12 @@ def edits_of(one: Compiled, other: Compiled, pair: Sequence[Attribute]) -> Itera
         for own in (name, WITH.get(name), switch):
             if own and f"model.{own}" in one.answer:
                 yield f"model.{own}", rows.tolist(), other.field(own)[theirs].tolist()
+
+
+def number_of(model: Compiled, label: str) -> int:
+    """Return the number of an element, -1 if there is none of this label."""
+    listed = next((one for one in model.labels.values() if label in one), [])
+    return listed.index(label) if listed else -1
 
 
 def neutral(model: Compiled, element: ModelElement) -> Iterator[Edit]:
@@ -443,7 +459,7 @@ def is_saved_by_mujoco(reading: Reading) -> bool:
     if not re.search(r'angle\s*=\s*"radian"', text) or NEVER_SAVED.search(text):
         return False
     numbers = re.findall(r"(?<![\w.+-])[-+]?\d*\.?\d+(?:[eE][-+]?\d+)?(?![\w.])", text)
-    return all(one == f"{float(one):.6g}" for one in numbers)
+    return all(float(one) == float(f"{float(one):.6g}") for one in numbers)
 
 
 # What they do --------------------------------------------------------------------------------

@@ -8,9 +8,11 @@ the place of principal axes, rotations in that of quaternions, names in that of 
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -405,6 +407,7 @@ def match_elements(one: Compiled, other: Compiled) -> Match:
     and by how many of their attributes are equal.
     """
     labels = {kind: list(listed) for kind, listed in other.labels.items()}
+    contents = contents_of(one), contents_of(other)
     pairs: list[tuple[ModelElement, ModelElement]] = []
     gone: list[ModelElement] = []
     new: list[ModelElement] = []
@@ -415,7 +418,9 @@ def match_elements(one: Compiled, other: Compiled) -> Match:
         for numbers in levels(one) if kind == "body" else [range(len(mine))]:
             theirs = other.elements(kind, labels)
             for rest in leftover_groups(mine, theirs, numbers, partners):
-                partners |= dict(assigned(mine, theirs, *rest))
+                partners |= dict(
+                    assigned(mine, theirs, *rest, contents if kind == "body" else None)
+                )
             rename(labels, one, kind, partners)
         theirs = other.elements(kind, labels)
         pairs += [(mine[i], theirs[j]) for i, j in sorted(partners.items())]
@@ -477,15 +482,41 @@ def place_of(element: ModelElement) -> tuple[str, ...]:
     )
 
 
+def contents_of(model: Compiled) -> list[Counter[str]]:
+    """Return the attributes, in five digits, of all joints and geoms on each body and below it."""
+    contents = [Counter[str]() for _ in model.labels["body"]]
+    for kind in ("joint", "geom"):
+        owners = model.field(KINDS[kind]).tolist()
+        for element in model.elements(kind, model.labels):
+            for name, one in element.attributes.items():
+                if not set(one.rows) & set(REFERENCES):
+                    words = (f"{v:.4e}" if isinstance(v, float) else str(v) for v in one.values)
+                    contents[owners[element.number]][f"{kind} {name} {' '.join(words)}"] += 1
+    for i, parent in reversed(list(enumerate(model.field("body_parentid").tolist()))):
+        if i:
+            contents[parent] += contents[i]
+    return contents
+
+
 def assigned(
-    mine: Sequence[ModelElement], theirs: Sequence[ModelElement], left: list[int], right: list[int]
+    mine: Sequence[ModelElement],
+    theirs: Sequence[ModelElement],
+    left: list[int],
+    right: list[int],
+    contents: tuple[Sequence[Counter[str]], Sequence[Counter[str]]] | None,
 ) -> Iterator[tuple[int, int]]:
-    """Yield pairs of numbers so that as few attributes as possible differ, in order if equal."""
-    costs = [
-        [difference_count(mine[i], theirs[j]) + 1e-6 * abs(a - b) for b, j in enumerate(right)]
-        for a, i in enumerate(left)
-    ]
-    for a, b in zip(*linear_sum_assignment(np.array(costs)), strict=True):
+    """Yield pairs of numbers so that as few attributes as possible differ, in order if equal.
+
+    Of bodies the share of differing ``contents`` counts as one attribute.
+    """
+    costs = np.zeros((len(left), len(right)))
+    for (a, i), (b, j) in product(enumerate(left), enumerate(right)):
+        costs[a, b] = difference_count(mine[i], theirs[j]) + 1e-6 * abs(a - b)
+        if contents:
+            both = contents[0][i], contents[1][j]
+            shared, every = (both[0] & both[1]).total(), (both[0] | both[1]).total()
+            costs[a, b] += 1 - shared / every if every else 0.0
+    for a, b in zip(*linear_sum_assignment(costs), strict=True):
         yield left[a], right[b]
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -204,9 +204,16 @@ def at_limits(model: Compiled, state: State) -> Iterator[tuple[str, State]]:
         )
 
 
+class Contact(NamedTuple):
+    """The geom with which MuJoCo's collision begins, and the numbers of a contact."""
+
+    first: str
+    numbers: Any
+
+
 @dataclass(frozen=True)
 class Side:
-    """What of one of two models stands where in what `probe.evaluated` yields.
+    """The rows of one of two models in the answers of `probe.evaluated`.
 
     Attributes
     ----------
@@ -264,15 +271,14 @@ class Side:
             } | {"jacobian": answer["row_jacobian"][i][self.rows["qvel"]]}
         return rows
 
-    def contacts(self, answer: Mapping[str, Any]) -> dict[tuple[str, int], Any]:
-        """Return the contacts: labels of their geoms, count -> numbers."""
-        rows: dict[tuple[str, int], Any] = {}
+    def contacts(self, answer: Mapping[str, Any]) -> dict[tuple[str, int], Contact]:
+        """Return the contacts: labels of their geoms, count -> contact."""
+        rows: dict[tuple[str, int], Contact] = {}
         numbers = zip(answer["contact_geoms"].tolist(), answer["contact_numbers"], strict=True)
         for geoms, values in sorted(numbers, key=lambda pair: tuple(pair[1][3:6])):
-            label = " and ".join(
-                sorted(self.labels["geom"].get(one, f"geom number {one}") for one in geoms)
-            )
-            rows[label, sum(key[0] == label for key in rows)] = values
+            labels = [self.labels["geom"].get(one, f"geom number {one}") for one in geoms]
+            label = " and ".join(sorted(labels))
+            rows[label, sum(key[0] == label for key in rows)] = Contact(labels[0], values)
         return rows
 
 
