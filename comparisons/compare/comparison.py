@@ -528,12 +528,11 @@ class EditTrial:
             list(guesses(self.first.model, elements)),
         )
         differences = []
-        for one, share in chosen:
-            values = one.cells(share)
+        for one, factor in chosen:
+            values = one.cells(factor)
             cells = cells_of(*values) if values[0] else ("", *values[1])
-            differences.append(
-                Difference(one.element, one.attribute, *cells, edits=one.edits(share))
-            )
+            edits = [one.edit(factor)]
+            differences.append(Difference(one.element, one.attribute, *cells, edits=edits))
         return differences
 
     def left(self, edits: Sequence[Edit], gaps: list[Gap]) -> list[Gap]:

@@ -53,8 +53,16 @@ ROWS: Mapping[str, tuple[str, str]] = {
 }
 """Field, or its first word -> the kind of element of its rows, and the field of their addresses."""
 
-COLUMNS = {"key_qpos": "qpos0", "key_qvel": "dof", "key_ctrl": "actuator"}
-"""Field of keyframes -> one of `ROWS` that says whose its columns are."""
+COLUMNS: Mapping[str, tuple[str, str, int]] = {
+    "key_qpos": ("joint", "jnt_qposadr", 0),
+    "key_qvel": ("joint", "jnt_dofadr", 0),
+    "key_act": ("actuator", "actuator_actadr", 0),
+    "key_ctrl": ("actuator", "actuator_ctrladr", 0),
+    "key_mpos": ("body", "body_mocapid", 3),
+    "key_mquat": ("body", "body_mocapid", 4),
+}
+"""Field of keyframes -> the kind of the elements of its columns, the field of their addresses, and
+the columns of each; 0 if they end where the next begin."""
 
 ENUMERATIONS = {
     "jnt_type": "mjtJoint",
@@ -142,6 +150,9 @@ WORDS = {
 
 EQUALITY_DATA = {"connect": "anchor", "weld": "relpose", "joint": "polycoef", "tendon": "polycoef"}
 """Type of an equality -> what its numbers are."""
+
+DATA_WIDTHS = {"anchor": 6, "relpose": 11, "polycoef": 5}
+"""Attribute of an equality -> the count of its numbers; releases reserve more."""
 
 CONTACT = (
     "condim", "friction", "solref", "solimp", "solmix", "margin", "gap", "priority", "adhesion",
@@ -287,19 +298,28 @@ class Compiled:
                 self.described(labels, "eq_type", int(rows[0]))[0], "data"
             )
         if name in COLUMNS:
-            kind, address = ROWS[COLUMNS[name]]
-            starts = self.field(address) if address else np.arange(len(labels[kind]))
-            pieces = np.split(values[rows].T, starts[1:])
-            for label, piece in zip(labels[kind], pieces, strict=False):
-                table[f"{attribute} of {label}"] = Attribute(np.ravel(piece).tolist())
+            for number, columns in self.columns_of(name):
+                label = labels[COLUMNS[name][0]][number]
+                table[f"{attribute} of {label}"] = Attribute(values[rows][0, columns].tolist())
             return
         known = table.get(attribute)
         attribute = name if known else attribute
         pieces = [values[row] for row in rows]
-        if attribute == "polycoef":
-            pieces = [values[row][:5] for row in rows]
+        if attribute in DATA_WIDTHS:
+            pieces = [values[row][: DATA_WIDTHS[attribute]] for row in rows]
         flat = [one for value in pieces for one in np.ravel(np.asarray(value)).tolist()]
         table[attribute] = Attribute(flat, {name: rows})
+
+    def columns_of(self, name: str) -> Iterator[tuple[int, slice]]:
+        """Yield the number of each element that has columns in a field of keyframes, and these."""
+        kind, address, width = COLUMNS[name]
+        starts = self.answer.get(f"model.{address}", np.arange(len(self.labels[kind])))
+        ends = [*starts[1:].tolist(), self.field(name).shape[1]]
+        for number, start in enumerate(starts.tolist()):
+            if start >= 0:
+                begin = start * max(width, 1)
+                count = int(self.field("actuator_actnum")[number]) if name == "key_act" else width
+                yield number, slice(begin, begin + count if count else ends[number])
 
     def comparable(self, name: str, labels: Mapping[str, Sequence[str]]) -> Any:
         """Return a field in a form in which equal physics is equal."""

@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 from ...models.joints import JointLayout, layout_of
 from ...models.mechanism import Term
 from ...models.system import System
-from ...reference.errors import EngineError, Unsupported, UsageError
+from ...reference.errors import EngineError, MbcheckError, UsageError
 from ...reference.scene import Array, Case
 from ..engines.registry import get_engine
 from ..engines.run import call_engine
@@ -132,9 +132,7 @@ class EngineReading(Reading):
     Raises
     ------
     UsageError
-        If there is no such engine, it reads no MJCF, or it cannot evaluate the file.
-    EngineError
-        If the engine fails.
+        If there is no such engine, or it reads no MJCF.
     """
 
     def __init__(self, operand: Operand) -> None:
@@ -162,56 +160,43 @@ class EngineReading(Reading):
         """Name and version of the engine."""
         return f"{self.engine.name} {self.engine.version}"
 
-    def ask_engine(self, function: str, *arguments: Any) -> Array:
-        """Return accelerations or a mass matrix as the engine returns them.
+    def ask_engine(self, function: str, state: State, convention: Convention) -> Array:
+        """Return accelerations (n,) or a mass matrix (n, n) at a state, in MuJoCo's convention.
 
         Raises
         ------
-        UsageError
-            If the engine cannot evaluate the file.
+        EngineError
+            If the engine cannot evaluate the file, or fails.
         """
-        n = self.layout.size[1]
-        shape = (n,) if function == "accelerations" else (n, n)
-        ask: Callable[..., Any] = partial(self.engine.by_method(function, None), *arguments)
-        try:
-            return numbers(function, call_engine(ask), shape, finite=True)
-        except Unsupported as error:
-            message = f"{self.engine.name} cannot evaluate {self.operand.file}: {error}"
-            raise UsageError(message) from error
-        except EngineError as error:
-            message = f"{self.engine.name}, reading {self.operand.file}: {error}"
-            raise EngineError(error.kind, message, error.traceback) from error
-
-    def accelerations(self, state: State, convention: Convention) -> Array:
-        """Return the engine's accelerations (n,) at a state, in MuJoCo's convention."""
         q, v = (np.array(state[name], dtype=float) for name in ("qpos", "qvel"))
         turn, drift = convention.velocity_map(self.layout, q, v)
-        q = convention.positions(self.layout, q)
-        a = self.ask_engine("accelerations", self.controlled(state["ctrl"]), 0.0, q, turn @ v)
-        return np.linalg.solve(turn, a - drift)
-
-    def controlled(self, controls: Sequence[float]) -> System:
-        """Return the system whose `System.controls` are these."""
-        terms = [
-            Term("actuator", name, {}, amplitude=controls[control_of(self.model, i)])
+        terms = tuple(
+            Term("actuator", name, {}, amplitude=state["ctrl"][control_of(self.model, i)])
             for i, name in enumerate(self.model.names["actuator"])
+        )
+        arguments: list[Any] = [
+            replace(self.system, terms=terms),
+            convention.positions(self.layout, q),
         ]
-        return replace(self.system, terms=tuple(terms))
-
-    def mass_matrix(self, state: State) -> Array:
-        """Return the engine's mass matrix (n, n) at a state, in MuJoCo's convention."""
-        q, v = (np.array(state[name], dtype=float) for name in ("qpos", "qvel"))
-        turn, _ = self.convention.velocity_map(self.layout, q, v)
-        q = self.convention.positions(self.layout, q)
-        return turn.T @ self.ask_engine("mass_matrix", self.system, q) @ turn
+        if function == "accelerations":
+            arguments = [arguments[0], 0.0, arguments[1], turn @ v]
+        ask = partial(self.engine.by_method(function, None), *arguments)
+        shape = v.shape if function == "accelerations" else turn.shape
+        try:
+            answer = numbers(function, call_engine(ask), shape, finite=True)
+        except MbcheckError as error:
+            message = f"{self.engine.name} cannot evaluate {self.operand.file}: {error}"
+            raise EngineError("engine", message, error.traceback) from error
+        if function == "accelerations":
+            return np.linalg.solve(turn, answer - drift)
+        return np.asarray(turn.T @ answer @ turn)
 
     def find_convention(self, states: Sequence[State], wanted: Sequence[Array]) -> Convention:
         """Return the convention in which the engine agrees best with MuJoCo's accelerations."""
         errors: dict[Convention, float] = {}
         for one in conventions(self.model, self.layout):
-            pairs = zip(states, wanted, strict=True)
-            apart = [self.accelerations(state, one) - exact for state, exact in pairs]
-            errors[one] = float(np.linalg.norm(apart))
+            answers = [self.ask_engine("accelerations", state, one) for state in states]
+            errors[one] = float(np.linalg.norm(np.subtract(answers, wanted)))
             if errors[one] <= OPERATIONS * self.eps * np.linalg.norm(wanted):
                 return one
         first, best = next(iter(errors)), min(errors, key=lambda one: errors[one])
@@ -225,21 +210,18 @@ class EngineReading(Reading):
         Where MuJoCo has no row of a constraint, accelerations are those without constraints too.
         """
         mujoco = super().at(states)
-        smooth = [i for i, one in enumerate(mujoco) if not len(one["row_type"])] or [
-            *range(len(states))
-        ]
-        sample = smooth[-TRIED_STATES:]
-        self.convention = self.find_convention(
+        smooth = [i for i, one in enumerate(mujoco) if not len(one["row_type"])]
+        sample = (smooth or range(len(states)))[-TRIED_STATES:]
+        convention = self.find_convention(
             [states[i] for i in sample], [mujoco[i]["qacc"] for i in sample]
         )
-        self.conventions = self.convention.sentences
+        self.conventions = convention.sentences
         answers: list[Answer] = []
         for i, state in enumerate(states):
-            answer = {"qacc": self.accelerations(state, self.convention)}
-            answer["qacc_floor"] = np.zeros_like(answer["qacc"])
-            if not len(mujoco[i]["row_type"]):
-                answer["qacc_smooth"] = answer["qacc"]
+            qacc = self.ask_engine("accelerations", state, convention)
+            answers.append({"qacc": qacc, "qacc_floor": np.zeros_like(qacc)})
+            if i in smooth:
+                answers[i]["qacc_smooth"] = qacc
             if "mass_matrix" in self.engine.functions:
-                answer["mass"] = self.mass_matrix(state)
-            answers.append(answer)
+                answers[i]["mass"] = self.ask_engine("mass_matrix", state, convention)
         return answers

@@ -165,7 +165,7 @@ def array_gaps(
             yield float(ratio[at]), Gap(name, label, state, *values)
 
 
-def collides_otherwise(a: Mapping[str, Any], b: Mapping[str, Any]) -> bool:
+def collides_differently(a: Mapping[str, Any], b: Mapping[str, Any]) -> bool:
     """Return True if contacts differ by no more than the tolerance of collisions, or their order.
 
     Accelerations then differ by more than round-off, for no other reason.
@@ -174,8 +174,7 @@ def collides_otherwise(a: Mapping[str, Any], b: Mapping[str, Any]) -> bool:
         other = b.get("contacts", {}).get(pair)
         if other is not None:
             apart = abs(abs(one.numbers[GEOMETRY]) - abs(other.numbers[GEOMETRY])).max()
-            exchanged = one.first != other.first
-            if OPERATIONS * EPS < apart and (exchanged or apart < COLLISION):
+            if one.first != other.first or OPERATIONS * EPS < apart < COLLISION:
                 return True
     return False
 
@@ -223,22 +222,38 @@ def missing(quantity: str, label: str, state: str, of_a: Any) -> Gap:
     return Gap(quantity, label, state, there, 1.0 - there, 0.0)
 
 
+def constraint_force(a: Mapping[str, Any]) -> float:
+    """Return the largest generalised force that a row of a constraint may exert (SI)."""
+    return max(
+        (
+            abs(one["jacobian"]).max(initial=0.0) * abs(one["aref"]) / one["inverse_inertia"]
+            for one in a["rows"].values()
+        ),
+        default=0.0,
+    )
+
+
 def tolerances(a: Mapping[str, Any], b: Mapping[str, Any], eps: float) -> Iterator[tuple[str, Any]]:
     """Yield the quantities that both have, and how far rounding may part them.
 
     Sums round by the largest of their terms; accelerations lose as many digits as the mass matrix
-    has a condition number. What constraints do is known as far as two runs of the solver agree.
+    has a condition number. With constraints the largest force of a row counts as well, and the
+    difference of two runs of the solver.
     """
     unit, n = OPERATIONS * eps, len(a["bias"])
     common = [key for key in QUANTITIES if key in a and key in b]
-    size = {key: max(abs(side[key]).max(initial=0.0) for side in (a, b)) for key in common}
+    size = {
+        key: max(abs(np.nan_to_num(side[key], posinf=0)).max(initial=0.0) for side in (a, b))
+        for key in common
+    }
     force = sum(
         size[key] for key in ("bias", "spring", "damper", "actuator", "fluid") if key in size
     )
     finite = n and np.all(np.isfinite(a["mass"]))
     condition = np.linalg.cond(a["mass"]) if finite else np.inf if n else 1.0
+    norm = np.linalg.norm(a["mass"], 2) if finite else 1.0
     constrained = [key for key in size if key == "qacc" or key.startswith("step_")]
-    constrained *= collides_otherwise(a, b)
+    constrained *= collides_differently(a, b)
     own = {
         "xmat": 1.0,
         **{key: force for key in ("bias", "gravity", "actuator", "damper", "spring", "fluid")},
@@ -250,8 +265,9 @@ def tolerances(a: Mapping[str, Any], b: Mapping[str, Any], eps: float) -> Iterat
         if key in ("qacc_smooth", "qacc") or key.startswith("step_"):
             floor = max(abs(a["qacc_floor"]).max(initial=0), abs(b["qacc_floor"]).max(initial=0))
             largest = max(size[name] for name in ("qacc_smooth", "qacc") if name in size)
-            smooth = unit * condition * largest
-            tolerance = smooth + (4 * floor if key != "qacc_smooth" else 0.0)
+            tolerance = unit * condition * largest
+            if key != "qacc_smooth":
+                tolerance += 4 * floor + unit * condition * constraint_force(a) / norm
         if key.startswith("step_"):
             floors = [abs(side[key.replace("step", "floor")]).max(initial=0.0) for side in (a, b)]
             floor = max(np.nan_to_num(floors, nan=np.inf))  # of a step that overflows

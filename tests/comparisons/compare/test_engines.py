@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from pathlib import Path
 
 import pytest
@@ -57,6 +59,40 @@ def test_what_a_reader_lost_is_named_and_closes_the_gap(arm: str, reader: str) -
         "quaternions as (x, y, z, w)",
         "angular velocities in the frame of the world",
     ]
+
+
+def test_the_example_of_the_page(
+    arm: str, clone: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    page = (clone / "docs/compare.md").read_text(encoding="utf-8")
+    (example,) = re.findall(r"^```python\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
+    (tmp_path / "my_reader.py").write_text(example.replace("print(", "str("))
+    monkeypatch.chdir(tmp_path)
+    result = compare(arm, f"{arm}@my_reader:MyReader")
+    (difference,) = result.differences
+    assert f"{difference.sentence}                     {difference.effect:.2g}" in page
+
+
+def test_a_waiver_allows_a_difference_and_a_stale_one_is_reported(arm: str, tmp_path: Path) -> None:
+    other = tmp_path / "other.xml"
+    other.write_text(ARM.replace(' damping=".4"', ""))
+    waivers = tmp_path / "known.toml"
+    entry = '[[waive]]\nrule = "compare"\nelement = "{}"\nreason = "known"\nfile = "arm.xml"\n'
+    waivers.write_text(entry.format("joint * damping"))
+    words = ("compare", arm, str(other), "--waivers", str(waivers))
+    done = invoke(*words)
+    assert done.exit_code == 0, done.stdout
+    assert "joint shoulder: damping 0.4 dropped (waived: known)" in done.stdout
+    assert json.loads(invoke(*words, "--json", "-").stdout)["waived"] == {
+        "joint shoulder damping": "known"
+    }
+    waivers.write_text(entry.format("joint elbow *"))
+    done = invoke(*words)
+    assert done.exit_code == 1
+    assert "joint elbow * is alike, remove the waiver" in " ".join(done.stdout.split())
+    assert "waiver_unused" in invoke(*words, "--sarif", "-").stdout
+    waivers.write_text(entry.replace("compare", "step_limit"))
+    assert invoke(*words).exit_code == 2
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Bugs of importers, emulated: each is named by element and attribute, and an edit closes the gap."""
+"""Bugs of importers: each is named by element and attribute, and an edit closes the gap."""
 
 from __future__ import annotations
 

@@ -32,12 +32,16 @@ class FileReader(mbcheck.Engine):
 class WithoutDamping(FileReader):
     """Drops the damping of all joints."""
 
+    name = "without_damping"
+
     def edit(self, model: Any) -> None:
         model.dof_damping[:] = 0
 
 
 class UnitGear(FileReader):
     """Reads the gear of the first motor as 1."""
+
+    name = "unit_gear"
 
     def edit(self, model: Any) -> None:
         model.actuator_gear[0, 0] = 1
@@ -46,12 +50,16 @@ class UnitGear(FileReader):
 class WithoutGravity(FileReader):
     """Ignores gravity."""
 
+    name = "without_gravity"
+
     def edit(self, model: Any) -> None:
         model.opt.gravity[:] = 0
 
 
 class DegreesAndArmature(FileReader):
     """Takes stiffness for one per degree, and drops armature."""
+
+    name = "degrees_and_armature"
 
     def edit(self, model: Any) -> None:
         model.jnt_stiffness[:] *= 180 / np.pi
@@ -61,6 +69,7 @@ class DegreesAndArmature(FileReader):
 class SinglePrecision(FileReader):
     """Answers in 32 bits, and drops the damping of the second joint."""
 
+    name = "single_precision"
     precision = "float32"
 
     def edit(self, model: Any) -> None:
@@ -73,6 +82,8 @@ class SinglePrecision(FileReader):
 
 class OtherConventions(FileReader):
     """Joints by their names, quaternions with the scalar last, rates in the world; no damping."""
+
+    name = "other_conventions"
 
     def edit(self, model: Any) -> None:
         model.dof_damping[0] = 0
@@ -91,12 +102,16 @@ class OtherConventions(FileReader):
 class Raises(FileReader):
     """Fails."""
 
+    name = "raises"
+
     def accelerations(self, *arguments: Any) -> Any:
         raise RuntimeError("no such joint")
 
 
 class Refuses(FileReader):
     """Cannot do it."""
+
+    name = "refuses"
 
     def accelerations(self, *arguments: Any) -> Any:
         raise mbcheck.Unsupported("no actuators")
