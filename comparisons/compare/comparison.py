@@ -1,4 +1,4 @@
-"""`compare`: what two readings of a model differ in, and the edit that closes the gap."""
+"""`compare`: the differences of two readings of a model, and the edits that close the gap."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ class Difference:
         by how much accelerations change with this edit of A alone, relative to the largest; null
         if it cannot be tried
     edits : list of Edit
-        What makes A's model like B's in this.
+        Edits that give A's model the values of B.
     share : float
         The largest difference of its numbers, in the largest of them; infinite of words.
     """
@@ -130,7 +130,7 @@ class Difference:
     @property
     @documented
     def sentence(self) -> str:
-        """What became of it, in words."""
+        """The difference in words."""
         if not self.attribute:
             return f"{self.element} {'lost' if self.after == 'lost' else 'is new'}"
         dropped = self.after in ("none", "no limit") or set(self.after.split()) == {"0"}
@@ -140,7 +140,7 @@ class Difference:
 
 @dataclass(frozen=True)
 class ModelComparison:
-    """What two readings of one model differ in.
+    """The differences of two readings of one model.
 
     Attributes
     ----------
@@ -159,7 +159,7 @@ class ModelComparison:
     gaps : sequence of Gap
         what they do differently at states
     left : sequence of Gap
-        what is still different after A is edited by all differences
+        gaps that remain after A is edited by all differences
     states : sequence of str
         names of the states; none if they have no states in common
     why_no_states : str
@@ -202,7 +202,7 @@ class ModelComparison:
 
     @property
     def exit_code(self) -> int:
-        """1 if anything differs that is not waived."""
+        """1 if a difference is not waived."""
         return int(bool(self.findings))
 
     def as_json(self) -> dict[str, Any]:
@@ -286,7 +286,7 @@ def opened(operand: Operand, install: bool) -> Reading:
 
 
 def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelComparison:
-    """Return what two readings differ in."""
+    """Return the differences of two readings."""
     one, other = first.model, second.model
     match = match_elements(one, other)
     share = SIX_DIGITS if is_saved_by_mujoco(first) != is_saved_by_mujoco(second) else EQUAL
@@ -474,7 +474,7 @@ class EditTrial:
     match : Match
     rows : StateRows
     always : sequence of Edit
-        Of A, which are made always: what differs by the digits of a text.
+        Edits of A that are always made: attributes that differ by the digits of a text.
     """
 
     def __init__(
@@ -492,7 +492,7 @@ class EditTrial:
         self.own = self.answers(())
 
     def answers(self, edits: Sequence[Edit], brief: bool = False) -> list[dict[str, Any]]:
-        """Return what A does with edits; in brief its accelerations alone."""
+        """Return the answers of A after edits; in brief its accelerations alone."""
         answers = self.first.at(list(self.states.values()), [*self.always, *edits], brief)
         if brief:
             return [{"qacc": one["qacc"][self.rows.rows["qvel"][0]]} for one in answers]
@@ -536,7 +536,7 @@ class EditTrial:
         return differences
 
     def left(self, edits: Sequence[Edit], gaps: list[Gap]) -> list[Gap]:
-        """Return what edits leave open: all of it where they cannot be made."""
+        """Return the gaps that edits leave; all of them if the edits cannot be made."""
         try:
             return self.gaps(edits)
         except MbcheckError:
@@ -560,7 +560,7 @@ class EditTrial:
 
 
 def side_of(model: Compiled, side: int, match: Match, rows: StateRows) -> Side:
-    """Return what of a model stands where; ``side`` is 0 for A and 1 for B."""
+    """Return the rows of a model; ``side`` is 0 for A and 1 for B."""
     labels: dict[str, dict[int, str]] = {kind: {} for kind in model.labels}
     for pair in match.pairs:
         labels[pair[0].kind][pair[side].number] = pair[0].label

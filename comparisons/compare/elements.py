@@ -38,7 +38,7 @@ KINDS: Mapping[str, str] = {
     "pair": "pair_geom2",
     "exclude": "exclude_signature",
 }
-"""Kind of element -> the field by which those without a name are told apart.
+"""Kind of element -> the field that distinguishes elements without a name.
 
 Kinds that others refer to come first."""
 
@@ -106,7 +106,7 @@ REFERRED = {
     "xbody": "body",
     "sdf": "mesh",
 }
-"""Kind of a reference -> that of the element that it is to, where that is another word."""
+"""Kind of a reference -> the kind of its element, where MuJoCo has two words."""
 
 SIZES = {"plane": 0, "sphere": 1, "capsule": 2, "cylinder": 2}
 """Type of a geom or site -> how many of its three sizes count, where not all do."""
@@ -178,7 +178,7 @@ class Attribute:
     Attributes
     ----------
     values : sequence of float or str
-        In a form in which equal physics is equal.
+        Values in a form in which equal physics is equal.
     rows : mapping of str to array
         Fields of the compiled model that hold it, and their rows.
     """
@@ -350,7 +350,7 @@ class Compiled:
         return [self.word(ENUMERATIONS[name], int(one)) for one in self.field(name)]
 
     def axes(self) -> Any:
-        """Return the orientation of geoms: of what is round its axis, of a sphere nothing."""
+        """Return the orientation of geoms: the axis of round ones, nothing of a sphere."""
         axes, kinds = rotations(self.field("geom_quat")), self.types("geom_type")
         lines = np.where(np.array(kinds) == "sphere", 0.0, 1.0)[:, None] * axes[:, :, 2]
         round_ = np.isin(kinds, ("sphere", "capsule", "cylinder"))
@@ -392,7 +392,7 @@ def folded(table: dict[str, Attribute], kind: str) -> dict[str, Attribute]:
 
 
 def touches_nothing(table: Mapping[str, Attribute]) -> bool:
-    """Return whether a geom takes part in no contact but those of pairs."""
+    """Return True if a geom takes part in no contact but those of pairs."""
     return not any(any(table[name].values) for name in ("contype", "conaffinity"))
 
 
@@ -421,10 +421,10 @@ class Match:
 
 
 def match_elements(one: Compiled, other: Compiled) -> Match:
-    """Return which elements of two models are the same.
+    """Return the pairs of corresponding elements of two models.
 
-    By name; those without a partner of their name by their place (parent, or what they refer to)
-    and by how many of their attributes are equal.
+    They are matched by name; those without a partner of their name by their place (their parent, or
+    the elements to which they refer) and by the number of equal attributes.
     """
     labels = {kind: list(listed) for kind, listed in other.labels.items()}
     contents = contents_of(one), contents_of(other)
@@ -527,7 +527,7 @@ def assigned(
 ) -> Iterator[tuple[int, int]]:
     """Yield pairs of numbers so that as few attributes as possible differ, in order if equal.
 
-    Of bodies the share of differing ``contents`` counts as one attribute.
+    The share of differing ``contents`` counts as one attribute of bodies.
     """
     costs = np.zeros((len(left), len(right)))
     for (a, i), (b, j) in product(enumerate(left), enumerate(right)):
@@ -552,7 +552,7 @@ def difference_count(one: ModelElement, other: ModelElement) -> float:
 def difference_share(one: Values, other: Values, least: float = 0.0) -> float:
     """Return the largest difference of numbers in the largest of them, infinite of other words.
 
-    What is smaller than ``least`` counts as that large.
+    Numbers below ``least`` count as that large.
     """
     if len(one) != len(other):
         return np.inf

@@ -22,7 +22,7 @@ gap that an explanation may leave open."""
 
 ALIKE, WHOLE = 0.999, 1e-3
 """Share of the best explanation from which another is as good, and distance from a complete loss
-within which that is tried."""
+within which the complete loss is tried."""
 
 FACTORS: Mapping[str, float] = {
     **dict.fromkeys(("opt.gravity", "opt.density", "opt.viscosity"), 0.0),

@@ -1,4 +1,4 @@
-"""In what two models differ at the same states, beyond what rounding explains."""
+"""Quantities of two models that differ at the same states by more than round-off."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ def gaps_between(
     Parameters
     ----------
     own, other : sequence of mapping of str to array
-        What A and B do at each state, in the order of A.
+        Answers of A and B at each state, in the order of A.
     states : sequence of str
         Names of the states.
     labels : mapping of str to sequence of str

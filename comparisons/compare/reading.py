@@ -1,4 +1,4 @@
-"""What is compared: a file, as MuJoCo of this or of another installation reads it."""
+"""A file and its reader: MuJoCo of this or of another installation."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ PATIENCE = 300.0
 """Time [s] after which a process that answers nothing is ended."""
 
 MUJOCO = "mujoco"
-"""Name of the reader that is the default: the MuJoCo of this Python."""
+"""Name of the default reader, the MuJoCo of this Python."""
 
 RELEASE, VERSION = "mujoco==", re.compile(r"mujoco==\d+(\.\d+)+")
 
@@ -39,7 +39,7 @@ State = Mapping[str, list[float]]
 """``qpos``, ``qvel``, ``act`` and ``ctrl`` of MuJoCo's data."""
 
 Answer = dict[str, Any]
-"""What a model does at one state: quantity -> array, as `probe.evaluated` names them."""
+"""Quantity of `probe.evaluated` -> array, at one state."""
 
 
 @dataclass(frozen=True)
@@ -204,7 +204,7 @@ class Reading:
     def at(
         self, states: Sequence[State], edits: Sequence[Edit] = (), brief: bool = False
     ) -> list[Answer]:
-        """Return what the model does at states, with some of its fields set to other values."""
+        """Return the answers of the model at states, after edits of its fields."""
         every = self.ask(states=list(states), edits=list(edits), brief=brief)
         answers: list[Answer] = [{} for _ in states]
         for key, value in every.items():

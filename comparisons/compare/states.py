@@ -1,4 +1,4 @@
-"""States at which two models are compared, and what of one model is what of the other."""
+"""States at which two models are compared, and the rows of vectors that correspond."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class StateRows:
     Attributes
     ----------
     rows : mapping of str to (array of int, array of int)
-        Of ``qpos``, ``qvel``, ``act`` and ``ctrl``, the rows of A and of B.
+        The rows of ``qpos``, ``qvel``, ``act`` and ``ctrl`` in A and in B.
     labels : list of str
         The joints of A at these rows of ``qvel``.
     """
@@ -173,7 +173,7 @@ def draw(model: Compiled, random: np.random.Generator) -> State:
 
 
 def is_limited(model: Compiled, number: int) -> bool:
-    """Return whether a joint has finite limits."""
+    """Return True if a joint has finite limits."""
     limits = model.field("jnt_range")[number]
     return bool(model.field("jnt_limited")[number] and np.all(np.isfinite(limits)))
 
@@ -229,7 +229,7 @@ class Side:
     rows: Mapping[str, Any]
 
     def in_order(self, answer: Mapping[str, Any]) -> dict[str, Any]:
-        """Return what the model does at a state, of its elements in the order of A."""
+        """Return the answer at a state with the elements of A, in the order of A."""
         dofs, own = self.rows["qvel"], dict[str, Any]()
         for name, value in answer.items():
             kind = {"xpos": "body", "xmat": "body"}.get(name, name.partition("_")[0])

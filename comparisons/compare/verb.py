@@ -64,7 +64,7 @@ def compare_models(
 ) -> int:
     """Compare two readings of one model, and name the elements that differ.
 
-    What was compiled is compared by element and attribute, renamed and reordered elements
+    The compiled models are compared by element and attribute, renamed and reordered elements
     matched; then what both do at the same states, and whether editing A by the differences makes
     it move like B. Exit code 0 if they are alike, 1 if they differ, 2 if one cannot be read.
     """

@@ -152,7 +152,7 @@ def stepped(model: Any, state: Mapping[str, Any], start: Any) -> Any:
 
 
 def smooth(model: Any, state: Mapping[str, Any]) -> Answer:
-    """Return what a model does at a state without constraints, and as its file says."""
+    """Return kinematics, mass matrix and forces at a state, without constraints."""
     data = mujoco.MjData(model)
     put(data, {"qpos": state["qpos"]})
     mujoco.mj_forward(model, data)
@@ -228,16 +228,16 @@ def main() -> None:
     """Answer requests until there are none left."""
     model = None
     for line in sys.stdin:
-        asked = json.loads(line)
+        request = json.loads(line)
         try:
-            if "file" in asked:
-                model = mujoco.MjModel.from_xml_path(asked["file"])
+            if "file" in request:
+                model = mujoco.MjModel.from_xml_path(request["file"])
                 answer = compiled(model)
-            elif "touching" in asked:
-                answer = touching(model, asked["touching"])
+            elif "touching" in request:
+                answer = touching(model, request["touching"])
             else:
-                own = edited(model, asked["edits"], bool(asked["edits"]))
-                every = enumerate(evaluated(own, asked["states"], asked["brief"]))
+                own = edited(model, request["edits"], bool(request["edits"]))
+                every = enumerate(evaluated(own, request["states"], request["brief"]))
                 answer = {f"{i}.{key}": value for i, one in every for key, value in one.items()}
             np.savez(f"{sys.argv[1]}/answer.npz", **answer)
         except Exception as error:
