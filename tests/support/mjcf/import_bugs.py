@@ -18,7 +18,8 @@ TEXT = """<mujoco model="gripper">
         <body name="elbow" pos="0 .2 .25"><joint name="bend" class="stiff" axis="0 1 0" ref=".35"
           springref=".15" armature=".013" actuatorfrcrange="-6 6"/><geom name="elbow_geom"
           type="capsule" size=".03" fromto="0 0 0 0 .3 0" mass=".6"/>
-          <body name="link7" pos="0 .3 0"><joint name="twist" axis="0 1 0" armature="1e-4" damping=".05"/>
+          <body name="link7" pos="0 .3 0"><joint name="twist" axis="0 1 0" armature="1e-4"
+            damping=".05"/>
             <inertial pos="0 0 0" mass=".08" diaginertia="2e-7 2e-7 2e-7"/>
             <body name="left" pos=".02 .05 0"><joint name="left_finger" type="slide" axis="1 0 0"
               damping="4"/><geom name="left_geom" type="mesh" mesh="wedge" density="800"/></body>
