@@ -21,6 +21,7 @@ from ..reports.words import number
 from .elements import (
     ENUMERATIONS,
     REFERENCES,
+    SWITCHES,
     Attribute,
     Compiled,
     Match,
@@ -70,10 +71,6 @@ NEUTRAL: Mapping[str, Mapping[str, float]] = {
     },
 }  # fmt: skip
 """Kind of element -> values of its fields with which it does nothing."""
-
-DERIVED = {"range": "limited", "ctrlrange": "ctrllimited", "forcerange": "forcelimited",
-           "actrange": "actlimited", "actfrcrange": "actfrclimited"}  # fmt: skip
-"""End of a field -> that of the field that says whether it counts."""
 
 OPTION_WORDS = {
     "integrator": "mjtIntegrator",
@@ -396,9 +393,7 @@ def edits_of(one: Compiled, other: Compiled, pair: Sequence[Attribute]) -> Itera
         fixed = name in (*ENUMERATIONS, *REFERENCES) or name.startswith("sensor_")
         if fixed or len(theirs) != len(rows):
             continue
-        switch = next((name.removesuffix(end) + on for end, on in DERIVED.items()
-                       if name.endswith(f"_{end}")), None)  # fmt: skip
-        for own in (name, WITH.get(name), switch):
+        for own in (name, WITH.get(name), SWITCHES.get(name)):
             if own and f"model.{own}" in one.answer:
                 yield f"model.{own}", rows.tolist(), other.field(own)[theirs].tolist()
 

@@ -151,6 +151,18 @@ WORDS = {
 EQUALITY_DATA = {"connect": "anchor", "weld": "relpose", "joint": "polycoef", "tendon": "polycoef"}
 """Type of an equality -> what its numbers are."""
 
+SWITCHES = {
+    "jnt_range": "jnt_limited",
+    "jnt_actfrcrange": "jnt_actfrclimited",
+    "tendon_range": "tendon_limited",
+    "tendon_actfrcrange": "tendon_actfrclimited",
+    "actuator_ctrlrange": "actuator_ctrllimited",
+    "actuator_forcerange": "actuator_forcelimited",
+    "actuator_actrange": "actuator_actlimited",
+    "eq_type": "eq_active0",
+}
+"""Field -> the field that switches it on."""
+
 DATA_WIDTHS = {"anchor": 6, "relpose": 11, "polycoef": 5}
 """Attribute of an equality -> the count of its numbers; releases reserve more."""
 

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from ...reference.errors import MbcheckError
-from .elements import Compiled, ModelElement
+from .elements import SWITCHES, Compiled, ModelElement
 from .reading import Edit
 
 MAX_EDITS, TRIED_AGAIN = 8, 60
@@ -40,16 +40,6 @@ FACTORS: Mapping[str, float] = {
 
 DISCRETE = ("jnt_axis", "eq_active0", "geom_contype", "limited")
 """Ends of fields that a reader either keeps or not; others may be scaled."""
-
-SWITCHES = {
-    "jnt_range": "jnt_limited",
-    "jnt_actfrcrange": "jnt_actfrclimited",
-    "tendon_range": "tendon_limited",
-    "actuator_ctrlrange": "actuator_ctrllimited",
-    "actuator_forcerange": "actuator_forcelimited",
-    "eq_type": "eq_active0",
-}
-"""Field -> the field that switches it on."""
 
 
 @dataclass(frozen=True, eq=False)
