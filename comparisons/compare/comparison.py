@@ -195,7 +195,8 @@ class ModelComparison:
     @property
     def findings(self) -> list[Difference | Gap]:
         """Differences, and gaps that they do not explain, but for those that are waived."""
-        return [one for one in (*self.differences, *self.left) if one.id not in self.waived]
+        every: list[Difference | Gap] = [*self.differences, *self.left]
+        return [one for one in every if one.id not in self.waived]
 
     @property
     def exit_code(self) -> int:
@@ -211,10 +212,11 @@ class ModelComparison:
         file = self.a.rpartition("@")[0] or self.a
         items = []
         for one in self.findings:
-            is_gap = isinstance(one, Gap)
-            numbers = {} if is_gap else {"before": one.before, "after": one.after,
-                                         "effect": one.effect}  # fmt: skip
-            message = f"{one.sentence}, and no edit explains it" if is_gap else one.sentence
+            numbers, message = dict[str, object](), one.sentence
+            if isinstance(one, Gap):
+                message += ", and no edit explains it"
+            else:
+                numbers = {"before": one.before, "after": one.after, "effect": one.effect}
             items.append(
                 ReportItem(
                     id=one.id, rule=RULE, suite=self.b, outcome="failure", severity="error",
@@ -525,9 +527,11 @@ class EditTrial:
         differences = []
         for one, factor in chosen:
             values = one.cells(factor)
-            cells = cells_of(*values) if values[0] else ("", *values[1])
+            file_cell, read_cell = cells_of(*values) if values[0] else ("", values[1][0])
             edits = [one.edit(factor)]
-            differences.append(Difference(one.element, one.attribute, *cells, edits=edits))
+            differences.append(
+                Difference(one.element, one.attribute, file_cell, read_cell, edits=edits)
+            )
         return differences
 
     def left(self, edits: Sequence[Edit], gaps: list[Gap]) -> list[Gap]:

@@ -105,7 +105,7 @@ class Convention:
 def conventions(model: Compiled, layout: JointLayout) -> Iterator[Convention]:
     """Yield conventions in which an engine may differ from the protocol, the protocol's first."""
     names, bodies = model.names["joint"], model.field("jnt_bodyid").tolist()
-    depth = {i: level for level, numbers_ in enumerate(levels(model)) for i in numbers_}
+    depth = {i: level for level, bodies_ in enumerate(levels(model)) for i in bodies_}
     keys: dict[str, Callable[[int], Any]] = {
         FILE_ORDER: lambda i: i,
         "breadth-first order": lambda i: depth[bodies[i]],
@@ -188,7 +188,7 @@ class EngineReading(Reading):
             message = f"{self.engine.name} cannot evaluate {self.operand.file}: {error}"
             raise EngineError("engine", message, error.traceback) from error
         if function == "accelerations":
-            return np.linalg.solve(turn, answer - drift)
+            return np.asarray(np.linalg.solve(turn, answer - drift), dtype=float)
         return np.asarray(turn.T @ answer @ turn)
 
     def find_convention(self, states: Sequence[State], wanted: Sequence[Array]) -> Convention:
