@@ -32,7 +32,7 @@ from .elements import (
     touches_nothing,
 )
 from .engine import EngineReading
-from .explain import explain, guesses
+from .explain import find_edits, guesses
 from .gaps import Gap, gaps_between
 from .reading import Edit, Operand, Reading
 from .states import Side, StateRows, layout, states_of
@@ -519,13 +519,13 @@ class EditTrial:
     def read_differently(self, before: Sequence[Edit]) -> list[Difference]:
         """Return the attributes that an engine lost or scaled, after edits that are known."""
         elements = [option_element(self.first.model), *self.elements]
-        chosen = explain(
+        picks = find_edits(
             lambda edits: self.force_gap([*before, *edits]),
             lambda edits: not self.gaps([*before, *edits]),
             list(guesses(self.first.model, elements)),
         )
         differences = []
-        for one, factor in chosen:
+        for one, factor in picks:
             values = one.cells(factor)
             file_cell, read_cell = cells_of(*values) if values[0] else ("", values[1][0])
             edits = [one.edit(factor)]

@@ -113,14 +113,14 @@ def guesses(model: Compiled, elements: Sequence[ModelElement]) -> Iterator[Guess
         yield from singles
 
 
-def explain(
+def find_edits(
     gap: Callable[[Sequence[Edit]], Any],
     is_closed: Callable[[Sequence[Edit]], bool],
     candidates: Sequence[Guess],
 ) -> list[tuple[Guess, float]]:
     """Return the edits, each with its factor, that together close most of a gap.
 
-    One edit after the other is chosen, by the part of the remaining gap that it explains, as in
+    One edit after the other is selected, by the part of the remaining gap that it explains, as in
     orthogonal matching pursuit; all factors are then fitted again by least squares.
 
     Parameters
@@ -137,11 +137,11 @@ def explain(
     Signal Processing 41 (1993).
     """
     start = left = gap(())
-    chosen: list[Guess] = []
+    picks: list[Guess] = []
     factors = np.zeros(0)
 
     def edits(values: Any) -> list[Edit]:
-        return [one.edit(float(factor)) for one, factor in zip(chosen, values, strict=True)]
+        return [one.edit(float(factor)) for one, factor in zip(picks, values, strict=True)]
 
     def remaining(values: Any, *more: Edit) -> Any:
         try:
@@ -150,11 +150,11 @@ def explain(
             after = np.full_like(start, np.inf)
         return after if np.all(np.isfinite(after)) else np.full_like(start, np.linalg.norm(start))
 
-    while len(chosen) < MAX_EDITS and not is_closed(edits(factors)):
+    while len(picks) < MAX_EDITS and not is_closed(edits(factors)):
         gains: dict[Guess, tuple[float, float]] = {}
         for guess in candidates:
             effect = left - remaining(factors, guess.edit(guess.factor))
-            if guess not in chosen and effect.any():
+            if guess not in picks and effect.any():
                 share = 1.0 if guess.is_discrete else float(left @ effect / (effect @ effect))
                 gains[guess] = float(left @ left - np.sum((left - share * effect) ** 2)), share
         candidates = sorted(gains, key=lambda one: gains[one][0], reverse=True)[:TRIED_AGAIN]
@@ -162,13 +162,13 @@ def explain(
             break
         alike = [one for one in candidates if gains[one][0] >= ALIKE * gains[candidates[0]][0]]
         pick = min(alike, key=lambda one: abs(gains[one][1] - 1))
-        chosen.append(pick)
+        picks.append(pick)
         first = np.append(factors, 1 + gains[pick][1] * (pick.factor - 1))
-        factors = fitted(remaining, first, np.array([one.factor for one in chosen]))
+        factors = fitted(remaining, first, np.array([one.factor for one in picks]))
         left = remaining(factors)
     if np.linalg.norm(left) > OPEN_SHARE * np.linalg.norm(start):
         return []
-    return list(zip(chosen, factors.tolist(), strict=True))
+    return list(zip(picks, factors.tolist(), strict=True))
 
 
 def fitted(remaining: Callable[[Any], Any], factors: Any, whole: Any) -> Any:
