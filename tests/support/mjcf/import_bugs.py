@@ -99,7 +99,7 @@ IMPORT_BUGS = {
     "axis with the other sign": ('axis="-1 0 0"', 'axis="1 0 0"', "joint right_finger", "axis"),
     "anchor of a joint dropped": (' pos="0 .05 0"', "", "joint turn", "pos"),
     "centre of mass dropped": (
-        '<inertial pos="0 0 .02" mass="2.2"', '<inertial pos="0 0 0" mass="2.2"', "body cart",
+        'inertial pos=".01 0 0" mass=".9"', 'inertial pos="0 0 0" mass=".9"', "body drone",
         "inertial pos"),
     "actuator on the wrong joint": (
         '"hoist" joint="turn"', '"hoist" joint="twist"', "actuator hoist", "target"),
