@@ -456,7 +456,7 @@ def is_saved_by_mujoco(reading: Reading) -> bool:
     if not re.search(r'angle\s*=\s*"radian"', text) or NEVER_SAVED.search(text):
         return False
     numbers = re.findall(r"(?<![\w.+-])[-+]?\d*\.?\d+(?:[eE][-+]?\d+)?(?![\w.])", text)
-    return all(float(one) == float(f"{float(one):.6g}") for one in numbers)
+    return all(one in (f"{float(one):.6g}", f"{float(one):.0f}") for one in numbers)
 
 
 # What they do --------------------------------------------------------------------------------
