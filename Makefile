@@ -24,7 +24,7 @@ define libraries
 	  apt-get update -qq && apt-get install -y -qq libgl1 >/dev/null; } || true
 endef
 
-.PHONY: check test test-all test-slow foreign campaigns lint clean install install-test
+.PHONY: check test test-all test-slow foreign campaigns docs lint clean install install-test
 
 check: install
 	$(BIN)/mbcheck check
@@ -47,6 +47,15 @@ foreign: install-test
 
 campaigns: install-test
 	$(PYTEST) -m campaign -s
+
+# The pages keep their places in the clone, so that links hold on GitHub and on the site.
+PAGES := README.md CONTRIBUTING.md CHANGELOG.md SKILL.md CITATION.cff LICENSE docs examples benchmarks .github
+docs: $(BIN)/pip
+	$(call install,.[docs])
+	$(libraries)
+	mkdir -p build/pages
+	ln -sfn $(foreach page,$(PAGES),../../$(page)) build/pages/
+	$(BIN)/python -m mkdocs build --strict
 
 # mypy reads the clone, not what is installed; it must see it under the package's name.
 lint: install-test

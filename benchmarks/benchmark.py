@@ -28,7 +28,6 @@ from scipy.integrate import solve_ivp
 
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.exudyn.engine import EXPLICIT, place_initial, quiet
-from mbcheck.comparisons.engines.mujoco.engine import Order
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.run import contained
@@ -184,7 +183,7 @@ def reference_table(counts: tuple[int, ...], sampled: int, turns: int) -> Table:
 def bare_mujoco(engine: Any, case: Case, model: str, method: Method, steps: int) -> float:
     """CPU time [s] of ``mj_step`` on a loaded model."""
     mujoco, system = engine.inner.mujoco, engine.bind(case, model).system(case)
-    compiled = engine.inner.compiled(Order(system, method.name, STEP))
+    compiled = engine.inner.compiled(system.mjcf, model, method.name, STEP)
     data = engine.inner.data(compiled, 0.0, system.positions, system.velocities)
     return cpu_time(lambda: mujoco.mj_step(compiled, data, steps))
 

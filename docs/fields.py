@@ -1,27 +1,12 @@
-"""The tables of docs/json.md, from the types of the documents.
-
-``python docs/fields.py`` writes them again, between the marks that the page has for each document.
-"""
+"""The tables of docs/json.md, from the types of the documents."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import Any
 
 from mbcheck.comparisons.documents import schema
 from mbcheck.comparisons.reports.text import markdown_table
-
-PAGE = Path(__file__).with_name("json.md")
-
-BLOCK = re.compile(r"(<!-- fields of (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
-
-
-def with_tables(page: str) -> str:
-    """Return the page with the tables that the types give, each object where it is first met."""
-    seen: set[str] = set()
-    return BLOCK.sub(lambda mark: f"{mark[1]}{tables(mark[2], seen)}\n{mark[3]}", page)
 
 
 def tables(name: str, seen: set[str]) -> str:
@@ -63,7 +48,3 @@ def alternatives(part: Mapping[str, Any]) -> Iterator[str]:
         yield f"{words(part['additionalProperties'])} by name"
     else:
         yield part["type"]
-
-
-if __name__ == "__main__":
-    PAGE.write_text(with_tables(PAGE.read_text(encoding="utf-8")), encoding="utf-8")

@@ -3,7 +3,7 @@
     pip install dartpy
     mbcheck check --engine mbcheck.examples.dart_engine:DartEngine
 
-What the MJCF reader of DART 6.20 makes of a file, and what is done about it here:
+What the MJCF reader of DART 6.20 reads and drops, and how it is completed here:
 
 - joints and their ``damping`` are read, and dampers act: they are left out of what `System.force`
   adds, and are implicit in a step,

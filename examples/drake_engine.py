@@ -3,7 +3,7 @@
     pip install "mbcheck[drake]"
     mbcheck check --engine drake
 
-What Drake 1.51 makes of MJCF, and what is done about it here:
+What Drake 1.51 reads and drops of MJCF, and how it is completed here:
 
 - bodies, inertials, ``euler``, ``ref``, ``gravity``, defaults and ``damping`` are read, and right:
   the dampers of joints act in the plant, and are left out of what `System.force` adds,
@@ -16,9 +16,9 @@ What Drake 1.51 makes of MJCF, and what is done about it here:
 - nor are ball and free joints: a ball is turned by three angles, and velocities are in the world.
 
 Where a time of the grid is no multiple of the step in binary numbers, `Simulator` comes out at it
-with one more step of 1e-14 of its size. It may stretch a step to reach a time, so it is told a
-largest step that is 0.1 % longer, and then one step of the grid after the other: it counts as many
-as were asked for.
+with one more step of 1e-14 of its size. It may stretch a step to reach a time: so its largest step
+is set 0.1 % longer, and it is advanced by one step of the grid at a time. It then counts as many
+steps as requested.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ class DrakeEngine(mbcheck.Engine):
         return self.loaded[1:]
 
     def plant(self, system: mbcheck.System) -> Any:
-        """Return what Drake reads of the file, and armatures.
+        """Return the plant that Drake reads from the file, with armatures.
 
         Raises
         ------

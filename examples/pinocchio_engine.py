@@ -3,10 +3,10 @@
     pip install "mbcheck[pinocchio]"
     mbcheck check --engine pinocchio
 
-What Pinocchio 4.1 makes of MJCF, and what is done about it here:
+What Pinocchio 4.1 reads and drops of MJCF, and how it is completed here:
 
 - of the bodies in ``worldbody`` it reads the first and drops the others silently: all are put
-  below one body that is fixed to the world,
+  below one body fixed to the world,
 - ``gravity`` is dropped; its own 9.81 m/s^2 is replaced by what the file says,
 - ``armature``, ``ref`` and site-based ``connect`` are read; ``damping`` is read and does not act;
   springs, tendons and actuators are dropped: `System.force` has them all,

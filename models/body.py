@@ -1,4 +1,4 @@
-"""A rigid body on a ball or free joint in MJCF: how it moves, and where its numbers stand."""
+"""A rigid body on a ball or free joint in MJCF: its motion, and the bindings of its numbers."""
 
 from __future__ import annotations
 

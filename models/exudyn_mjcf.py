@@ -4,18 +4,19 @@ The equations of motion are Exudyn's own: bodies, joints, springs and loads are 
 file has them, but
 
 - a joint with an armature moves as the drive does: its spring's pull is a load in time;
-- a moment of inertia that stands for none in the file is 0, since Exudyn has point masses;
+- the smallest moment of inertia that MuJoCo takes counts as 0, since Exudyn has point masses;
 - bodies of a plane mechanism, as it stands, are bodies in the plane of x and y.
 
 Joints are hinges and slides about or along any axis, ball joints and free joints, in the origin of
-their body. A tendon acts between two bodies.
+their body. A tendon acts between two bodies. But in a kinematic tree, slides are on bodies that do
+not move.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -35,13 +36,13 @@ from .exudyn_system import (
     parameters,
     weigh,
 )
-from .kinematics import movers, place
-from .mechanism import Body, Joint, Site, Term, mechanism
+from .kinematics import Placed, movers, place
+from .mechanism import Site, Term, mechanism
 from .mjcf import Mjcf, export
 from .placement import placed, placed_motion, right_handed, turn_quaternion, world_axes
 
 NO_INERTIA = 2e-15
-"""The moment of inertia [kg m^2] that stands for none: MuJoCo refuses less than 1e-15."""
+"""The moment of inertia [kg m^2] of point masses in the files: MuJoCo refuses less than 1e-15."""
 
 UPRIGHT = np.eye(4)[0]
 """The quaternion of no rotation, from which Exudyn's coordinates count."""
@@ -49,7 +50,7 @@ UPRIGHT.flags.writeable = False
 
 
 class ExudynSource:
-    """What an Exudyn model is built from: the mechanism in an MJCF file, placed in the world.
+    """The mechanism in an MJCF file, placed in the world, of which an Exudyn model is built.
 
     Attributes
     ----------
@@ -158,32 +159,41 @@ class ExudynSource:
             raise CannotJudgeError(f"{dict(reach)} is not the angle between two bodies")
         return (*bases, 0)[0], last
 
-    def reactions(self, first: Mapping[str, int], count: int, axes: Array) -> Array | None:
-        """Return the model's reactions (k, m) from multipliers, by the first one of each joint."""
+    def reactions(self, multipliers: Mapping[str, tuple[int, Array]], count: int) -> Array | None:
+        """Return the matrix (k, m) from m = ``count`` multipliers to the model's k reactions.
+
+        Parameters
+        ----------
+        multipliers : mapping of joint or loop to (number, array (3, j))
+            The first of its j multipliers, and their directions in the axes of the model.
+        count : int
+        """
         named = self.model.reactions.values()
         rows = np.zeros((len(named), count))
         for row, (element, axis) in zip(rows, named, strict=True):
-            row[first[element] : first[element] + axes.shape[1]] = axes[axis]
+            first, directions = multipliers[element]
+            row[first : first + directions.shape[1]] = directions[axis]
         return rows if len(rows) else None
 
-    def linear(self, rows: Mapping[str, Array], at_zero: Mapping[str, float]) -> dict[str, Any]:
-        """Return what `ExudynSystem` takes of joints that are linear in Exudyn's coordinates.
+    def linear(self, rows: Mapping[str, Array], size: int) -> dict[str, Any]:
+        """Return ``readout``, ``origin`` and ``outputs`` of `ExudynSystem`.
 
         Parameters
         ----------
         rows : mapping of joint to array (N,)
-        at_zero : mapping of joint to its value where Exudyn's coordinates are 0
+            Joints, less their ``ref``, as sums of the N = ``size`` coordinates of Exudyn.
+        size : int
         """
-        readout = np.zeros((len(self.scene.coordinates), len(next(iter(rows.values())))))
+        readout = np.zeros((len(self.scene.coordinates), size))
         origin = np.zeros(len(readout))
         for i, reach in self.sums():
             for name in reach.keys() & rows.keys():
                 readout[i] += reach[name] * rows[name]
-                origin[i] += reach[name] * at_zero[name]
+                origin[i] += reach[name] * self.refs[name]
         seen = [name for name in rows if name in self.scene.observed]
 
         def outputs(coordinates: Array, rates: Array) -> dict[str, Array]:
-            places = {name: rows[name] @ coordinates + at_zero[name] for name in seen}
+            places = {name: rows[name] @ coordinates + self.refs[name] for name in seen}
             return places | {f"{name}_dot": rows[name] @ rates for name in seen}
 
         return {"readout": readout, "origin": origin, "outputs": outputs}
@@ -197,31 +207,32 @@ def to_axis(axis: Array) -> Array:
 
 
 def add_loads(
-    mbs: Any, source: ExudynSource, nodes: list[Any], rows: Mapping[str, Array]
+    mbs: Any, source: ExudynSource, places: list[dict[str, Any]], rows: Mapping[str, Array]
 ) -> tuple[Any, ...]:
     """Add springs, dampers and actuators of joints that are linear in Exudyn's coordinates.
 
     Parameters
     ----------
-    nodes : list of node numbers, which have as many coordinates each
+    places : list of N dict
+        Node and number within the node of each coordinate.
     rows : mapping of joint to array (N,)
-        The joint, less its ``ref``, as a sum of coordinates.
+        The joint, less its ``ref``, as a sum of coordinates. Terms of other joints are left out.
 
     Returns
     -------
     functions that must live as long as the system
     """
     functions: tuple[Any, ...] = ()
-    per_node = len(next(iter(rows.values()))) // len(nodes)
     still = items.MarkerNodeCoordinate(
         nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0
     )
     for term, reach, force, waves in source.loads():
+        if not reach.keys() <= rows.keys():
+            continue
         row = np.sum([factor * rows[name] for name, factor in reach.items()], axis=0)
         markers = []
         for i in np.flatnonzero(row):
-            place = {"nodeNumber": nodes[i // per_node], "coordinate": int(i % per_node)}
-            markers.append(mbs.AddMarker(items.MarkerNodeCoordinate(**place)))
+            markers.append(mbs.AddMarker(items.MarkerNodeCoordinate(**places[i])))
             if force:
                 mbs.AddLoad(items.LoadCoordinate(markerNumber=markers[-1], load=force * row[i]))
             for amplitude, omega in waves:
@@ -232,6 +243,7 @@ def add_loads(
             spring_damper = items.ObjectConnectorCoordinateSpringDamper
             mbs.AddObject(spring_damper(markerNumbers=ends, **spring))
             continue
+        nodes = [place["nodeNumber"] for place in places if not place["coordinate"]]
         square = np.outer(row, row)
         matrices = {f"{name}Matrix": value * square for name, value in spring.items()}
         mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=nodes, massMatrix=0 * square, **matrices))
@@ -276,7 +288,9 @@ def build_tree(source: ExudynSource) -> ExudynSystem:
     )
     names = [source.joints[i].name for i in bodies]
     rows = dict(zip(names, np.eye(count), strict=True))
-    functions = add_loads(mbs, source, [node], rows)
+    functions = add_loads(
+        mbs, source, [{"nodeNumber": node, "coordinate": k} for k in range(count)], rows
+    )
     mbs.Assemble()
     places = [[one.name for one in whole.joints].index(name) for name in names]
     refs = np.array([source.refs[name] for name in names])
@@ -286,123 +300,187 @@ def build_tree(source: ExudynSource) -> ExudynSystem:
         return positions[places] - refs, velocities[places]
 
     return ExudynSystem(
-        mbs, at, container=container, functions=functions, **source.linear(rows, source.refs)
+        mbs, at, container=container, functions=functions, **source.linear(rows, count)
     )
+
+
+class Assembly:
+    """Bodies in an Exudyn system, and the joints between them.
+
+    A body on a slide has one coordinate, its displacement (ObjectMass1D).
+
+    Parameters
+    ----------
+    source : ExudynSource
+    origins : mapping of int to array (3,)
+        The reference point of each body, in the frame of the body.
+    size : int
+        Number of coordinates of a body that turns.
+    add_body : callable ``(Assembly, body) -> (node, number)``
+        Adds such a body.
+
+    Attributes
+    ----------
+    mbs : exudyn.MainSystem
+    numbers : mapping of int to Exudyn's number of a body
+    turns : mapping of int to array (3, 3)
+        The rotation from the frame of a body to that of Exudyn's body.
+    places : list of N dict
+        Node and number within the node of each coordinate.
+    first : mapping of int to int
+        The first coordinate of each body.
+    slides : mapping of joint to array (N,)
+        The displacement of each slide as a sum of coordinates.
+    """
+
+    def __init__(
+        self,
+        source: ExudynSource,
+        origins: Mapping[int, Array],
+        size: int,
+        add_body: Callable[[Assembly, int], tuple[Any, Any]],
+    ) -> None:
+        self.source, self.origins = source, origins
+        self.container = exudyn.SystemContainer()
+        self.mbs = self.container.AddSystem()
+        self.numbers = {0: self.mbs.AddObject(items.ObjectGround())}
+        self.turns, self.first = {0: np.eye(3)}, dict[int, int]()
+        self.places: list[dict[str, Any]] = []
+        on_slides = [i for i, one in source.joints.items() if one.kind == "slide"]
+        for i in source.bodies:
+            self.turns[i], self.first[i] = np.eye(3), len(self.places)
+            add, count = (Assembly.add_slider, 1) if i in on_slides else (add_body, size)
+            node, self.numbers[i] = add(self, i)
+            self.places += [{"nodeNumber": node, "coordinate": k} for k in range(count)]
+        units = np.eye(len(self.places))
+        self.slides = {source.joints[i].name: units[self.first[i]] for i in on_slides}
+        bodies = [self.numbers[i] for i in source.bodies]
+        weigh(self.mbs, bodies, source.whole.gravity.tolist())
+
+    def add_slider(self, body: int) -> tuple[Any, Any]:
+        """Add the body of a slide; return its node and its number.
+
+        Raises
+        ------
+        CannotJudgeError
+            If the slide is on a body that moves.
+        """
+        whole, start = self.source.whole, self.source.start
+        if any(movers(whole)[whole.bodies[body].parent]):
+            raise CannotJudgeError(f"body {whole.bodies[body].name} slides on a body that moves")
+        ahead = to_axis(self.source.joints[body].axis)[:, [2, 0, 1]]  # Exudyn's slide along x
+        self.turns[body] = ahead.T
+        node = self.mbs.AddNode(items.Node1D(referenceCoordinates=[0]))
+        slider = items.ObjectMass1D(
+            mass=whole.bodies[body].mass,
+            nodeNumber=node,
+            referencePosition=start.point(self.origin(body)).tolist(),
+            referenceRotation=start.rotations[body] @ ahead,
+        )
+        return node, self.mbs.AddObject(slider)
+
+    def origin(self, body: int) -> Site:
+        """Return the reference point of a body."""
+        return Site(body, self.origins[body])
+
+    def point(self, site: Site, kind: str = "MarkerBodyRigid") -> Any:
+        """Return a marker at a point of a body, along the frame of Exudyn's body."""
+        at = self.turns[site.body] @ (site.position - self.origins[site.body])
+        marker = getattr(items, kind)(bodyNumber=self.numbers[site.body], localPosition=at)
+        return self.mbs.AddMarker(marker)
+
+    def frames(self, *ends: tuple[Site, Array]) -> dict[str, Any]:
+        """Return the markers of frames, each a point and a rotation (3, 3) in its body."""
+        turns = [self.turns[site.body] @ turn for site, turn in ends]
+        if "localHT" not in parameters(Items.module, "MarkerBodyRigid"):  # before 1.12.244
+            rotations = {f"rotationMarker{k}": turn for k, turn in enumerate(turns)}
+            return {"markerNumbers": [self.point(site) for site, _ in ends], **rotations}
+        markers = []
+        for (site, _), turn in zip(ends, turns, strict=True):
+            at = self.turns[site.body] @ (site.position - self.origins[site.body])
+            frame = np.block([[turn, at[:, None]], [np.eye(4)[3]]])
+            marker = items.MarkerBodyRigid(bodyNumber=self.numbers[site.body], localHT=frame)
+            markers.append(self.mbs.AddMarker(marker))
+        return {"markerNumbers": markers}
+
+    def joined(self, body: int) -> tuple[Site, Site]:
+        """Return the points of its parent and of a body that its joint joins."""
+        one = self.source.whole.bodies[body]
+        return Site(one.parent, one.position), Site(body, np.zeros(3))
+
+    def system(
+        self, place_body: Callable[[Placed, Array, Array, int], tuple[Any, Any]], **more: Any
+    ) -> ExudynSystem:
+        """Return the assembled system.
+
+        Parameters
+        ----------
+        place_body : callable ``(mechanism, q, v, body) -> (coordinates, rates)``
+            Of a body that turns, at positions and velocities of joints; bodies come in order.
+        **more
+            What else `ExudynSystem` takes.
+        """
+        self.mbs.Assemble()
+        whole, source = self.source.whole, self.source
+
+        def at(q: Array, v: Array) -> tuple[Array, Array]:
+            positions, velocities = source.motion(q, v)
+            now, (coordinates, rates) = place(whole, positions), np.zeros((2, len(self.places)))
+            for i, k in self.first.items():
+                if source.joints[i].kind == "slide":
+                    site, axis = self.origin(i), source.axis(i)
+                    coordinates[k] = axis @ (now.point(site) - source.start.point(site))
+                    rates[k] = axis @ now.jacobian(site) @ velocities
+                    continue
+                there, speed = place_body(now, positions, velocities, i)
+                coordinates[k : k + len(there)], rates[k : k + len(there)] = there, speed
+            return coordinates, rates
+
+        return ExudynSystem(self.mbs, at, container=self.container, **more)
 
 
 def build_plane(source: ExudynSource) -> ExudynSystem:
     """Return bodies in the plane, (x, y, angle) of each centre of mass, joined by constraints."""
-    container, bodies, whole = exudyn.SystemContainer(), source.bodies, source.whole
-    mbs, size = container.AddSystem(), 3 * len(bodies)
-    first = {i: 3 * k for k, i in enumerate(bodies)}
-    centres = {i: Site(i, whole.bodies[i].centre) for i in bodies}
-    nodes, numbers = [], {0: mbs.AddObject(items.ObjectGround())}
-    for i in bodies:
-        (x, y, _), turn = source.start.point(centres[i]), source.start.rotations[i]
+    bodies, whole, start = source.bodies, source.whole, source.start
+
+    def add(built: Assembly, i: int) -> tuple[Any, Any]:
+        (x, y, _), turn = start.point(built.origin(i)), start.rotations[i]
         angle = float(np.arctan2(turn[1, 0], turn[0, 0]))
-        nodes.append(mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[x, y, angle])))
-        numbers[i] = mbs.AddObject(
-            items.ObjectRigidBody2D(
-                mass=whole.bodies[i].mass,
-                inertia=float(source.tensor(i)[2, 2]),
-                nodeNumber=nodes[-1],
-            )
-        )
+        node = built.mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[x, y, angle]))
+        mass, inertia = whole.bodies[i].mass, float(source.tensor(i)[2, 2])
+        body = items.ObjectRigidBody2D(mass=mass, inertia=inertia, nodeNumber=node)
+        return node, built.mbs.AddObject(body)
 
-    fixed = mbs.AddMarker(
-        items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0)
-    )
-
-    def add_hinge(*sites: Site) -> None:
-        markers = [
-            mbs.AddMarker(
-                items.MarkerBodyPosition(
-                    bodyNumber=numbers[site.body],
-                    localPosition=(site.position - whole.bodies[site.body].centre).tolist(),
-                )
-            )
-            for site in sites
-        ]
-        mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=markers))
-
-    rows, multipliers, count = {}, {}, 0
-    for i, one in source.joints.items():
-        body, row, axis = whole.bodies[i], np.zeros(size), source.axis(i)
-        multipliers[f"body:{body.name}"], count = count, count + 2
-        if one.hinge:
-            row[first[i] + 2] = axis[2]
-            if body.parent:
-                row[first[body.parent] + 2] = -axis[2]
-            add_hinge(Site(body.parent, body.position), Site(i, np.zeros(3)))
-        else:  # along x or y of the world
-            row[first[i] : first[i] + 2] = axis[:2]
-            for k in (int(np.argmin(np.abs(axis[:2]))), 2):
-                node = nodes[bodies.index(i)]
-                marker = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=k))
-                mbs.AddObject(items.ObjectConnectorCoordinate(markerNumbers=[fixed, marker]))
-        rows[one.name] = row
-    for closure in whole.closures:
-        multipliers[f"connect:{closure.name}"], count = count, count + 2
-        add_hinge(closure.first, closure.second)
-    weigh(mbs, [numbers[i] for i in bodies], whole.gravity.tolist())
-    functions = add_loads(mbs, source, nodes, rows)
-    mbs.Assemble()
+    centres = {i: whole.bodies[i].centre for i in (0, *bodies)}
+    built = Assembly(source, centres, 3, add)
+    rows, multipliers, across = dict(built.slides), {}, np.eye(3)[:, :2]
+    hinges = [i for i in bodies if source.joints[i].hinge]
+    for i in hinges:
+        row = np.zeros(len(built.places))
+        row[built.first[i] + 2] = source.axis(i)[2]
+        if whole.bodies[i].parent in hinges:
+            row[built.first[whole.bodies[i].parent] + 2] = -source.axis(i)[2]
+        rows[source.joints[i].name] = row
+    joints = {f"body:{whole.bodies[i].name}": built.joined(i) for i in hinges}
+    joints |= {f"connect:{one.name}": (one.first, one.second) for one in whole.closures}
+    for k, (name, sites) in enumerate(joints.items()):
+        multipliers[name] = 2 * k, across
+        markers = [built.point(site, "MarkerBodyPosition") for site in sites]
+        built.mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=markers))
+    functions = add_loads(built.mbs, source, built.places, rows)
     opened = np.array([one.ref for one in whole.joints])
 
-    def at(q: Array, v: Array) -> tuple[Array, Array]:
-        positions, velocities = source.motion(q, v)
-        now, (coordinates, rates) = place(whole, positions), np.zeros((2, size))
-        for i, k in first.items():
-            turning = now.turning(i)[2]
-            shift = now.point(centres[i]) - source.start.point(centres[i])
-            coordinates[k : k + 3] = *shift[:2], turning @ (positions - opened)
-            rates[k : k + 3] = *(now.jacobian(centres[i]) @ velocities)[:2], turning @ velocities
-        return coordinates, rates
+    def place_body(now: Placed, q: Array, v: Array, i: int) -> tuple[Any, Any]:
+        site, turning = built.origin(i), now.turning(i)[2]
+        shift = now.point(site) - start.point(site)
+        return [*shift[:2], turning @ (q - opened)], [*(now.jacobian(site) @ v)[:2], turning @ v]
 
-    return ExudynSystem(
-        mbs,
-        at,
-        container=container,
+    return built.system(
+        place_body,
         functions=functions,
-        multipliers=source.reactions(multipliers, count, np.eye(3)[:, :2]),
-        **source.linear(rows, source.refs),
+        reactions=source.reactions(multipliers, 2 * len(joints)),
+        **source.linear(rows, len(built.places)),
     )
-
-
-class Marking(NamedTuple):
-    """Where markers stand on bodies in space.
-
-    Attributes
-    ----------
-    numbers : mapping of int to Exudyn's number of a body
-    origins : mapping of int to array (3,)
-        The reference point of each body in its frame.
-    """
-
-    mbs: Any
-    numbers: Mapping[int, Any]
-    origins: Mapping[int, Array]
-
-    def point(self, site: Site) -> Any:
-        """Return a marker at a point, along the frame of its body."""
-        at = (site.position - self.origins[site.body]).tolist()
-        number = self.numbers[site.body]
-        return self.mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=number, localPosition=at))
-
-    def frames(self, *ends: tuple[Site, Array]) -> dict[str, Any]:
-        """Return the markers of frames, each a point and a rotation (3, 3) in its body."""
-        if "localHT" not in parameters(Items.module, "MarkerBodyRigid"):  # before 1.12.244
-            turns = {f"rotationMarker{k}": turn for k, (_, turn) in enumerate(ends)}
-            return {"markerNumbers": [self.point(site) for site, _ in ends], **turns}
-        markers = []
-        for site, turn in ends:
-            at = site.position - self.origins[site.body]
-            frame = np.block([[turn, at[:, None]], [np.eye(4)[3]]])
-            number = self.numbers[site.body]
-            markers.append(
-                self.mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=number, localHT=frame))
-            )
-        return {"markerNumbers": markers}
 
 
 def build_space(source: ExudynSource) -> ExudynSystem:
@@ -411,183 +489,127 @@ def build_space(source: ExudynSource) -> ExudynSystem:
     The place of a body is that of its joint, or, in a plane mechanism, of its centre of mass.
     Exudyn adds the constraint |q| = 1 of each body.
     """
-    container, bodies, whole = exudyn.SystemContainer(), source.bodies, source.whole
-    mbs, size = container.AddSystem(), 7 * len(bodies)
-    first = {i: 7 * k for k, i in enumerate(bodies)}
+    bodies, whole, axes = source.bodies, source.whole, world_axes(source.placement)
     shift = 0.0 if whole.layout.is_spatial else 1.0
     origins = {i: shift * whole.bodies[i].centre for i in (0, *bodies)}
-    nodes, numbers = [], {0: mbs.AddObject(items.ObjectGround())}
-    for i in bodies:
-        node, numbers[i] = add_body(mbs, whole.bodies[i], source.tensor(i), origins[i])
-        nodes.append(node)
-    marking = Marking(mbs, numbers, origins)
-    multipliers, count, rows, at_zero = {}, len(bodies), {}, {}
+    built = Assembly(source, origins, 7, add_body)
+    mbs, multipliers, count = built.mbs, {}, len(bodies) - len(built.slides)
     for i, one in source.joints.items():
-        body, turn = whole.bodies[i], to_axis(one.axis)
-        base, own = Site(body.parent, body.position), Site(i, np.zeros(3))
-        frames = (base, body.rotation @ turn), (own, turn)
-        multipliers[f"body:{body.name}"] = count
-        if one.kind == "hinge":
-            mbs.AddObject(items.ObjectJointRevoluteZ(**marking.frames(*frames)))
+        (base, own), turn = built.joined(i), to_axis(one.axis)
+        multipliers[f"body:{whole.bodies[i].name}"] = count, axes.T
+        if one.hinge:
+            ends = (base, whole.bodies[i].rotation @ turn), (own, turn)
+            mbs.AddObject(items.ObjectJointRevoluteZ(**built.frames(*ends)))
             count += 5
         elif one.kind == "ball":
-            ends = [marking.point(base), marking.point(own)]
-            mbs.AddObject(items.ObjectJointSpherical(markerNumbers=ends))
+            markers = [built.point(base), built.point(own)]
+            mbs.AddObject(items.ObjectJointSpherical(markerNumbers=markers))
             count += 3
-        elif one.kind == "slide":
-            constrained = [1, 1, 0, 1, 1, 1]
-            if whole.closures:  # hinges keep the loop in its plane
-                constrained[int(np.argmax(np.abs(turn[2, :2])))] = 0
-            joint = items.ObjectJointGeneric(**marking.frames(*frames), constrainedAxes=constrained)
-            mbs.AddObject(joint)
-            count += 6
-            rows[one.name] = np.zeros(size)
-            rows[one.name][first[i] : first[i] + 3] = source.axis(i)
-            here = source.start.point(Site(i, origins[i]))
-            at_zero[one.name] = one.ref - float(source.axis(i) @ here)
-    for closure in whole.closures:
-        multipliers[f"connect:{closure.name}"], count = count, count + 3
-        ends = [marking.point(closure.first), marking.point(closure.second)]
-        mbs.AddObject(items.ObjectJointSpherical(markerNumbers=ends))
-    weigh(mbs, [numbers[i] for i in bodies], whole.gravity.tolist())
-    hinges, functions = add_springs(source, marking, nodes, first)
-    mbs.Assemble()
-    more = source.linear(rows or {"": np.zeros(size)}, at_zero)
-    turn = turn_quaternion(right_handed(world_axes(source.placement)))
+    upright = right_handed(axes)
+    for closure in whole.closures:  # in the plane, in which hinges and slides keep the bodies
+        multipliers[f"connect:{closure.name}"], count = (count, -np.eye(3)[:, :2]), count + 6
+        frames = [
+            (site, source.start.rotations[site.body].T @ upright)
+            for site in (closure.second, closure.first)
+        ]
+        joint = items.ObjectJointGeneric(**built.frames(*frames), constrainedAxes=[1, 1, *[0] * 4])
+        mbs.AddObject(joint)
+    functions = add_loads(mbs, source, built.places, built.slides)
+    hinges = add_springs(source, built)
+    more = source.linear(built.slides, len(built.places))
+    turn = turn_quaternion(upright)
     for attitude in source.scene.quaternions:
         rows_of = [source.scene.coordinates.index(name) for name in attitude.coordinates]
-        k = first[source.carrier(attitude.name)]
+        k = built.first[source.carrier(attitude.name)]
         more["readout"][rows_of, k + 3 : k + 7] = turn.T
         more["origin"][rows_of] = turn.T @ UPRIGHT
-        for axis, name in zip(
-            world_axes(source.placement).T, attitude.place, strict=bool(attitude.place)
-        ):
+        for axis, name in zip(axes.T, attitude.place, strict=bool(attitude.place)):
             more["readout"][source.scene.coordinates.index(name), k : k + 3] = axis
 
-    def at(q: Array, v: Array) -> tuple[Array, Array]:
-        positions, velocities = source.motion(q, v)
-        now, attitudes = place(whole, positions), {0: UPRIGHT}
-        coordinates, rates = np.zeros((2, size))
-        for i, k in first.items():
-            body, origin = whole.bodies[i], Site(i, origins[i])
-            joint = positions[whole.layout.positions[body.joints[0]]]
-            attitudes[i] = attitude_of(source.joints[i], body, attitudes[body.parent], joint)
-            spin = [0.0, *(now.turning(i) @ velocities / 2)]
-            coordinates[k : k + 7] = *now.point(origin), *(attitudes[i] - UPRIGHT)
-            rates[k : k + 7] = *(now.jacobian(origin) @ velocities), *product(spin, attitudes[i])
-        return coordinates, rates
+    def place_body(now: Placed, q: Array, v: Array, i: int) -> tuple[Any, Any]:
+        site, attitude = built.origin(i), attitude_of(source, q, i)
+        spin = [0.0, *(now.turning(i) @ v / 2)]
+        rates = *(now.jacobian(site) @ v), *product(spin, attitude)
+        return [*now.point(site), *(attitude - UPRIGHT)], rates
 
-    return ExudynSystem(
-        mbs,
-        at,
-        container=container,
+    return built.system(
+        place_body,
         functions=functions,
         hinges=hinges,
-        multipliers=source.reactions(multipliers, count, world_axes(source.placement).T),
+        reactions=source.reactions(multipliers, count),
         **more,
     )
 
 
-def attitude_of(one: Joint, body: Body, parent: Array, position: Array) -> Array:
-    """Return the unit quaternion of a body in the world, by that of its parent and its joint."""
+def attitude_of(source: ExudynSource, q: Array, i: int) -> Array:
+    """Return the unit quaternion of a body in the world at positions (n_q,) of joints."""
+    if not i:
+        return UPRIGHT
+    body, one = source.whole.bodies[i], source.joints[i]
+    position = q[source.whole.layout.positions[body.joints[0]]]
     if one.kind == "free":
         return position[3:]
     turn = position if one.kind == "ball" else UPRIGHT
     if one.hinge:
         half = (position[0] - one.ref) / 2
         turn = np.append(np.cos(half), np.sin(half) * one.axis)
-    return np.array(product(parent, product(turn_quaternion(body.rotation) @ UPRIGHT, turn)))
+    base = product(attitude_of(source, q, body.parent), turn_quaternion(body.rotation) @ UPRIGHT)
+    return np.array(product(base, turn))
 
 
-def add_body(mbs: Any, body: Body, tensor: Array, origin: Array) -> tuple[Any, Any]:
-    """Add a body, its inertia tensor (3, 3) about its centre of mass; return node and number."""
+def add_body(built: Assembly, i: int) -> tuple[Any, Any]:
+    """Add a body in space; return its node and its number."""
+    body, origin = built.source.whole.bodies[i], built.origins[i]
     arm = body.centre - origin
-    about = tensor + body.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    about = built.source.tensor(i) + body.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
     xx, yy, zz, xy, xz, yz = (float(about[place]) for place in PLACES)
-    node = mbs.AddNode(items.NodeRigidBodyEP(referenceCoordinates=[0, 0, 0, *UPRIGHT]))
-    number = mbs.AddObject(
-        items.ObjectRigidBody(
-            mass=body.mass,
-            inertia=[xx, yy, zz, yz, xz, xy],
-            centerOfMass=arm.tolist(),
-            nodeNumber=node,
-        )
+    node = built.mbs.AddNode(items.NodeRigidBodyEP(referenceCoordinates=[0, 0, 0, *UPRIGHT]))
+    item = items.ObjectRigidBody(
+        mass=body.mass,
+        inertia=[xx, yy, zz, yz, xz, xy],
+        centerOfMass=arm.tolist(),
+        nodeNumber=node,
     )
-    return node, number
+    return node, built.mbs.AddObject(item)
 
 
-def add_springs(
-    source: ExudynSource, marking: Marking, nodes: list[Any], first: Mapping[int, int]
-) -> tuple[tuple[Hinge, ...], tuple[Any, ...]]:
-    """Add springs, dampers and actuators between bodies in space.
+def add_springs(source: ExudynSource, built: Assembly) -> tuple[Hinge, ...]:
+    """Add springs, dampers and actuators of hinges and ball joints between bodies in space.
 
     Returns
     -------
     hinges : tuple of Hinge
         The scene's coordinates that are angles, each counted by a torsion spring.
-    functions that must live as long as the system
     """
-    mbs, whole, functions = marking.mbs, source.whole, ()
+    mbs, start = built.mbs, source.start
     angles = {ends: i for i, reach in source.sums() if (ends := source.twisted(reach))}
     torsion = dict.fromkeys(angles, np.zeros(3))
-    for term, reach, force, waves in source.loads():
-        numbers = np.array([-term.per_length, -term.per_rate, -force])
+    for term, reach, force, _ in source.loads():
         if ends := source.twisted(reach):
+            numbers = np.array([-term.per_length, -term.per_rate, -force])
             torsion[ends] = torsion.get(ends, 0) + numbers
-            continue
-        (i,) = map(source.carrier, reach)
-        body, one = whole.bodies[i], source.joints[i]
-        markers = [
-            marking.point(Site(body.parent, body.position)),
-            marking.point(Site(i, np.zeros(3))),
-        ]
-        if one.kind == "ball":
-            damping = -term.per_rate * np.diag([0, 0, 0, 1, 1, 1])
-            spring = items.ObjectConnectorRigidBodySpringDamper(
-                markerNumbers=markers, damping=damping
-            )
-        else:
-            spring = items.ObjectConnectorLinearSpringDamper(
-                markerNumbers=markers,
-                axisMarker0=(body.rotation @ one.axis).tolist(),
-                stiffness=-term.per_length,
-                damping=-term.per_rate,
-                force=-force,
-            )
-            for k, share in enumerate(source.axis(i).tolist()):
-                place = {"nodeNumber": nodes[first[i] // 7], "coordinate": k}
-                marker = mbs.AddMarker(items.MarkerNodeCoordinate(**place))
-                for amplitude, omega in waves:
-                    functions += harmonic_load(mbs, marker, float(amplitude * share), omega)
-        mbs.AddObject(spring)
+        elif not reach.keys() <= built.slides.keys():  # the damper of a ball joint
+            markers = [built.point(site) for site in built.joined(*map(source.carrier, reach))]
+            about = -term.per_rate * np.diag([0, 0, 0, 1, 1, 1])
+            damper = items.ObjectConnectorRigidBodySpringDamper
+            mbs.AddObject(damper(markerNumbers=markers, damping=about))
     hinges = []
-    for ends, (stiffness, damper, torque) in torsion.items():
+    for ends, (stiffness, damping, torque) in torsion.items():
         axis = source.axis(ends[1])
-        frames = [
-            (Site(k, marking.origins[k]), source.start.rotations[k].T @ to_axis(axis)) for k in ends
-        ]
+        axes = tuple(start.rotations[k].T @ axis for k in ends)
+        frames = [(built.origin(k), start.rotations[k].T @ to_axis(axis)) for k in ends]
         count = {}
         if ends in angles:
             count["nodeNumber"] = mbs.AddNode(
                 items.NodeGenericData(initialCoordinates=[0.0], numberOfDataCoordinates=1)
             )
-            hinges.append(
-                Hinge(
-                    angles[ends],
-                    tuple(source.start.rotations[k].T @ axis for k in ends),
-                    tuple(first[k] + 3 if k else None for k in ends),
-                )
-            )
-        mbs.AddObject(
-            items.ObjectConnectorTorsionalSpringDamper(
-                **marking.frames(*frames),
-                **count,
-                stiffness=stiffness,
-                damping=damper,
-                torque=torque,
-            )
+            attitudes = tuple(built.first[k] + 3 if k else None for k in ends)
+            hinges.append(Hinge(angles[ends], axes, attitudes))
+        spring = items.ObjectConnectorTorsionalSpringDamper(
+            **built.frames(*frames), **count, stiffness=stiffness, damping=damping, torque=torque
         )
-    return tuple(hinges), functions
+        mbs.AddObject(spring)
+    return tuple(hinges)
 
 
 def model_of(
@@ -602,6 +624,6 @@ def model_of(
     return Model(
         placed_system,
         constrained=build is not build_tree,
-        reactions={name: i for i, name in enumerate(mjcf.reactions)},
+        reactions=tuple(mjcf.reactions),
         **more,
     )

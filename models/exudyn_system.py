@@ -1,9 +1,9 @@
-"""What an Exudyn model of a scene is, and how it is driven without Python in the loop."""
+"""Exudyn models of scenes, and loads in time that Exudyn evaluates without Python."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from inspect import signature
@@ -21,9 +21,9 @@ utilities: Any = import_module("exudyn.advancedUtilities")
 
 
 class Items:
-    """What ``exudyn.itemInterface`` has, with today's names of what an item takes.
+    """The items of ``exudyn.itemInterface``, called with the parameter names of Exudyn 1.12.
 
-    Before Exudyn 1.12 a body's ``mass`` was its ``physicsMass``, and so on.
+    Older releases name the ``mass`` of a body ``physicsMass``, and so on.
     """
 
     module: Any = import_module("exudyn.itemInterface")
@@ -39,7 +39,7 @@ class Items:
 
 @cache
 def parameters(module: Any, kind: str) -> frozenset[str]:
-    """Return the names of what a kind of item takes."""
+    """Return the parameter names of a kind of item."""
     return frozenset(signature(getattr(module, kind)).parameters)
 
 
@@ -51,8 +51,8 @@ def physics(name: str) -> str:
 items = Items()
 
 
-def why_no_rim() -> str | None:
-    """Return why no joint can act off the axis of an ObjectRotationalMass1D, or None."""
+def rotor_takes_no_joints() -> str | None:
+    """Return the reason why joints act on the axis of an ObjectRotationalMass1D alone, or None."""
     if "inertia" in parameters(Items.module, "ObjectRotationalMass1D"):
         return None
     return (
@@ -62,7 +62,7 @@ def why_no_rim() -> str | None:
 
 
 class Turning(NamedTuple):
-    """How N coordinates turn with the whole system about an axis, the first of them its angle.
+    """The rotation of N coordinates about an axis; the first of them is its angle.
 
     Attributes
     ----------
@@ -96,13 +96,13 @@ class Turning(NamedTuple):
         return shape + angle * self.angles + self.swing(angle, self.reference + shape)
 
     def swing(self, angle: float, vectors: Array) -> Array:
-        """Return what a turn by an angle adds to vectors (N,) or (N, k)."""
+        """Return the change of vectors (N,) or (N, k) in a rotation by an angle."""
         ahead = self.quarter @ vectors
         back = 2 * np.sin(angle / 2) ** 2 * (self.quarter @ ahead)
         return np.asarray(np.sin(angle) * ahead + back)
 
     def shape(self, coordinates: Array) -> Array:
-        """Return the coordinates (N,) in the frame that turns: what is left at the angle 0."""
+        """Return the coordinates (N,) in the frame that turns: those at the angle 0."""
         return self.rotated(-coordinates[0], coordinates)
 
     def basis(self, coordinates: Array) -> Array:
@@ -120,7 +120,10 @@ class Turning(NamedTuple):
     def in_frame(
         self, coordinates: Array, rates: Array, accelerations: Array | None = None
     ) -> tuple[Array, Array, Array]:
-        """Return what `placed` takes (1 + n,), and its accelerations: those of N coordinates."""
+        """Return positions, rates and accelerations (1 + n,) in the frame that turns.
+
+        The inverse of `placed`. Without accelerations (N,) of the coordinates they are 0.
+        """
         angle, speed = coordinates[0], rates[0]
 
         def back(vectors: Array) -> Array:
@@ -158,7 +161,7 @@ class Hinge(NamedTuple):
     def row(self, coordinates: Array) -> Array:
         """Return the rate of the scene's coordinate (N,) per rate of each of Exudyn's.
 
-        It is linear in accelerations as well: an axis that stands still in both bodies sees no
+        It is linear in accelerations as well: an axis fixed in both bodies has no
         product of rates.
         """
         row = np.zeros(len(coordinates))
@@ -190,14 +193,14 @@ class ExudynSystem:
     outputs : callable ``(Q (N, k), V (N, k)) -> {name: array (k,)}``
         The scene's observed outputs, as this system has them.
     turning : Turning or None
-        Of a system that deforms while it turns: ``place`` takes the angle alone, of a rigid
-        rotation, or what is free in the frame that turns too.
+        For a system that deforms while it turns: ``place`` takes the angle alone, of a rigid
+        rotation, or also the free coordinates in the frame that turns.
     origin : array (n,), or None
         The scene's coordinates where those of Exudyn are 0; None: 0.
     hinges : tuple of Hinge
-        Of coordinates that have no row in ``readout``. Their angles are Exudyn's data coordinates.
-    multipliers : array (k, m), or None
-        The reactions of the model from the m multipliers of this system.
+        The coordinates without a row in ``readout``. Their angles are Exudyn's data coordinates.
+    reactions : array (k, m), or None
+        The matrix from the m multipliers of this system to the k reactions of the model.
     """
 
     mbs: Any
@@ -209,7 +212,7 @@ class ExudynSystem:
     turning: Turning | None = None
     origin: Array | None = None
     hinges: tuple[Hinge, ...] = ()
-    multipliers: Array | None = None
+    reactions: Array | None = None
 
     def angles(self, q: Array) -> list[float]:
         """Return the data coordinates at positions (n,) of the scene."""
@@ -244,38 +247,37 @@ class Model:
     build : callable ``(parameters, placement) -> System``
     constrained : bool
         Whether it has algebraic constraints, which Exudyn's explicit solvers cannot keep.
-    reactions : mapping of output to int
-        Which output of the scene is which of the system's reactions: the force of a joint on the
-        body of its first marker.
+    reactions : tuple of str
+        Outputs of the scene that are forces in joints: the reactions of the system, in order.
     large : bool
         Whether it has so many coordinates that factorising Newton's Jacobian takes long.
     equations : callable ``(parameters) -> (EquationsOfMotion, parameters)``, or None
         The equations of motion that the model has, or converges to; the scene's without it.
     discrete : callable ``(parameters) -> EquationsOfMotion``, or None
-        Of a model that converges to a continuum: the equations of motion of its elements, in the
+        The equations of motion of the elements of a model that converges to a continuum, in the
         coordinates of its ``turning``.
     prescribed : callable ``(parameters) -> bool``
         Whether the first coordinate has a given motion.
     element_order : callable ``(parameters) -> int``
         Order with which it converges to that as its elements are halved; 0 without elements.
-    why_not : callable ``(parameters) -> str or None``
-        Why the model, not placed elsewhere, cannot stand for the scene with these parameters.
-    why_not_placed : callable ``(parameters) -> str or None``
-        Why it cannot be placed otherwise than it stands.
+    unsupported_reason : callable ``(parameters) -> str or None``
+        The reason why the model, not placed elsewhere, cannot represent these parameters.
+    unplaceable_reason : callable ``(parameters) -> str or None``
+        The reason why it cannot be placed in another way.
     bodies : callable ``(parameters) -> parameters``
         With which the mass matrix holds the scene's bodies alone, and nothing that drives.
     """
 
     build: Callable[[Any, str], ExudynSystem]
     constrained: bool
-    reactions: Mapping[str, int] = field(default_factory=dict)
+    reactions: tuple[str, ...] = ()
     large: bool = False
     equations: Callable[[Any], tuple[EquationsOfMotion, Any]] | None = None
     discrete: Callable[[Any], EquationsOfMotion] | None = None
     prescribed: Callable[[Any], bool] = lambda parameters: False
     element_order: Callable[[Any], int] = lambda parameters: 0
-    why_not: Callable[[Any], str | None] = lambda parameters: None
-    why_not_placed: Callable[[Any], str | None] = lambda parameters: None
+    unsupported_reason: Callable[[Any], str | None] = lambda parameters: None
+    unplaceable_reason: Callable[[Any], str | None] = lambda parameters: None
     bodies: Callable[[Any], Any] = lambda parameters: parameters
 
 

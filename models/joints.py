@@ -28,19 +28,19 @@ def layout_of(kinds: tuple[str, ...]) -> JointLayout:
 
 
 class JointLayout:
-    """Where joints of these kinds stand in vectors of positions (n_q,) and of velocities (n_v,).
+    """Places of joints in vectors of positions (n_q,) and of velocities (n_v,).
 
     The position of a ball is the unit quaternion (w, x, y, z) from the frame of its body to the
-    frame in which the body stands, its velocity the angular velocity in the frame of the body. A
+    frame of the body's parent, its velocity the angular velocity in the frame of the body. A
     free joint has a place in the world, and its velocity there, before these.
 
     Attributes
     ----------
     kinds : tuple of str
     positions, velocities : tuple of slice
-        Where each joint stands in a vector of positions, and in one of velocities.
+        Place of each joint in a vector of positions, and in one of velocities.
     quaternions : tuple of slice
-        Where quaternions stand in a vector of positions.
+        Places of quaternions in a vector of positions.
     size : (int, int)
         Numbers n_q of positions and n_v of velocities.
     is_spatial : bool
@@ -73,7 +73,7 @@ class JointLayout:
     def displaced(self, q: Array, change: Array) -> Array:
         """Return positions (n_q,) after constant velocities that add up to a change (n_v,).
 
-        A quaternion turns about an axis that stands still in its body, and comes out of length 1.
+        A quaternion turns about an axis fixed in its body, and keeps the length 1.
         """
         if not self.is_spatial:
             return np.asarray(q + change)
@@ -90,6 +90,6 @@ class JointLayout:
 
 
 def slices(sizes: Iterable[int]) -> tuple[slice, ...]:
-    """Return where parts of these sizes stand in a vector."""
+    """Return the places of parts of these sizes in a vector."""
     ends = np.cumsum([0, *sizes]).tolist()
     return tuple(slice(*both) for both in pairwise(ends))

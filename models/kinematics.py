@@ -21,15 +21,14 @@ from .mechanism import Body, Mechanism, Site, turn
 
 @dataclass(frozen=True)
 class Placed:
-    """A mechanism at one position: bodies' frames in the world, and what velocities do there.
+    """A mechanism at one position: bodies' frames in the world, and axes of the velocities.
 
     Attributes
     ----------
     whole : Mechanism
     rotations, origins : list of arrays (3, 3), (3,)
     axes, anchors : array (n, 3)
-        Of each of n velocities: the axis about which, or along which, it moves bodies, and a point
-        on it.
+        The axis about which, or along which, each of n velocities moves bodies, and a point on it.
     """
 
     whole: Mechanism
@@ -60,7 +59,7 @@ class Placed:
 
 @lru_cache(maxsize=64)
 def movers(whole: Mechanism) -> tuple[tuple[list[int], list[int]], ...]:
-    """Return which velocities turn each body, and which ones shift it."""
+    """Return the numbers of the velocities that turn each body, and of those that shift it."""
     paths: list[tuple[list[int], list[int]]] = []
     for body in whole.bodies:
         turns, shifts = paths[body.parent] if body.parent >= 0 else ([], [])
@@ -110,9 +109,9 @@ def place(whole: Mechanism, q: Array) -> Placed:
 
 
 def inertias(whole: Mechanism, q: Array) -> dict[str, Array]:
-    """Return what each part adds to the mass matrix (n, n): masses, inertias, armatures.
+    """Return the share of each part in the mass matrix (n, n): masses, inertias, armatures.
 
-    Products of inertia of bodies that turn about any axis are parts of their own.
+    In space, products of inertia are separate parts.
     """
     placed = place(whole, q)
     matrices: dict[str, Array] = {}
@@ -168,8 +167,7 @@ def with_shares(whole: Mechanism, shares: Mapping[str, float]) -> Mechanism:
 
 def mass_matrix(whole: Mechanism, q: Array) -> Array:
     """Return the mass matrix (n, n) of all joints at positions (n,)."""
-    total: Array = np.sum(list(inertias(whole, q).values()), axis=0)
-    return total
+    return np.asarray(np.sum(list(inertias(whole, q).values()), axis=0))
 
 
 def inertial_force(whole: Mechanism, q: Array, v: Array) -> Array:
@@ -178,7 +176,7 @@ def inertial_force(whole: Mechanism, q: Array, v: Array) -> Array:
 
 
 def centrifugal_force(whole: Mechanism, q: Array, v: Array) -> Array:
-    """Return the inertial forces (n,) of what bodies accelerate by where no velocity changes."""
+    """Return the inertial forces (n,) of bodies' accelerations at constant joint velocities."""
     faster, total = along(partial(motions, whole), q, whole.layout.rates(q, v)) @ v, 0 * v
     placed = place(whole, q)
     for i, (body, (shift, turn_rate)) in enumerate(zip(whole.bodies, faster, strict=True)):
@@ -214,18 +212,13 @@ def gyroscopic_forces(whole: Mechanism, q: Array, v: Array) -> dict[str, Array]:
 def weight(whole: Mechanism, q: Array, gravity: Array) -> Array:
     """Return the generalised force (n,) of a gravity (3,) on all bodies."""
     placed = place(whole, q)
-    total: Array = np.sum(
-        [
-            body.mass * gravity @ placed.jacobian(Site(i, body.centre))
-            for i, body in enumerate(whole.bodies)
-        ],
-        axis=0,
-    )
-    return total
+    shifts = [placed.jacobian(Site(i, body.centre)) for i, body in enumerate(whole.bodies)]
+    pulls = [body.mass * gravity @ shift for body, shift in zip(whole.bodies, shifts, strict=True)]
+    return np.asarray(np.sum(pulls, axis=0))
 
 
 def gaps(whole: Mechanism, q: Array) -> Array:
-    """Return how far each loop is open (3 k,) [m]."""
+    """Return the gaps of the loops (3 k,) [m]."""
     placed = place(whole, q)
     open_by = [placed.point(one.first) - placed.point(one.second) for one in whole.closures]
     return np.concatenate(open_by) if open_by else np.zeros(0)

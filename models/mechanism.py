@@ -24,7 +24,7 @@ from .joints import SIZES, SPATIAL, JointLayout, layout_of
 
 
 def read_only(values: dict[str, Any]) -> MappingProxyType[str, Any]:
-    """Return a view of values by which they cannot be changed."""
+    """Return a view of values that does not allow to change them."""
     return MappingProxyType(values)
 
 
@@ -46,7 +46,7 @@ class Term:
     joints : mapping of joint to factor
     constant, per_length, per_rate : float
     amplitude, omega, phase : float
-        What a control makes of an actuator that takes one (N or N m, rad/s, rad).
+        Force of an actuator that a control drives (N or N m, rad/s, rad).
     until : float or None
         Time [s] from which it no longer acts.
     """
@@ -129,9 +129,9 @@ class Closure:
     solref: Array
 
 
-@dataclass(frozen=True, eq=False)  # hashable: what is derived of it is kept by it
+@dataclass(frozen=True, eq=False)  # hashable: a key of caches
 class Mechanism:
-    """What an MJCF file holds, as far as it moves."""
+    """The moving parts of an MJCF file."""
 
     joints: tuple[Joint, ...]
     bodies: tuple[Body, ...]
@@ -141,7 +141,7 @@ class Mechanism:
 
     @cached_property
     def layout(self) -> JointLayout:
-        """Where its joints stand in vectors."""
+        """Places of its joints in vectors."""
         return layout_of(tuple(one.kind for one in self.joints))
 
 
@@ -171,13 +171,9 @@ def mechanism(text: str) -> Mechanism:
         about = element.find("inertial")
         mine: list[int] = []
         number = len(bodies)
-        here = element.get("childclass", inherited)
-        for item in element:
-            if item.tag not in ("joint", "freejoint"):
-                continue
-            attributes = settings(item, defaults, here)
+        for _, attributes in own_joints(element, defaults, inherited):
             mine.append(len(joints))
-            joints.append(joint(attributes, item.tag))
+            joints.append(joint(attributes))
             terms.extend(passive(attributes, joints[-1]))
         placed = {} if about is None else dict(about.attrib)
         bodies.append(
@@ -192,7 +188,7 @@ def mechanism(text: str) -> Mechanism:
                 tensor(placed),
             )
         )
-        children(element, number, here)
+        children(element, number, element.get("childclass", inherited))
 
     def children(element: ET.Element, number: int, here: str) -> None:
         for item in element.findall("site"):
@@ -247,18 +243,25 @@ def joint_places(text: str) -> Mapping[str, float | None]:
     return MappingProxyType(places)
 
 
-def each_joint(
-    element: ET.Element, defaults: Mapping[tuple[str, str], dict[str, str]], inherited: str = "main"
+def own_joints(
+    element: ET.Element, defaults: Mapping[tuple[str, str], dict[str, str]], inherited: str
 ) -> Iterator[tuple[ET.Element, dict[str, str]]]:
-    """Yield the joints below an element, each with what its default class says of it."""
+    """Yield the joints of a body, each with its attributes and those of its default class."""
     here = element.get("childclass", inherited)
     for item in element:
         if item.tag == "joint":
             yield item, settings(item, defaults, here)
         elif item.tag == "freejoint":
-            yield item, {"type": "free"}
+            yield item, {**item.attrib, "type": "free"}
+
+
+def each_joint(
+    element: ET.Element, defaults: Mapping[tuple[str, str], dict[str, str]], inherited: str = "main"
+) -> Iterator[tuple[ET.Element, dict[str, str]]]:
+    """Yield `own_joints` of an element and of all bodies below it."""
+    yield from own_joints(element, defaults, inherited)
     for item in element.findall("body"):
-        yield from each_joint(item, defaults, here)
+        yield from each_joint(item, defaults, element.get("childclass", inherited))
 
 
 KNOWN = {
@@ -285,7 +288,7 @@ def refuse_unknown(root: ET.Element) -> None:
 
 
 def default_classes(root: ET.Element) -> dict[tuple[str, str], dict[str, str]]:
-    """Return what each default class says of each tag, with what it inherits."""
+    """Return the attributes of each default class for each tag, inherited ones included."""
     defaults: dict[tuple[str, str], dict[str, str]] = {}
 
     def visit(element: ET.Element, name: str, above: Mapping[str, dict[str, str]]) -> None:
@@ -320,24 +323,15 @@ def turn(axis: Array, angle: Any) -> Array:
     """Return the rotation (3, 3) about a unit axis (Rodrigues)."""
     x, y, z = axis
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    matrix: Array = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
-    return matrix
-
-
-def euler(angles: Array) -> Array:
-    """Return the rotation (3, 3) of MuJoCo's angles: about x, then the new y, the new z."""
-    x, y, z = (turn(axis, angle) for axis, angle in zip(np.eye(3), angles, strict=True))
-    matrix: Array = x @ y @ z
-    return matrix
+    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)
 
 
 def orientation(attributes: Mapping[str, str]) -> Array:
-    """Return the rotation (3, 3) of a frame, as any attribute but ``axisangle`` tells it."""
+    """Return the rotation (3, 3) of a frame, from any attribute but ``axisangle``."""
     if "axisangle" in attributes:
         raise CannotJudgeError("MJCF attribute axisangle is not understood")
     if "quat" in attributes:
-        rotation: Array = np.array(quaternions.matrix(vector(attributes["quat"])))
-        return rotation
+        return np.array(quaternions.matrix(vector(attributes["quat"])))
     if "zaxis" in attributes:  # the shortest way from z
         ahead = vector(attributes["zaxis"])
         cross = np.array([-ahead[1], ahead[0], 0.0])
@@ -350,7 +344,8 @@ def orientation(attributes: Mapping[str, str]) -> Array:
         y = y - (y @ x) * x
         y = y / np.linalg.norm(y)
         return np.column_stack([x, y, np.cross(x, y)])
-    return euler(vector(attributes.get("euler", "0 0 0")))
+    x, y, z = map(turn, np.eye(3), vector(attributes.get("euler", "0 0 0")))
+    return np.asarray(x @ y @ z)  # about x, then the new y, the new z
 
 
 def tensor(placed: Mapping[str, str]) -> Array:
@@ -363,9 +358,9 @@ def tensor(placed: Mapping[str, str]) -> Array:
     return axes @ principal @ axes.T
 
 
-def joint(attributes: Mapping[str, str], tag: str) -> Joint:
+def joint(attributes: Mapping[str, str]) -> Joint:
     """Return a joint from its attributes."""
-    kind = "free" if tag == "freejoint" else attributes.get("type", "hinge")
+    kind = attributes.get("type", "hinge")
     if kind not in SIZES:
         raise CannotJudgeError(f"joint {attributes.get('name')} is a {kind}, which MJCF has not")
     axis = vector(attributes.get("axis", "0 0 1"))
@@ -391,12 +386,8 @@ def passive(attributes: Mapping[str, str], one: Joint) -> Iterator[Term]:
     for name in refused:
         if float(attributes.get(name, 0)):
             raise CannotJudgeError(f"the {one.kind} joint {one.name} has a {name}")
-    yield from sprung(
-        "",
-        attributes,
-        MappingProxyType({attributes["name"]: 1.0}),
-        attributes.get("springref", "0"),
-    )
+    reach = MappingProxyType({attributes["name"]: 1.0})
+    yield from sprung("", attributes, reach, attributes.get("springref", "0"))
 
 
 def sprung(

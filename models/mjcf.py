@@ -1,7 +1,7 @@
-"""Parameters into MJCF: what a scene's `mjcf` module tells, and how its text is written.
+"""Parameters into MJCF: the models of a scene's `mjcf` module, and their text.
 
-The committed file is the model; this module only exchanges numbers in it, so that comments
-and formatting stay. Text is all that is handled here: no engine is needed.
+The committed file is the model; this module only exchanges numbers in its text, so that comments
+and formatting stay. No engine is needed.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
-from xml.parsers import expat
 from xml.sax.saxutils import quoteattr
 
 from ..reference.scene import EquationsOfMotion
@@ -44,12 +43,12 @@ class Wave(NamedTuple):
 
 @dataclass(frozen=True)
 class Elements:
-    """How a model approaches a scene that is a continuum.
+    """Convergence of a model to a scene with a continuum.
 
     Attributes
     ----------
     order : int
-        With which it converges as its segments are halved; 0: it has none.
+        Order of convergence as its segments are halved; 0: it has none.
     side : callable ``(parameters) -> -1, 0 or 1``
         Whether its first frequency lies below or above that of the continuum; 0: unknown.
     """
@@ -84,9 +83,9 @@ class Mjcf:
         its first site.
     equations : callable ``(parameters) -> (EquationsOfMotion, parameters)``, or None
         The equations of motion that this model really has, where MuJoCo cannot express the
-        scene's: what the engine is held against. None if they are the scene's own.
-    why_not : callable ``(parameters) -> str or None``
-        Why the model cannot stand for the scene with these parameters.
+        scene's: the engine is compared with these. None if they are the scene's.
+    unsupported_reason : callable ``(parameters) -> str or None``
+        The reason why the model cannot represent the scene with these parameters.
     expand : callable ``(text, parameters) -> text``
         What bindings cannot do: repeats elements of the file, before they are applied.
     stop : callable ``(parameters) -> time or None``
@@ -100,7 +99,8 @@ class Mjcf:
     softened : callable ``(time constant [s]) -> Mjcf``, or None
         The same model with its loop closed more softly, or harder.
     controls : callable ``(parameters) -> {actuator: Wave}``, or None
-        Of a model that is the scene's default one but for its drive: no body, but a control.
+        Controls of a model that differs from the scene's default one by its drive: a control in
+        place of a body.
     """
 
     path: Path
@@ -110,7 +110,7 @@ class Mjcf:
     closed: bool = False
     reactions: Mapping[str, tuple[str, int]] = field(default_factory=dict)
     equations: Callable[[Any], tuple[EquationsOfMotion, Any]] | None = None
-    why_not: Callable[[Any], str | None] = lambda parameters: None
+    unsupported_reason: Callable[[Any], str | None] = lambda parameters: None
     expand: Callable[[str, Any], str] = lambda text, parameters: text
     stop: Callable[[Any], float | None] = lambda parameters: None
     prescribed: Callable[[Any], tuple[str, ...]] = lambda parameters: ()
@@ -139,32 +139,29 @@ def attribute_text(value: Value) -> str:
     return " ".join(number(item) for item in value)
 
 
+TAG = re.compile(
+    r"""<!--.*?-->|<(?P<end>/?)(?P<tag>\w+)(?P<rest>(?:[^>"']|"[^"]*"|'[^']*')*)>""", re.DOTALL
+)
+"""A comment or a tag; a ``>`` may stand inside quotes."""
+
+NAME = re.compile(r"""\sname\s*=\s*["']([^"']*)""")
+
+
 @lru_cache(maxsize=64)
-def start_tags(text: bytes) -> Mapping[str, list[tuple[int, int]]]:
-    """Return where the start tags of each element stand, as (begin, end) in bytes."""
+def start_tags(text: str) -> Mapping[str, list[tuple[int, int]]]:
+    """Return the places of the start tags of each element, as (begin, end)."""
     places: dict[str, list[tuple[int, int]]] = {}
     path: list[tuple[str, str | None]] = []
-    parser = expat.ParserCreate()
-
-    def enter(tag: str, attributes: dict[str, str]) -> None:
-        path.append((tag, attributes.get("name")))
-        begin = parser.CurrentByteIndex
-        places.setdefault(address(path), []).append((begin, tag_end(text, begin)))
-
-    def leave(tag: str) -> None:
-        path.pop()
-
-    parser.StartElementHandler = enter
-    parser.EndElementHandler = leave
-    parser.Parse(text, True)
+    for match in TAG.finditer(text):
+        if match["end"]:
+            path.pop()
+        elif match["tag"]:
+            name = NAME.search(match["rest"])
+            path.append((match["tag"], name[1] if name else None))
+            places.setdefault(address(path), []).append(match.span())
+            if match["rest"].endswith("/"):
+                path.pop()
     return places
-
-
-def tag_end(text: bytes, begin: int) -> int:
-    """Return where the tag that begins here ends; a ``>`` may stand inside quotes."""
-    match = re.compile(rb"""<(?:[^>"']|"[^"]*"|'[^']*')*>""").match(text, begin)
-    assert match is not None  # expat has just read it
-    return match.end()
 
 
 def address(path: Sequence[tuple[str, str | None]]) -> str:
@@ -176,33 +173,31 @@ def address(path: Sequence[tuple[str, str | None]]) -> str:
     return (owners[-1] if owners else "") + tag
 
 
-def bind(text: str, bindings: Mapping[tuple[str, str], Binding], parameters: Any) -> str:
-    """Return MJCF text with the bound attributes set for these parameters.
+def bind(text: str, values: Mapping[tuple[str, str], Value]) -> str:
+    """Return MJCF text with these values of attributes, by element and attribute.
 
     Raises
     ------
     KeyError
         If the text does not have exactly one such element, or it lacks the attribute.
     """
-    raw = text.encode()
-    places = start_tags(raw)
-    edits = []
-    for (element, attribute), value in bindings.items():
+    places, edits = start_tags(text), []
+    for (element, attribute), value in values.items():
         matches = places.get(element, [])
         if len(matches) != 1:
             raise KeyError(f"{len(matches)} elements {element!r} in the MJCF, expected one")
         begin, end = matches[0]
-        pattern = rb"""\s%s\s*=\s*("[^"]*"|'[^']*')""" % re.escape(attribute).encode()
-        match = re.compile(pattern).search(raw, begin, end)
+        pattern = rf"""\s{attribute}\s*=\s*("[^"]*"|'[^']*')"""
+        match = re.compile(pattern).search(text, begin, end)
         if match is None:
             raise KeyError(f"{element!r} has no attribute {attribute!r} in the MJCF")
-        edits.append((match.span(1), quoteattr(attribute_text(value(parameters))).encode()))
+        edits.append((match.span(1), quoteattr(attribute_text(value))))
     for (begin, end), replacement in sorted(edits, reverse=True):
-        raw = raw[:begin] + replacement + raw[end:]
-    return raw.decode()
+        text = text[:begin] + replacement + text[end:]
+    return text
 
 
 def export(model: Mjcf, parameters: Any) -> str:
     """Return the model's committed MJCF with these parameters."""
     text = model.expand(model.path.read_text(encoding="utf-8"), parameters)
-    return bind(text, model.bindings, parameters)
+    return bind(text, {key: value(parameters) for key, value in model.bindings.items()})

@@ -1,10 +1,10 @@
 """A model placed in the world by a rotation, or as its mirror image: the text of MJCF, rewritten.
 
-What is written is plain: each body and site of the world has a ``pos`` and a ``quat`` of its own,
-and ``gravity`` is turned with them. Joints, and all that is told in the frame of a body, stay as
-they are, so that positions and rates of joints, and what is seen of the mechanism in its own frame,
-are those of the model as it stands in the file. A free joint alone has its place, its velocity and
-its quaternion in the world, and these are turned.
+Each body and each site of the world is written with ``pos`` and ``quat``, and ``gravity`` is
+turned with them. Joints and all attributes in the frame of a body stay as they are, so that
+positions and rates of joints, and motions relative to the mechanism, are those of the model in the
+file. A free joint alone has its place, its velocity and its quaternion in the world, and these are
+turned.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from .mjcf import Motion, attribute_text
 FORM = re.compile(r"(turned|mirrored):([0-9]{1,9})")
 
 MIRROR = np.diag([1.0, -1.0, 1.0])
-"""Of a mirror image: y is reversed in each frame, so that slides along it and hinges about x and z
-are, which a frame's x axis, along which outputs are told, is not."""
+"""The mirror image: y is reversed in each frame, so that slides along it and hinges about x and z
+are reversed. The x axis of a frame, along which outputs are measured, is not."""
 
 UNEQUAL = (0.6, 0.7, 1.0)
-"""Shares of a body's moments of inertia about x, y, z. All stand for the last: in plane motion no
+"""Shares of a body's moments of inertia about x, y, z. The last one counts: in plane motion no
 other is seen, unless an engine leaves the tensor behind as the body is turned."""
 
 PLANE = 1e-12
@@ -46,7 +46,7 @@ def world_axes(placement: str) -> Array:
     ----------
     placement : str
         ``turned:SEED``, a rotation drawn at random; ``mirrored:SEED``, that of the mirror image;
-        empty: as the model stands.
+        empty: as in the file.
 
     Raises
     ------
@@ -68,8 +68,8 @@ def world_axes(placement: str) -> Array:
 def right_handed(axes: Array) -> Array:
     """Return axes (3, 3) with the third turned over where they are a mirror's.
 
-    What moves in the plane of x and y, about z, is its own image in that plane: in a mirror it is
-    the same mechanism, turned.
+    A mechanism in the plane of x and y is symmetric to that plane: its mirror image is the same
+    mechanism, turned.
     """
     return axes if np.linalg.det(axes) > 0 else axes * [1.0, 1.0, -1.0]
 
@@ -116,7 +116,7 @@ def turn_quaternion(axes: Array) -> Array:
 
 
 def placed_motion(motion: Motion, placement: str) -> Motion:
-    """Return positions and velocities of joints of a model that is placed so."""
+    """Return positions and velocities of joints of a model with this placement."""
     if not placement:
         return motion
     axes = world_axes(placement)
@@ -132,7 +132,7 @@ def placed_motion(motion: Motion, placement: str) -> Motion:
 
 
 def unplaceable_reason(text: str, placement: str) -> str | None:
-    """Return why a model cannot be placed in the world otherwise than it stands, or None."""
+    """Return the reason why a model cannot be placed in the world in this way, or None."""
     root = ET.fromstring(text)
     world, defaults = root.find("worldbody"), default_classes(root)
     assert world is not None
@@ -149,7 +149,7 @@ def axis_of(attributes: Mapping[str, str]) -> Array:
 
 
 def is_plane(world: ET.Element, defaults: Mapping[tuple[str, str], dict[str, str]]) -> bool:
-    """Return whether all that moves does so in the plane of x and y, and turns about z."""
+    """Return True if all bodies move in the plane of x and y and turn about z."""
     if any(abs(orientation(body.attrib)[2, 2] - 1) > PLANE for body in world.iter("body")):
         return False
     for _, attributes in each_joint(world, defaults):
@@ -190,11 +190,11 @@ REVERSED = (1, 1, 1, -1, 1, -1)
 """Signs of xx, yy, zz, xy, xz, yz of a tensor in the mirror."""
 
 ORIENTATIONS = {"quat", "euler", "xyaxes", "zaxis"}
-"""Attributes that tell a rotation."""
+"""Attributes that give a rotation."""
 
 
 def turn_points(element: ET.Element, matrix: Array) -> None:
-    """Multiply the points that an element tells of."""
+    """Multiply the points in an element's attributes."""
     for name in ("pos", "fromto"):
         if name in element.attrib:
             points = vector(element.get(name, "")).reshape(-1, 3) @ matrix.T + 0.0
@@ -202,7 +202,7 @@ def turn_points(element: ET.Element, matrix: Array) -> None:
 
 
 def write_orientation(element: ET.Element, rotation: Array) -> None:
-    """Tell a rotation (3, 3) as ``quat``, and in no other way."""
+    """Write a rotation (3, 3) as ``quat``, and in no other way."""
     for name in ORIENTATIONS & element.attrib.keys():
         del element.attrib[name]
     x, y, z, w = Rotation.from_matrix(rotation).as_quat()

@@ -31,7 +31,7 @@ class Readout:
         What is missing is a joint of the same name. A quaternion is the ball joint, or the end of
         the free joint, of its name.
     axes : array (3, 3)
-        From those of the model to those of the world, in which free joints are told.
+        Rotation from the axes of the model to those of the world, which free joints have.
     """
 
     scene: Dynamics
@@ -43,16 +43,16 @@ class Readout:
 
     @property
     def quaternions(self) -> tuple[Quaternion, ...]:
-        """Those that are joints, and no coordinates of their own."""
+        """Quaternions that are joints of the model."""
         return tuple(one for one in self.scene.quaternions if one.name in self.joints)
 
     def place(self, name: str) -> tuple[slice, slice]:
-        """Return where a joint stands in vectors of positions and of velocities."""
+        """Return the places of a joint in vectors of positions and of velocities."""
         i = self.joints.index(name)
         return self.layout.positions[i], self.layout.velocities[i]
 
     def quaternion(self, one: Quaternion) -> tuple[list[int], slice, slice]:
-        """Return where a quaternion stands in coordinates, in positions, and its body's rates."""
+        """Return the places of a quaternion in coordinates and positions, and of its rates."""
         at, own = self.place(one.name)
         places = [self.coordinates.index(name) for name in one.coordinates]
         return places, slice(at.stop - 4, at.stop), slice(own.stop - 3, own.stop)
@@ -65,35 +65,23 @@ class Readout:
         return matrix
 
     def scalars(self) -> Iterator[tuple[int, int, int, float]]:
-        """Yield what coordinates but quaternions are sums of.
+        """Yield the terms of coordinates that are sums of numbers, quaternions apart.
 
         Places of a coordinate, of a number in positions and of one in velocities; a factor.
         """
-        attitude = {name for one in self.quaternions for name in one.coordinates}
-        for row, name in enumerate(self.coordinates):
-            if name in attitude:
-                continue
-            if name in self.free_places:
-                along, place, rate = self.free_places[name]
-                for i, factor in enumerate(self.axes[:, along].tolist()):
+        spatial = [name for one in self.quaternions for name in (*one.coordinates, *one.place)]
+        for one in self.quaternions:
+            at, own = self.place(one.name)
+            for name, axis in zip(one.place, self.axes.T.tolist(), strict=False):
+                for i, factor in enumerate(axis):
                     if factor:  # else what is not finite would spread
-                        yield row, place + i, rate + i, factor
+                        yield self.coordinates.index(name), at.start + i, own.start + i, factor
+        for row, name in enumerate(self.coordinates):
+            if name in spatial:
                 continue
             for joint, factor in self.sums.get(name, {name: 1.0}).items():
                 at, own = self.place(joint)
                 yield row, at.start, own.start, factor
-
-    @property
-    def free_places(self) -> dict[str, tuple[int, int, int]]:
-        """Along which axis of the model a coordinate is the place of a free joint.
-
-        And where this joint begins in positions and velocities.
-        """
-        return {
-            name: (i, self.place(one.name)[0].start, self.place(one.name)[1].start)
-            for one in self.quaternions
-            for i, name in enumerate(one.place)
-        }
 
     def states(self, positions: Array, velocities: Array) -> Array:
         """Return states (2 n, k) of positions (k, n_q) and velocities (k, n_v)."""

@@ -1,4 +1,4 @@
-"""What an engine is to simulate: an MJCF model in its own joints, with the parameters of a case."""
+"""The system that an engine simulates: an MJCF model with the parameters of a case."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .mechanism import Closure, Term
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """What an engine is to simulate: a model of a scene, with the parameters of a case.
+    """The system that an engine simulates: a model of a scene with the parameters of a case.
 
     Attributes
     ----------
@@ -42,17 +42,17 @@ class System:
     armatures : mapping of joint to float
         Inertia added to the diagonal of the mass matrix (kg, kg m^2).
     closures : tuple of Closure
-        Loops, held closed by constraints.
+        Loops, closed by constraints.
     kinds : tuple of str
         Of the joints: ``hinge``, ``slide``, ``ball`` or ``free``.
     drivers : tuple of str
         Joints of bodies that move as the drive does, so heavy that nothing else moves them.
     observables : tuple of str
-        What is looked at beside the coordinates; the file's sensors have these names.
+        Outputs that are compared as well as the coordinates; the file's sensors have these names.
     reactions : mapping of str to (element, array (3,))
-        Forces in joints that may be asked for: the component, along a direction in the world, of
-        the force that ``body:name`` puts on its parent, or ``connect:name`` on the body of its
-        first site. Empty for an engine that reads no MJCF.
+        Forces in joints that `Engine.reactions` returns: the component, along a direction in the
+        world, of the force that ``body:name`` puts on its parent, or ``connect:name`` on the body
+        of its first site. Empty for an engine that reads no MJCF.
     """
 
     case: Case
@@ -73,7 +73,7 @@ class System:
 
     @cached_property
     def layout(self) -> JointLayout:
-        """Where each joint stands in vectors of positions and of velocities."""
+        """Places of each joint in vectors of positions and of velocities."""
         return layout_of(self.kinds or ("hinge",) * len(self.joints))
 
     def displaced(self, positions: Array, change: Array) -> Array:
@@ -94,8 +94,7 @@ class System:
         lengths = factors @ scalar_positions(self.layout, positions)
         along = constant + per_length * lengths + per_rate * (factors @ velocities)
         along = along + amplitude * np.cos(omega * time + phase)
-        forces: Array = np.where(time < until, along, 0.0) @ factors
-        return forces
+        return np.asarray(np.where(time < until, along, 0.0) @ factors)
 
     def controls(self, time: float) -> Array:
         """Return the controls (n_actuators,) of all actuators of the file at a time [s].
@@ -116,7 +115,7 @@ class System:
 
 
 NUMBERS = ("constant", "per_length", "per_rate", "amplitude", "omega", "phase")
-"""Of a term."""
+"""The numbers of a term."""
 
 
 def factors_of(term: Term, joints: tuple[str, ...], layout: JointLayout) -> Array:
@@ -134,7 +133,7 @@ def factors_of(term: Term, joints: tuple[str, ...], layout: JointLayout) -> Arra
 
 
 def scalar_positions(layout: JointLayout, positions: Array) -> Array:
-    """Return positions (n,) where velocities stand: of hinges and slides, and 0 of all others."""
+    """Return positions (n,) in the places of velocities: of hinges and slides, 0 of all others."""
     if not layout.is_spatial:
         return positions
     scalars = np.zeros(layout.size[1])

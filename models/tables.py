@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TypeVar
+from typing import TypeVar, cast
 
 T = TypeVar("T")
 
@@ -12,7 +12,7 @@ def table_of(name: str, table: str, empty: T) -> T:
     """Return a table of a module, by its full name.
 
     ``empty`` where the module, its folder or the table is missing; what else a module misses as it
-    is imported is its own error.
+    is imported is raised.
     """
     try:
         module = import_module(name)
@@ -20,5 +20,4 @@ def table_of(name: str, table: str, empty: T) -> T:
         if error.name is None or not f"{name}.".startswith(f"{error.name}."):
             raise
         return empty
-    filled: T = vars(module).get(table, empty)
-    return filled
+    return cast(T, vars(module).get(table, empty))

@@ -1,4 +1,4 @@
-"""What is true: parameters, equations of motion, solvers, orbits. Imports no engine."""
+"""The truth: parameters, equations of motion, solvers, orbits. Imports no engine."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""What a published scheme makes of free vibrations: ``M a + C v + K q = 0``.
+r"""Free vibrations ``M a + C v + K q = 0`` as published schemes integrate them.
 
 One step of a scheme multiplies the state by a matrix. Its spectral radius tells whether the
 step is stable, its eigenvalues how much a mode loses or gains, and how far its phase drifts.
@@ -23,7 +23,7 @@ from .scene import Array
 from .solve.schemes import TABLEAUS, Tableau
 
 SPECTRAL_RADIUS = 0.9
-"""Of generalized-alpha at infinite steps, as Exudyn sets it by default."""
+"""Spectral radius of generalized-alpha at infinite steps, Exudyn's default."""
 
 GROWTH = 10.0
 """A step counts as unstable if it lets an amplitude grow by more than this over the run."""
@@ -35,7 +35,7 @@ SHORTEST, LONGEST = 1e-4, 1e4
 """Between which multiples of 1 / omega they lie."""
 
 DEFECT = 1e-6
-"""By how much the moduli of multiple eigenvalues scatter in rounding, with a margin."""
+"""Scatter of the moduli of multiple eigenvalues by round-off, with a margin."""
 
 DECOUPLED = 1e-10
 """Largest share that couples two modes in rounding."""
@@ -154,7 +154,7 @@ AMPLIFICATION: dict[str, Amplify] = {
     "trapezoidal": trapezoidal,
     "generalized_alpha": partial(generalized_alpha, SPECTRAL_RADIUS),
 }
-"""By name of the scheme. The three semi-implicit ones differ in which dampers are implicit."""
+"""Amplification matrix of each scheme; the semi-implicit three differ in their implicit dampers."""
 
 
 def vibrations(
@@ -181,7 +181,7 @@ def vibrations(
 
 
 def amplification_factors(scheme: str, of: Vibrations, step: float) -> ComplexArray:
-    """Return by what one step of a scheme multiplies free vibrations, the eigenvalues (k,)."""
+    """Return the eigenvalues (k,) of the matrix by which a step multiplies free vibrations."""
     with np.errstate(all="ignore"):
         try:
             matrix = AMPLIFICATION[scheme](of, step)
@@ -196,16 +196,16 @@ def rates(of: Vibrations) -> ComplexArray:
 
 
 class NumericalMode(NamedTuple):
-    """Eigenvalues [1/s] of a mode of the motion, and of the one that a scheme makes of it."""
+    """Eigenvalues [1/s] of a mode of the motion, and of the mode of the numerical solution."""
 
     exact: complex
     numerical: complex
 
 
 def numerical_modes(scheme: str, of: Vibrations, step: float) -> list[NumericalMode]:
-    """Return each mode that oscillates beside the one that a scheme makes of it.
+    """Return each oscillating mode with its counterpart in the numerical solution.
 
-    They are told apart by their distance; with more than half a turn in a step none can be.
+    Counterparts are the nearest eigenvalues; beyond half a turn in a step there are none.
     """
     exact = np.array([value for value in rates(of) if value.imag > 0])
     multiplied = amplification_factors(scheme, of, step)
@@ -220,7 +220,7 @@ def numerical_modes(scheme: str, of: Vibrations, step: float) -> list[NumericalM
 def surpluses(
     factors: ComplexArray, own: ComplexArray, step: float, horizon: float, folds: float = np.inf
 ) -> Array:
-    """Return the logarithm (k,) of what each eigenvalue of a step grows by over a run, too much.
+    """Return the logarithm (k,) of the excess growth of each eigenvalue of a step over a run.
 
     The largest is compared with the growth of the fastest-growing mode, the next with that of the
     next, and those beyond with none: one mode that grows of itself excuses no other.
@@ -254,10 +254,10 @@ def excess(
     own: ComplexArray | None = None,
     folds: float = np.inf,
 ) -> float:
-    """Return the logarithm of what an amplitude grows by over a run, beyond what it may.
+    """Return the logarithm of the growth of an amplitude over a run, beyond the permitted one.
 
-    What the motion grows by of itself, about an unstable state of rest, does not count: by its
-    eigenvalues ``own``, those of the vibrations by default; see `surpluses`.
+    Growth of the motion itself, about an unstable state of rest, does not count: it follows from
+    its eigenvalues ``own``, by default those of the vibrations; see `surpluses`.
     """
     own = rates(of) if own is None else own
     over = surpluses(amplification_factors(scheme, of, step), own, step, horizon, folds)
@@ -265,7 +265,7 @@ def excess(
 
 
 StepVibrations = Callable[[float], tuple[Vibrations, ComplexArray]]
-"""From a step [s] to the vibrations that a method sees with it, and to their eigenvalues [1/s]."""
+"""Function of a step [s] that returns a method's vibrations and their eigenvalues [1/s]."""
 
 
 def largest_stable_step(

@@ -292,7 +292,7 @@ CASES = (
     case("gravity_along", ALONG, SPINNING, 2.0, "trajectory", "energy", full_only=True),
     case("planar", PLANAR, {"omega_z": 18.0}, 0.5, "trajectory", "order", full_only=True),
 )
-"""Of `driven` *energy* looks at the angular momentum about the slide alone."""
+"""The *energy* check of `driven` examines the angular momentum about the slide alone."""
 
 SCENE = Scene(
     name="ball_hoop",

@@ -1,4 +1,4 @@
-"""What a computation costs: foretold while it runs, so that none goes on in silence for ever."""
+"""Budget of time: the cost of a computation is predicted while it runs."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Budget:
 
     @property
     def left(self) -> float:
-        """Time that is left [s]."""
+        """Remaining time [s]."""
         return self.begun + self.seconds - perf_counter()
 
     def foretell(self, seconds: float) -> None:
@@ -108,7 +108,7 @@ BUDGET: ContextVar[Budget | None] = ContextVar("budget", default=None)
 
 @contextmanager
 def within(seconds: float, progress: Progress | None = None) -> Iterator[None]:
-    """Refuse what is computed here as soon as it is seen to take longer than this [s].
+    """Refuse a computation as soon as it is predicted to take longer than a time [s].
 
     It is ``mbcheck.budget``: ``with mbcheck.budget(60): ...`` holds for the reference, for engines
     and for the processes of both, whichever function of the package is called, in the thread that
@@ -117,8 +117,8 @@ def within(seconds: float, progress: Progress | None = None) -> Iterator[None]:
     Raises
     ------
     UsageError
-        If that is no positive number, and from what is computed, with an estimate where there is
-        one.
+        If the time is no positive number; and from the computation, with an estimate where one
+        exists.
     """
     if not 0 < seconds < np.inf:
         raise UsageError(f"the budget must be finite and greater than 0, not {seconds:g}")
@@ -172,7 +172,7 @@ def keep_steps(steps: float, seconds: Callable[[], float]) -> None:
 
 
 def keep_budget(share: float) -> None:
-    """Refuse what will exceed the budget, if there is one, by the share of it that is done.
+    """Refuse a computation that will exceed the budget, if there is one, by its finished share.
 
     A share of 1 refuses only what has exceeded it.
 
@@ -187,7 +187,7 @@ def keep_budget(share: float) -> None:
 
 
 def time_left() -> float | None:
-    """Return what is left of the budget [s], 0 if it is over; None if there is none."""
+    """Return the remaining budget [s], 0 if it is over; None if there is none."""
     budget = BUDGET.get()
     return None if budget is None else max(budget.left, 0.0)
 

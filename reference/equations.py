@@ -1,8 +1,8 @@
 """The equations of motion that an engine's model has, which need not be those of its scene.
 
-Three layers are told apart. The scene's equations are the truth. An engine's model may have others:
-the difference is *model error*, which no step removes. What the method makes of the model's
-equations is *integration error*.
+Three layers are distinguished. The scene's equations are the truth. An engine's model may have
+others: the difference is *model error*, which no step removes. The error of the method on the
+model's equations is *integration error*.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class ModelEquations(NamedTuple):
         return self.scene.state(state)
 
     def is_exact_for(self, case: Case) -> bool:
-        """Return whether these are the scene's equations with the parameters of the case."""
+        """Return True if these are the scene's equations with the parameters of the case."""
         return self.scene is get_scene(case.scene) and self.parameters == case.parameters
 
 

@@ -23,7 +23,7 @@ class MbcheckError(Exception):
 
 
 class UsageError(MbcheckError):
-    """The caller asked for something that cannot be done; the message says what to do."""
+    """The request cannot be carried out; the message says what to do."""
 
 
 class ParameterError(UsageError):
@@ -94,4 +94,4 @@ class EngineUnavailableError(UsageError):
 
 
 class BrokenEngineError(EngineUnavailableError):
-    """An engine that is there fails as it is loaded, or as checks of it are planned."""
+    """An installed engine fails while it is loaded, or while its checks are planned."""

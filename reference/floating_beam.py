@@ -61,7 +61,7 @@ class FloatingBeam(BodyParameters):
 
     @property
     def springs(self) -> tuple[Any, ...]:
-        """Of the hinges [N m/rad]."""
+        """Stiffness of the hinges [N m/rad]."""
         k = self.bending_stiffness / self.rod_length
         return (2 * k, *(k,) * (RODS - 1))
 

@@ -149,7 +149,7 @@ CASES = (
     case("falling", FALLING, TUMBLING, 0.5, "algebra", "energy", full_only=True),
     case("planar", PLANAR, IN_PLANE, 0.5, "trajectory", "order", full_only=True),
 )
-"""Of `tumbling` *energy* looks at the momenta alone: the motor drives, and the rod is damped."""
+"""The *energy* check of `tumbling` examines the momenta alone: there are a motor and a damper."""
 
 
 def keeps_energy(p: FloatingPlatform) -> bool:

@@ -16,7 +16,7 @@ Rows = NDArray[np.int_]
 """Numbers (k,) of systems."""
 
 Residual = Callable[[Rows, Array], Array]
-"""From systems (k,) and their unknowns (m, k) to what is left of their equations (m, k)."""
+"""Function of systems (k,) and unknowns (m, k) that returns the residuals (m, k)."""
 
 Linearise = Callable[[Rows, Array], tuple[Array, Array]]
 """The same with the Jacobian (k, m, p); p is larger than m where it has more than is solved for."""
@@ -38,7 +38,7 @@ class Effort(NamedTuple):
     Attributes
     ----------
     jacobians : int
-        Jacobians at most, one that is known already included.
+        Jacobians at most, including one that was given.
     chords : int
         Further corrections with each of them, as long as they shrink.
     longest : float
@@ -54,7 +54,7 @@ class Effort(NamedTuple):
 
 
 class Roots(NamedTuple):
-    """Where Newton's method has ended.
+    """Result of Newton's method.
 
     Attributes
     ----------

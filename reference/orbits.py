@@ -28,7 +28,7 @@ ISOLATED = 1e-6
 """Largest scaled rounding of an orbit that counts as one."""
 
 Flow = Callable[[Rows, Any, Any], Any]
-"""From points (k,), states (2 n, k) and periods (k,) [s] to the states (2 n, k) a period later."""
+"""Function of points (k,), states (2 n, k) and periods (k,) [s]: the states a period later."""
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ class PeriodMap:
 
 @dataclass(frozen=True)
 class Orbits:
-    """Where Newton's method on the period maps of points has ended.
+    """Result of Newton's method on the period maps of points.
 
     Attributes
     ----------
@@ -179,7 +179,7 @@ class Orbits:
 
     @property
     def closing(self) -> Array:
-        """What Newton's method inverts (k, 2 n, 2 n)."""
+        """Matrices (k, 2 n, 2 n) of Newton's method."""
         return self.slopes[..., self.columns]
 
     @property
@@ -278,7 +278,7 @@ def state_scale(scene: EquationsOfMotion, state: Array, omega: Any) -> Array:
 
 
 def section_row(scene: EquationsOfMotion) -> int | None:
-    """Return the row of the coordinate that is 0 where a period begins; None with a drive."""
+    """Return the row of the coordinate that vanishes where a period begins; None with a drive."""
     return (
         None
         if scene.orbit.section_coordinate is None
@@ -330,7 +330,7 @@ def reference_map(
 
 
 def why_none(scene: EquationsOfMotion) -> str:
-    """Return why there is nothing to start the search for a periodic orbit from."""
+    """Return the reason why the search for a periodic orbit has no start."""
     sought = scene.orbit.guesses is not PeriodicOrbit.guesses
     return "nothing drives it on" if sought else "none is sought of this scene"
 

@@ -65,13 +65,13 @@ def gravity(axis: str, meaning: str) -> Any:
 
 
 def choice(options: tuple[str, ...], source: str, meaning: str) -> Any:
-    """Declare a field that is one of some words, the first by default."""
+    """Declare a field with one of some words, the first by default."""
     about = dict(symbol="", unit="", source=source, meaning=meaning, bound=" or ".join(options))
     return field(default=options[0], metadata={**about, "options": options})
 
 
 class BoundarySearch(NamedTuple):
-    """Where a periodic orbit loses its stability, near the parameters of a case.
+    """Loss of stability of a periodic orbit, near the parameters of a case.
 
     Attributes
     ----------

@@ -1,7 +1,7 @@
 """Quaternions (w, x, y, z) by Hamilton's rule, as lists of four numbers of any kind.
 
-They turn a body's frame into the world's: a vector r of the body is q r q^-1 in the world. A length
-that is not 1 does not matter.
+They turn a body's frame into the world's: a vector r of the body is q r q^-1 in the world. The
+length may be any.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ class Quaternion(NamedTuple):
     """Four coordinates (w, x, y, z) that turn a body's frame into the world's.
 
     They are a unit quaternion by Hamilton's rule. Its sign is a convention and its length is kept:
-    what is compared of a run are outputs that depend on neither.
+    runs are compared by outputs that depend on neither.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What a scene is: equations of motion, what is known of them, and the cases of a paper.
+"""A scene: equations of motion, knowledge of their motions, and the cases of a paper.
 
 `Dynamics` is what solvers need. `EquationsOfMotion` adds rest states, orbits and invariants; a
 model may have others than its scene. `Scene` adds the paper, its cases, and what runs are judged
@@ -44,7 +44,7 @@ class Case:
     scene, name : str
     parameters : Parameters
     state : mapping of str to float
-        Initial values of coordinates (SI) and of their ``_dot``; what is absent is 0.
+        Initial values of coordinates (SI) and of their ``_dot``; absent ones are 0.
     horizon : float
         Time simulated [s].
     kinds : tuple of str
@@ -58,7 +58,7 @@ class Case:
         (`Scene.outcome`); *order* looks at elements in place of steps.
     methods : {"all", "best"}
         Whether it is run with every method, or (the kind *order* apart) with the one of
-        highest order of each model: others would take long, or hide what is to be seen.
+        highest order of each model: others would take long, or hide the effect.
     about : str or None
         The equilibrium (of `EquationsOfMotion.equilibria`) that the kind *frequency* looks at,
         instead of ``state``.
@@ -92,7 +92,7 @@ class Case:
 
     @property
     def label(self) -> str:
-        """What it is called in ids: its name, and how it is placed."""
+        """Its name in ids, with its placement."""
         return f"{self.name}+{self.placement.replace(':', '-')}" if self.placement else self.name
 
 
@@ -141,7 +141,7 @@ def with_rates(**units: str) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Continuum:
-    """What stands for something continuous.
+    """Discretisation of a continuum.
 
     Attributes
     ----------
@@ -155,7 +155,7 @@ class Continuum:
         Largest distance from the origin of what outputs are displacements of, 0 without any.
     has_waves : bool
         Whether waves run through it many times from sample to sample, so that no linearised flow
-        in between can be told: the bound of a run is then its difference from another one.
+        in between exists: the bound of a run is then its difference from another one.
     """
 
     discretisation_coordinates: tuple[str, ...] = ()
@@ -186,14 +186,14 @@ class OrbitLimit(NamedTuple):
 
 @dataclass(frozen=True)
 class PeriodicOrbit:
-    """Where a periodic orbit is sought, and what it is measured by.
+    """Starts of the search for a periodic orbit, and its quantities.
 
     Attributes
     ----------
     guesses : callable ``(parameters) -> list of states (2 n,)``
         Where to start the search; none where nothing drives the motion on.
     section_coordinate : str or None
-        Without a drive: the coordinate that is 0 (modulo 2 pi) where a period begins.
+        Without a drive: the coordinate that vanishes (modulo 2 pi) where a period begins.
     quantities : callable ``(states (2 n, k), c) -> {name: value}``
         From uniform samples of one period.
     units : mapping
@@ -219,7 +219,7 @@ class PeriodicOrbit:
 
 @dataclass(frozen=True)
 class RunQuantities:
-    """What a run of a drive that ends is judged by beside its samples.
+    """Quantities of a run with a drive that ends, in addition to its samples.
 
     Attributes
     ----------
@@ -312,20 +312,20 @@ class Dynamics:
 
     @property
     def observables(self) -> tuple[str, ...]:
-        """What every trajectory shows: the states but quaternions, then the observed outputs."""
+        """Names in every trajectory: the states but quaternions, then the observed outputs."""
         hidden = {name for one in self.quaternions for name in one.coordinates}
         states = (name for name in self.public_states if name.removesuffix("_dot") not in hidden)
         return (*states, *self.observed)
 
     @property
     def initial_states(self) -> tuple[str, ...]:
-        """What an initial state may name."""
+        """Names that an initial state may have."""
         return (*self.public_states, *(name for one in self.quaternions for name in one.rates))
 
     def completed(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Return all states by name: 0 where they are absent, of quaternions those of no rotation.
 
-        Angular velocities become rates of quaternions. A name that is no state is kept.
+        Angular velocities become rates of quaternions. Other names are kept.
         """
         places = {one.coordinates[0]: 1.0 for one in self.quaternions}
         states = dict.fromkeys(self.state_names, 0.0) | places | dict(values)
@@ -376,7 +376,7 @@ class Dynamics:
         return states
 
     def state(self, values: Mapping[str, Any]) -> Array:
-        """Return the state vector (2 n,) from values by name; see `completed` for what is absent.
+        """Return the state vector (2 n,) from values by name; see `completed` for absent ones.
 
         Raises
         ------
@@ -447,7 +447,7 @@ def _scalar_accelerations(dynamics: Dynamics, c: Any) -> Callable[..., Any]:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class EquationsOfMotion(Dynamics):
-    """Equations of motion with their parameters, and what is known of their motions.
+    """Equations of motion with their parameters, equilibria and periodic orbits.
 
     Attributes
     ----------
@@ -488,7 +488,7 @@ class EquationsOfMotion(Dynamics):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Scene(EquationsOfMotion):
-    """One mechanical system: everything that is true of it, and no engine.
+    """One mechanical system, independent of any engine.
 
     Attributes
     ----------
@@ -496,12 +496,12 @@ class Scene(EquationsOfMotion):
     cases : tuple of Case
     variants : mapping of str to EquationsOfMotion
         The paper's own simplifications, shown beside the exact equations; no engine is
-        held against them.
+        compared with them.
     constrained_initial_values : callable ``(parameters) -> {name: value}``
         Initial values of states that the parameters leave no choice of.
     run_quantities : RunQuantities or None
     outcome : callable ``(times, {name: values}, parameters) -> str``, or None
-        In which of its long-term motions a run ends: ``undecided`` if that cannot be told.
+        In which of its long-term motions a run ends: ``undecided`` if the run is too short.
     assembled : callable ``({name: values}, parameters) -> bool array``, or None
         Whether the mechanism is put together as meant.
     drive_form : str

@@ -1,4 +1,4 @@
-"""The document of ``boundary``: curves of bifurcations, and what is still to be followed."""
+"""The document of ``boundary``: curves of bifurcations, and where the others start."""
 
 from __future__ import annotations
 
@@ -161,7 +161,7 @@ class BoundaryCurve:
 
 @dataclass(frozen=True)
 class BoundaryStart:
-    """Where a curve is still to be followed from.
+    """Start of a curve not yet followed.
 
     Attributes
     ----------
@@ -189,7 +189,7 @@ class BoundaryStart:
 
 @dataclass(frozen=True)
 class BoundaryDocument:
-    """Curves of bifurcations, and what is still to be followed.
+    """Curves of bifurcations, and the starts of those not yet followed.
 
     Attributes
     ----------
@@ -220,7 +220,7 @@ class BoundaryDocument:
     curves : tuple of BoundaryCurve
         in the order in which they were followed
     pending : tuple of BoundaryStart
-        what is still to be followed; empty when all is done
+        starts of curves not yet followed; empty when all is done
     doublings : tuple of BoundaryStart
         where orbits of twice the length are still to be followed along lines
     missing : int

@@ -1,4 +1,4 @@
-"""What a boundary is asked for: a window of two parameters, and who follows the orbits."""
+"""Request of a boundary: a window of two parameters, and the engine."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from ..queries.request import MethodQuery
 
 ORBITS, EQUILIBRIA = "orbits", "equilibria"
 SUBJECTS = (ORBITS, EQUILIBRIA)
-"""What boundaries are of; homoclinic orbits, which end orbits, are followed with equilibria."""
+"""Subjects of boundaries; homoclinic orbits, which end orbits, are followed with equilibria."""
 
 
 def place_from(text: str, flag: str) -> tuple[float, ...]:
@@ -119,7 +119,7 @@ class BoundaryRequest(MethodQuery):
         return self.window.high - self.window.low
 
     def tracer(self, subject: str = ORBITS) -> Tracer:
-        """Return what follows the reference's orbits, or equilibria."""
+        """Return the tracer of the reference's orbits, or equilibria."""
         parameters = self.window.parameters(self.middle.case.parameters)
         if subject == ORBITS:
             return Tracer(self.equations, parameters)
@@ -127,7 +127,7 @@ class BoundaryRequest(MethodQuery):
 
     @cached_property
     def subjects(self) -> list[str]:
-        """What is followed.
+        """Subjects to be followed.
 
         Raises
         ------
@@ -171,7 +171,7 @@ def refuse_impossible(asked: BoundaryRequest) -> None:
 
 
 def why_no_orbits(asked: BoundaryRequest) -> MbcheckError | None:
-    """Return why there are no orbits to follow, None if there are."""
+    """Return the reason why there are no orbits to follow, None if there are."""
     scene, setup = asked.equations, asked.middle
     weighed = setup.case.parameters.has_gravity or {asked.x.name, asked.y.name} & {*GRAVITY}
     if scene.orbit.mirror and weighed:
@@ -190,7 +190,7 @@ def why_no_orbits(asked: BoundaryRequest) -> MbcheckError | None:
 
 
 def why_no_equilibria(asked: BoundaryRequest) -> MbcheckError | None:
-    """Return why there are no equilibria to follow, None if there are."""
+    """Return the reason why there are no equilibria to follow, None if there are."""
     scene = asked.equations
     if asked.middle.engine.name != REFERENCE:
         return UsageError(
@@ -213,7 +213,7 @@ def why_no_equilibria(asked: BoundaryRequest) -> MbcheckError | None:
 
 
 def undriven(asked: BoundaryRequest, **changes: float) -> bool:
-    """Return whether a scene with some other parameters is driven nowhere in the window."""
+    """Return True if a scene with some other parameters is undriven all over the window."""
     try:
         parameters = asked.middle.case.parameters.replace(**changes)
     except ParameterError:

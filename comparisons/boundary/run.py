@@ -38,14 +38,14 @@ from ..queries.query import by_state, floats
 from .request import EQUILIBRIA, ORBITS, BoundaryRequest
 
 SYMMETRY, HOPF = "symmetry_breaking", "hopf"
-"""What a period doubling of the map over half a period is, and a Neimark-Sacker point of the flow
-about an equilibrium."""
+"""Names of a period doubling of the map over half a period, and of a Neimark-Sacker point of the
+flow about an equilibrium."""
 
 DIGITS = 13
-"""Of logarithms of multipliers, which are as many after they were written and read."""
+"""Digits of logarithms of multipliers, the same after they were written and read."""
 
 NONE = {ORBITS: "no periodic orbit", EQUILIBRIA: "no equilibrium"}
-"""What was not found, by subject."""
+"""Words for a subject without any."""
 
 UNKNOWN = np.full(2, np.nan)
 """Shift of a curve of the reference."""
@@ -53,7 +53,7 @@ UNKNOWN = np.full(2, np.nan)
 SETTINGS = (
     "scene", "engine", "model", "method", "step", "parameters", "x", "y", "lines", "of", "versions",
 )  # fmt: skip
-"""What a boundary depends on."""
+"""Fields of a document on which a boundary depends."""
 
 
 Perform = Callable[[Task], SearchOutcome]
@@ -64,12 +64,12 @@ def kind_of(word: str) -> str:
     return {SYMMETRY: DOUBLING, HOPF: NEIMARK_SACKER}.get(word, word)
 
 
-def perform(asked: BoundaryRequest, subject: str, task: Task) -> SearchOutcome:
+def perform(request: BoundaryRequest, subject: str, task: Task) -> SearchOutcome:
     """Do a part of the work on the curves of a subject; it depends on nothing else."""
-    reference = tracer = asked.tracer(subject)
+    reference = tracer = request.tracer(subject)
     flow = None
-    if asked.steps_per_period is not None:
-        tracer, flow = engine_tracer(reference, asked.middle, asked.steps_per_period)
+    if request.steps_per_period is not None:
+        tracer, flow = engine_tracer(reference, request.middle, request.steps_per_period)
     search = CurveSearch(reference, tracer)
     task(search)
     search.outcome.orbits = reference.solutions
@@ -110,31 +110,31 @@ class Boundary:
 
     Attributes
     ----------
-    asked : BoundaryRequest
+    request : BoundaryRequest
     networks : dict of str to Network
-        By subject.
+        One of each subject.
     """
 
-    def __init__(self, asked: BoundaryRequest) -> None:
-        self.asked = asked
-        self.symmetric = half_period_signs(asked.equations) is not None
-        self.tracers = {subject: asked.tracer(subject) for subject in asked.subjects}
-        self.near = list(asked.near)
+    def __init__(self, request: BoundaryRequest) -> None:
+        self.request = request
+        self.symmetric = half_period_signs(request.equations) is not None
+        self.tracers = {subject: request.tracer(subject) for subject in request.subjects}
+        self.near = list(request.near)
         self.networks = {
             subject: Network(self.lines, 2 if self.symmetric and subject == ORBITS else 1)
-            for subject in asked.subjects
+            for subject in request.subjects
         }
 
     @property
     def lines(self) -> list[Line]:
         """Lines that are looked along: those of the window, and those through places."""
-        low, size = self.asked.window.low, self.asked.size
+        low, size = self.request.window.low, self.request.size
         places = (np.reshape(self.near, (-1, 2)) - low) / size
-        across = np.linspace(0, 1, self.asked.lines).tolist()
+        across = np.linspace(0, 1, self.request.lines).tolist()
         return [*map(Line, across), *(Line(*place) for place in places.tolist())]
 
     def work(self, workers: int = 1) -> Iterator[tuple[int, int, str]]:
-        """Follow all curves, in so many processes; yield what is done.
+        """Follow all curves, in a number of processes; yield the progress.
 
         Raises
         ------
@@ -144,7 +144,7 @@ class Boundary:
         """
         before = 0
         for number, (subject, network) in enumerate(self.networks.items()):
-            execute = executor(partial(perform, replace(self.asked), subject), workers)
+            execute = executor(partial(perform, replace(self.request), subject), workers)
             ahead = len(self.networks) - number - 1
             done = 0
             for done, total, words in network.work(execute):
@@ -154,33 +154,35 @@ class Boundary:
         problems = [problem for network in networks for problem in network.total.problems]
         missing = any(network.missing and not network.curves for network in networks)
         if problems and missing:
-            raise EngineError(self.asked.middle.engine.name, f"no curve was found: {problems[-1]}")
+            raise EngineError(
+                self.request.middle.engine.name, f"no curve was found: {problems[-1]}"
+            )
         if not any(network.total.has_orbits for network in networks):
-            x, y = self.asked.x, self.asked.y
+            x, y = self.request.x, self.request.y
             what = " and ".join(NONE[subject] for subject in self.networks)
             raise NoOrbitError(
-                f"{what} of {self.asked.scene} was found in {x.name} {x.low:g} to "
+                f"{what} of {self.request.scene} was found in {x.name} {x.low:g} to "
                 f"{x.high:g}, {y.name} {y.low:g} to {y.high:g}; choose another window"
             )
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``boundary`` document of docs/json.md."""
-        asked, setup = self.asked, self.asked.middle
+        request, setup = self.request, self.request.middle
         units, networks = self.units, self.networks.values()
         return document(
             "boundary",
-            asked,
+            request,
             engine=setup.engine.name,
             model=setup.model,
             method=setup.integrator.name,
-            step=asked.longest_step,
+            step=request.longest_step,
             parameters={
                 name: value
                 for name, value in setup.case.parameters.as_dict().items()
-                if name not in asked.window.names
+                if name not in request.window.names
             },
-            x={**vars(asked.x), "unit": units[0]},
-            y={**vars(asked.y), "unit": units[1]},
+            x={**vars(request.x), "unit": units[0]},
+            y={**vars(request.y), "unit": units[1]},
             of=list(self.networks),
             near=[{"x": x, "y": y} for x, y in self.near],
             lines_done=sum(network.lines_done for network in networks),
@@ -220,7 +222,7 @@ class Boundary:
     @property
     def units(self) -> list[str]:
         """Units of the axes."""
-        return list(map(self.asked.equations.parameters.unit_of, self.asked.window.names))
+        return list(map(self.request.equations.parameters.unit_of, self.request.window.names))
 
     def word(self, subject: str, item: BifurcationCurve | CurveStart) -> str:
         """Return the kind of a curve in documents."""
@@ -231,7 +233,7 @@ class Boundary:
 
     def curve(self, subject: str, curve: BifurcationCurve) -> dict[str, Any]:
         """Return a curve as the document has it."""
-        shifts = [away * self.asked.size for away in curve.shifts]
+        shifts = [away * self.request.size for away in curve.shifts]
         pairs = zip(curve.points, shifts or [UNKNOWN] * len(curve.points), strict=True)
         return {
             "of": subject,
@@ -246,8 +248,8 @@ class Boundary:
     def point(self, subject: str, point: CurvePoint, away: Array = UNKNOWN) -> dict[str, Any]:
         """Return a point as the document has it."""
         scale, unit = self.tracers[subject].units
-        scene, n, size = self.asked.equations, len(scale), self.asked.size
-        x, y = self.asked.window.low + size * point.place
+        scene, n, size = self.request.equations, len(scale), self.request.size
+        x, y = self.request.window.low + size * point.place
         state, period, row = point.z[:n] * scale, None, section_row(scene)
         values, critical = point.multipliers, point.critical
         if subject == EQUILIBRIA:
@@ -305,9 +307,9 @@ class Boundary:
         for item in before["curves"]:
             points = [self.read_point(item, stored) for stored in item["points"]]
             shifts = []
-            if self.asked.steps_per_period is not None:
+            if self.request.steps_per_period is not None:
                 away = [[stored["shift_x"], stored["shift_y"]] for stored in item["points"]]
-                shifts = list(np.array(away, dtype=float) / self.asked.size)
+                shifts = list(np.array(away, dtype=float) / self.request.size)
             ends = item["begins"], item["ends"]
             its = kind_of(item["kind"]), item["parts"], points, ends, item["doubled"], shifts
             self.networks[item["of"]].curves.append(BifurcationCurve(*its))
@@ -324,12 +326,12 @@ class Boundary:
         """Return a point from a document, of a curve or of where one starts."""
         subject = item["of"]
         scale, unit = self.tracers[subject].units
-        scene, size = self.asked.equations, self.asked.size
+        scene, size = self.request.equations, self.request.size
         row = section_row(scene) if subject == ORBITS else None
         state = np.array([stored["state"][name] for name in scene.state_names]) / scale
         if row is not None:
             state[row] = stored["period"] / unit
-        place = (np.array([stored["x"], stored["y"]]) - self.asked.window.low) / size
+        place = (np.array([stored["x"], stored["y"]]) - self.request.window.low) / size
         name = "multipliers" if subject == ORBITS else "eigenvalues"
         multipliers = np.array([complex(v["re"], v["im"]) for v in stored[name]])
         if subject == EQUILIBRIA:

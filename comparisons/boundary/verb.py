@@ -11,11 +11,12 @@ import click
 
 from ...reference.cost import within
 from ..reports.files import Destination, refuse_conflicts
-from ..terminal.budget import MAP, budget_option
 from ..terminal.options import COUNT, with_options_of
 from ..terminal.program import (
     INTERRUPTED,
+    MAP,
     PLOT,
+    budget_option,
     console,
     destination,
     examples,
@@ -27,15 +28,15 @@ from ..terminal.program import (
 from .request import BoundaryRequest, refuse_impossible
 
 OFTEN = 1.0
-"""Time [s] after which what is found is written again."""
+"""Time [s] after which the curves found so far are written again."""
 
 
 @click.command(
     epilog=examples(
-        "mbcheck boundary hula_hoop --x force_frequency=1:10 --y force_amplitude=5:150 \\",
-        "    -o boundary.json --plot boundary.png",
-        "mbcheck boundary hula_hoop --engine mujoco --step 0.005 --lines 2 -o mujoco.json \\",
-        "    --x force_frequency=5:6 --y force_amplitude=15:35",
+        "mbcheck boundary hula_hoop --x force_frequency=1:10 --y force_amplitude=5:150 "
+        "-o boundary.json --plot boundary.png",
+        "mbcheck boundary hula_hoop --engine mujoco --step 0.005 --lines 2 -o mujoco.json "
+        "--x force_frequency=5:6 --y force_amplitude=15:35",
     ),
 )
 @with_options_of(BoundaryRequest)
@@ -44,7 +45,7 @@ OFTEN = 1.0
     "--output",
     callback=destination,
     metavar="FILE.json",
-    help="The document to write; what is in it already is gone on with.",
+    help="The document to write; if it exists, its curves are continued.",
 )
 @PLOT
 @click.option("--workers", type=COUNT, default=1, show_default=True, help="Processes.")
@@ -162,5 +163,5 @@ def print_boundary(screen: Any, text: Mapping[str, Any], quiet: bool) -> None:
         print_line(
             screen,
             f"no stability changes along {plural(text['lines'], 'line')}; more --lines may meet "
-            "an island, and mbcheck map shows what is stable",
+            "an island, and mbcheck map shows where orbits are stable",
         )

@@ -1,4 +1,4 @@
-"""Checks at a user's own parameters: the case that they make, and how far a reference can judge."""
+"""Checks at a user's own parameters: their case, and the range in which the reference can judge."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ NAME = "custom"
 """The name of the case in ids."""
 
 USUAL_PERIODS = 32
-"""Most periods of the fastest motion in a horizon that is not given."""
+"""Most periods of the fastest motion in a default horizon."""
 
 LEAST_PERIODS = 0.25
 """Least periods of the fastest motion in a horizon: a few steps of the best method."""
@@ -50,11 +50,11 @@ SINGULAR = 1e-9
 inertias of the coordinates elsewhere."""
 
 POSITIONS = 16
-"""Positions at which these inertias are looked up."""
+"""Number of positions at which these inertias are evaluated."""
 
 RESOLVED = 1e-4
 """Largest error bound of a reference that can judge an engine, in the size of each observable: a
-tenth of the effect of a mass that is off by 0.1 %."""
+tenth of the effect of a mass with an error of 0.1 %."""
 
 CONSERVED = 1e-8
 """Largest relative drift over the reference of a quantity that counts as conserved."""
@@ -67,35 +67,15 @@ class CustomCase:
     Attributes
     ----------
     case : Case
-    horizon_source : str
-        What the horizon follows from, in words.
-    permitted : float
-        Part of the horizon [s] over which a small error stays small.
-    growth : float
-        Amplification of an initial error over that part.
     solution : Truth
         Observables and states of the reference.
+    reference : CustomReference
+        Summary of the reference for reports.
     """
 
     case: Case
-    horizon_source: str
-    permitted: float
-    growth: float
     solution: Truth
-
-    @property
-    def reference(self) -> CustomReference:
-        """What reports tell of the reference."""
-        scene = get_scene(self.case.scene)
-        bounds = map(float, self.solution.bound)
-        return CustomReference(
-            self.case.horizon,
-            self.horizon_source,
-            self.permitted,
-            self.growth,
-            dict(zip(scene.observables, bounds, strict=True)),
-            {name: scene.units[name] for name in scene.observables},
-        )
+    reference: CustomReference
 
     def cases(self, full: bool) -> tuple[Case, ...]:
         """Return the case of runs, of elements where the scene is a continuum, and of the orbit.
@@ -126,7 +106,7 @@ def custom_case(
         reference can judge a run.
     """
     if len(set(scenes)) != 1:
-        raise UsageError("--set, --state and --horizon are of one scene: name it, and no other")
+        raise UsageError("--set, --state and --horizon need exactly one scene: name it")
     case = replace(Query(scenes[0], parameters=parameters, state=state).case, name=NAME)
     try:
         case, source = with_horizon(case, horizon)
@@ -136,7 +116,7 @@ def custom_case(
             fastest = shortest_period(case)
             if permitted < LEAST_PERIODS * fastest:
                 raise UsageError(
-                    f"errors grow too fast for any reference: by {growth:.3g} in {permitted:.3g} s "
+                    f"errors grow too fast for a reference: by {growth:.3g} in {permitted:.3g} s "
                     f"and more than {MOST_AMPLIFICATION:g} soon after, while the fastest motion "
                     f"takes {fastest:.3g} s; choose other parameters or another state"
                 )
@@ -149,7 +129,11 @@ def custom_case(
             "another state or a shorter horizon"
         ) from error
     case = replace(case, about=place_of_rest(case))
-    return CustomCase(case, source, permitted, growth, solution)
+    scene = get_scene(case.scene)
+    bounds = dict(zip(scene.observables, map(float, solution.bound), strict=True))
+    units = {name: scene.units[name] for name in scene.observables}
+    reference = CustomReference(case.horizon, source, permitted, growth, bounds, units)
+    return CustomCase(case, solution, reference)
 
 
 def with_horizon(case: Case, horizon: float | None) -> tuple[Case, str]:
@@ -248,33 +232,33 @@ def applied(checks: Sequence[Check], custom: CustomCase) -> list[Check]:
     for check in checks:
         reason = why_of(check.kind)
         if not reason and check.kind == "order" and check.case.watch == "elements":
-            reason = "no reference tells from how many elements on they converge as declared"
+            reason = "the number of elements from which they converge as declared is unknown"
         if not reason and check.kind == "algebra":
             setup = check.setup()
             if setup.bound.approximates_continuum and not setup.bound.discrete:
                 reason = "elements converge to the continuum, and have no closed form"
-        skipped.append(replace(check, why_not=reason or check.why_not))
+        skipped.append(replace(check, unsupported_reason=reason or check.unsupported_reason))
     return skipped
 
 
 def why_inapplicable(custom: CustomCase, kind: str) -> str:
-    """Return why a kind of check does not apply; empty where it does."""
+    """Return the reason for which a kind of check does not apply; empty if it does."""
     return next(filter(None, (MISSING[need](custom) for need in KINDS[kind].needs)), "")
 
 
 def why_no_rest(custom: CustomCase) -> str:
-    """Return why there is no state of rest; empty where there is one."""
+    """Return a reason if there is no state of rest; empty otherwise."""
     return "" if custom.case.about else "these parameters leave the scene no state of rest"
 
 
 def why_no_motion(custom: CustomCase) -> str:
-    """Return why nothing can be followed; empty where something moves."""
+    """Return a reason if no coordinate moves; empty otherwise."""
     coordinates = custom.solution.states[: len(get_scene(custom.case.scene).coordinates)]
     return "" if moves(coordinates) else "nothing moves from this state: give --state"
 
 
 def why_no_orbit(custom: CustomCase) -> str:
-    """Return why there is no periodic orbit that can be followed; empty where there is one."""
+    """Return a reason if no run can stay on a periodic orbit; empty otherwise."""
     case, scene = custom.case, get_scene(custom.case.scene)
     try:
         orbit = true_orbit(case.scene, case.parameters)
@@ -283,15 +267,15 @@ def why_no_orbit(custom: CustomCase) -> str:
     scale = state_scale(scene, orbit.state, 2 * np.pi / orbit.period)
     growth = float(np.linalg.norm(orbit.monodromy * scale / scale[:, None], 2))
     if growth**PERIODS > MOST_AMPLIFICATION:
-        return f"errors grow by {growth:.3g} in one period of the orbit: no run stays on it"
+        return f"errors grow by a factor of {growth:.3g} per period: no run stays on the orbit"
     return ""
 
 
 def why_no_energy(custom: CustomCase) -> str:
-    """Return why nothing is conserved that a drift can be related to; empty where all is."""
+    """Return a reason if an invariant drifts or starts near 0; empty otherwise."""
     case, equations = custom.case, scene_equations(custom.case)
     end = float(equations.scene.drive_end_time(case.parameters))
-    if end >= custom.permitted:
+    if end >= custom.reference.permitted:
         return f"the scene is driven until t = {end:.3g} s, and the run ends before"
     states: Mapping[str, Array] = dict(
         zip(equations.scene.state_names, custom.solution.states, strict=True)
@@ -310,4 +294,4 @@ MISSING: Mapping[str, Callable[[CustomCase], str]] = {
     "orbit": why_no_orbit,
     "conserved": why_no_energy,
 }
-"""By what a kind of check needs, why a case does not have it."""
+"""Requirement of a kind of check -> function that gives the reason if a case lacks it."""

@@ -1,4 +1,4 @@
-"""``check``: what is asked for, and the checks that follow from it."""
+"""The plan of a run of checks: from a request to checks, and from results to a report."""
 
 from __future__ import annotations
 
@@ -26,27 +26,27 @@ from .custom import NAME as CUSTOM
 from .custom import CustomCase, applied, custom_case
 
 PLACED = re.compile(r"@((?:turned|mirrored):[0-9]+)/")
-"""In an id, how a model is placed."""
+"""Placement of the model in an id."""
 
 HERE = "mbcheck.check(engines=[...], ids=[the id]), or mbcheck check --in-process --id ID"
-"""What repeats a check of an engine that ran in this process."""
+"""Command that repeats a check of an engine that ran in this process."""
 
 Progress = Callable[[int, int, list[Result]], None]
 """Called as each check ends with the number of checks done, that of all, and the results."""
 
 
 def select(request: CheckRequest, custom: CustomCase | None = None) -> Sequence[suite.Task]:
-    """Return the checks that match, of the scenes' cases or of a case of the user's own.
+    """Return the checks that match, of the scenes' cases or of the user's own case.
 
     Raises
     ------
     UsageError
-        For unknown names, an engine asked for that is not there, or if no check matches.
+        For unknown names, a missing engine, or if no check matches.
     """
     if request.source not in SOURCES:
         raise UnknownNameError("source", request.source, SOURCES)
     if request.quick and (request.full or request.source != SOURCES[0]):
-        raise UsageError("--quick is of engines, and contradicts --full")
+        raise UsageError("--quick checks engines only, and contradicts --full")
     world_axes(request.axes)  # which refuses what is none
     if of_extremes(request):
         if request.quick or request.is_custom or request.placement or request.source != SOURCES[0]:
@@ -73,7 +73,7 @@ def select(request: CheckRequest, custom: CustomCase | None = None) -> Sequence[
     if request.engines or request.methods or request.is_custom or request.placement:
         raise UsageError(
             "--engine, --method, --set, --state, --horizon and --placement choose among checks of "
-            "engines; what papers say is held against the reference and every engine"
+            "engines; --source validation compares papers with the reference and every engine"
         )
     from ..papers.plan import plan
 
@@ -92,8 +92,8 @@ def plan_checks(request: CheckRequest) -> CheckPlan:
     Raises
     ------
     UsageError
-        For unknown names, an engine asked for that cannot be imported, a file of known deviations
-        that makes no sense, parameters at which no reference can judge, or if no check matches.
+        For unknown names, a requested engine that cannot be imported, an invalid file of known
+        deviations, parameters at which no reference can judge, or if no check matches.
     """
     if request.profile not in PROFILES:
         raise UnknownNameError("profile", request.profile, PROFILES)
@@ -125,7 +125,7 @@ def matching_checks(request: CheckRequest, custom: CustomCase | None) -> list[su
 
 @dataclass(frozen=True)
 class CheckPlan:
-    """Checks that are to run, and what their results will be held against.
+    """The checks of a run, and the known deviations that its results may match.
 
     Attributes
     ----------
@@ -133,7 +133,7 @@ class CheckPlan:
     request : CheckRequest
     listing : known.Listing
     custom : CustomCase or None
-        The user's own case, if that is what they are of.
+        The user's own case, if its checks run.
     """
 
     checks: tuple[suite.Task, ...]
@@ -192,10 +192,10 @@ class CheckPlan:
         own = f"/{CUSTOM}/" in id or f"/{CUSTOM}@" in id
         elsewhere = PLACED.search(id)
         if elsewhere is not None and elsewhere[1] != run:
-            return replace(use, state="open", why="its model is placed otherwise than in this run")
+            return replace(use, state="open", why="the model is placed otherwise in this run")
         if use.state != "stale" or own == (self.custom is not None):
             return use
-        return replace(use, state="open", why="it is not of the parameters of this run")
+        return replace(use, state="open", why="it has other parameters than this run")
 
 
 @dataclass(frozen=True)
@@ -222,9 +222,9 @@ def check(asked: CheckRun) -> Report:
     Raises
     ------
     UsageError
-        For unknown names, an engine asked for that cannot be imported, limits that cannot be
-        kept, a file of known deviations that makes no sense, parameters at which no reference
-        can judge, or if no check matches.
+        For unknown names, a requested engine that cannot be imported, limits that cannot be kept,
+        an invalid file of known deviations, parameters at which no reference can judge, or if no
+        check matches.
     """
     with lent(asked.engines) as names:
         asked = replace(asked, engines=names)

@@ -13,16 +13,19 @@ import click
 from ...reference.errors import UsageError
 from ..checks.request import CheckRequest, Execution
 from ..reports.files import Destination, refuse_conflicts
-from ..terminal.budget import QUERY, budget_option, budgeted
 from ..terminal.options import with_options_of
-from ..terminal.page_options import HTML, write_page
 from ..terminal.program import (
+    BADGE,
+    HTML,
     INTERRUPTED,
     JSON,
     JUNIT,
     MARKDOWN,
+    QUERY,
     QUIET,
     SARIF,
+    budget_option,
+    budgeted,
     complain,
     console,
     destination,
@@ -50,7 +53,7 @@ def new_file(
         If there is a file of that name, or it cannot be written.
     """
     if name is not None and os.path.lexists(name):
-        raise UsageError(f"{option.opts[0]}: {name!r} is there already: give another name")
+        raise UsageError(f"{option.opts[0]}: {name!r} exists already: give another name")
     return destination(context, option, name)
 
 
@@ -73,12 +76,13 @@ def new_file(
 @JUNIT
 @SARIF
 @MARKDOWN
+@BADGE
 @click.option(
     "--write-known",
     "draft_file",
     callback=new_file,
     metavar="FILE",
-    help="Write a new file for --known with all that fails now; then give each its reason.",
+    help="Write all current failures to a new --known file, to be annotated.",
 )
 @click.option(
     "--annotations/--no-annotations",
@@ -89,8 +93,8 @@ def new_file(
 @click.option(
     "--in-process",
     is_flag=True,
-    help="Run engines that others plug in in this process, for a debugger: their console is yours, "
-    "and what they take down is the run.",
+    help="Run third-party engines in this process, for a debugger: their output is shown, and a "
+    "crash ends the run.",
 )
 @budget_option(QUERY)
 @QUIET
@@ -100,6 +104,7 @@ def check_verb(
     junit_file: Destination | None,
     sarif_file: Destination | None,
     markdown_file: Destination | None,
+    badge_file: Destination | None,
     draft_file: Destination | None,
     annotations: bool | None,
     html_file: Destination | None,
@@ -120,12 +125,13 @@ def check_verb(
     """
     if quiet and verbose:
         raise UsageError("--quiet and --verbose contradict each other")
-    files = (json_file, junit_file, sarif_file, markdown_file, draft_file, html_file)
+    files = (json_file, junit_file, sarif_file, markdown_file, badge_file, draft_file, html_file)
     refuse_conflicts(*files)
     from ..checks import known
     from ..engines.registry import in_this_process
     from ..reports import github
     from ..reports.run import sections
+    from ..reports.run.page import write_reports
     from .request import CheckRun, plan_checks
 
     asked = CheckRun(**options)
@@ -141,18 +147,17 @@ def check_verb(
         outcome = checked(plan, asked, bar=not quiet)
     if json_file:
         json_file.write(json_text(outcome.as_json()))
-    if junit_file:
-        junit_file.write(sections.run_junit(outcome))
-    if sarif_file:
-        sarif_file.write(sections.run_sarif(outcome))
-    summary = sections.run_summary(outcome)
-    if markdown_file:
-        markdown_file.write(summary)
-    if html_file:
-        write_page(html_file, outcome)
+    write_reports(
+        outcome,
+        junit=junit_file,
+        sarif=sarif_file,
+        badge=badge_file,
+        markdown=markdown_file,
+        html=html_file,
+    )
     if draft_file and not outcome.interrupted:
         draft_file.write(known.draft(outcome.results))
-    github.append_step_summary(summary)
+    github.append_step_summary(sections.run_summary(outcome))
     items = partial(sections.run_annotations, outcome)
     with github.annotated(items, annotations, err=to_stdout(*files)):
         sections.print_report(console(*files), outcome, verbosity=int(verbose) - int(quiet))

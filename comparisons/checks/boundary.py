@@ -1,6 +1,6 @@
 """Check kind *stability* at a boundary: where an engine's orbits lose their stability.
 
-With a fixed number of steps in a period an engine's discrete flow has periodic orbits of its own,
+With a fixed number of steps in a period the discrete flow of an engine has other periodic orbits,
 whose multiplier comes to the unit circle at another parameter than that of the true orbits. This
 shift is measured with h, h/2 and h/4, as all of *stability* is: the change between them predicts
 it, and what the three extrapolate to must be the reference's point.
@@ -33,7 +33,7 @@ SETTLED = 0.25
 
 
 def quantities(setup: Setup) -> tuple[str, ...]:
-    """Return the names of what is measured: of models with the scene's own equations alone."""
+    """Return the names of the quantities; none for a model with other equations than the scene."""
     same = setup.bound.is_exact and setup.bound.coordinates == setup.scene.coordinates
     return ("boundary", "extrapolated") if same else ()
 
@@ -48,7 +48,7 @@ def true_boundary(scene: str, parameters: Any, point: BoundarySearch) -> Boundar
 
 @dataclass(frozen=True)
 class EnginePoint:
-    """Where an engine's orbits lose their stability, with a number of steps in a period.
+    """Point at which an engine's orbits lose stability, with a number of steps per period.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ def engine_point(setup: Setup, sought: BoundaryAlong, count: int, guess: Array) 
     except np.linalg.LinAlgError:  # what a run that failed has left
         again = np.full(1, np.nan)
     if not np.all(np.isfinite(again)):
-        why = flow.problems[-1] if flow.problems else "no number came back"
+        why = flow.problems[-1] if flow.problems else "the run returned no number"
         raise EngineError("boundary", f"on the reference's orbit: {why}")
     step, other = inverse @ residual, inverse @ again
     return EnginePoint(true.z - step, float(true.bound[1] + 2 * abs(step - other)[-1]), False)
@@ -125,7 +125,7 @@ def engine_connection(
         return EnginePoint(np.array([0.5, root.place]), bound + root.change, True)
     gap = sought.gap(float(true.z[-1]), ends)
     if not np.isfinite(gap):
-        why = problems[-1] if problems else "no number came back"
+        why = problems[-1] if problems else "the run returned no number"
         raise EngineError("boundary", f"on the reference's orbit: {why}")
     return EnginePoint(true.z - np.array([0.0, gap / known.slope]), bound, False)
 
@@ -176,9 +176,9 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     off = abs(limit - truth)
     small = estimate.predicted <= CAP * abs(truth) and (solved or off > room)
     if shrinks and not small:
-        why = "too coarse to have this boundary near"
+        why = "steps are too coarse: no such boundary nearby"
         if estimate.predicted <= CAP * abs(truth):
-            why = "Newton's method does not come to an end: runs scatter, or steps are too coarse"
+            why = "Newton's method does not converge: runs scatter, or steps are too coarse"
         raise CannotJudgeError(f"{why}: {note}")
     moving = len(ratios) > 1 and abs(np.log2(ratios[-1] / ratios[-2])) > SETTLED
     finding = Finding("boundary", unit, here, truth, error, 0.0, note)
@@ -191,5 +191,5 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
 
 
 def shift(size: float, unit: str) -> str:
-    """Return how far a boundary point is shifted, in words."""
+    """Return the shift of a boundary point in words."""
     return f"{size:.3g}" if unit == "1" else f"{size:.3g} {unit}"

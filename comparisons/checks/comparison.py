@@ -1,4 +1,4 @@
-"""Runs beside the truth: the predicted error, what of a run is compared, the findings.
+"""Runs compared with the reference: predicted errors, the samples that count, the findings.
 
 A method whose scheme is published must make exactly the error of that scheme; of another one the
 error is predicted from three steps (Richardson), and what they extrapolate to must be the truth.
@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,14 +20,15 @@ from ...reference.scene import Array, Case
 from ...reference.solve import schemes
 from ..engines.setup import Setup
 from .free_vibrations import excitation
+from .mistakes.observables import Observed
 from .truth import Truth, rows
 from .verdict import PROFILES, Finding, Inconclusive, Series
 
 SAFETY = 1.2
-"""On an error predicted with the engine's own scheme: rounding, and the profile `strict`."""
+"""Safety factor on an error predicted with the engine's own scheme, for round-off and `strict`."""
 
 RICHARDSON_SAFETY = 1.5
-"""On an error predicted from two steps: what the next order adds to it."""
+"""Safety factor on an error predicted from two steps, for the next order."""
 
 CAP = 0.05
 """No predicted error above this share of a quantity's range is granted as tolerance."""
@@ -46,15 +47,15 @@ LEAST = 1e-6
 p leaves: DOPRI5, the sharpest of all that were tried, errs by 3e-4 of it and more."""
 
 NEXT_ORDERS = 3.0
-"""On the error of an extrapolated value: the terms of the next two orders may nearly cancel
-in the one halving that it is estimated from."""
+"""Safety factor on the error of an extrapolated value: the terms of the next two orders may nearly
+cancel in the one halving from which it is estimated."""
 
 CLEAR = 100.0
-"""Floors by which a change with the step is told from rounding."""
+"""A change with the step above this multiple of round-off is a truncation error."""
 
 OPEN = 8.0
-"""Where errors do not shrink as declared yet, one of up to so many times what halving the step
-changes may still vanish with it: it is called neither right nor wrong."""
+"""Before the asymptotic range of steps, an error below this multiple of the change by halving the
+step may still vanish with the step: it is not judged."""
 
 ORBIT_REFINEMENTS = 3
 """Times that the steps of orbits are halved until errors shrink with them as the order says."""
@@ -63,8 +64,8 @@ ORBIT_STEPS = {1: 512, 2: 64, 3: 64, 4: 48, 5: 40, 6: 32}
 """Steps in the shortest period of an orbit, by order of the method, to begin with."""
 
 VIOLATION = 1e-9
-"""Residual of a closed loop that is no drift, in the size of its lengths: what an iteration
-that stops at 1e-11 of its increments leaves, with a margin."""
+"""Residual of a closed loop, relative to its lengths, that an iteration leaves which stops at
+relative increments of 1e-11, with a margin: no drift."""
 
 REFINEMENTS = 4
 """Times that a step is halved until errors shrink with it as the order says."""
@@ -80,17 +81,22 @@ class Part(NamedTuple):
     numbers: Any
 
 
-class EngineRuns(NamedTuple):
-    """What an engine computed in some parts with a step [s], and what it should have.
-
-    Values and expected ones are arrays (k, n) of the scene's observables, all parts side by side.
-    """
+@dataclass(frozen=True)
+class EngineRuns(Observed):
+    """Observables of an engine in some parts of runs with a step [s], all parts side by side."""
 
     setup: Setup
     step: float
     parts: Sequence[Part]
-    values: Array
-    expected: Array
+
+    @classmethod
+    def of(
+        cls, setup: Setup, step: float, parts: Sequence[Part], values: Array, right: Array
+    ) -> Self:
+        """Return runs with these values and expected ones (k, n) of the scene's observables."""
+        size = np.max(np.abs(right), axis=1, keepdims=True)
+        size, scene = np.where(size > 0, size, 1.0), setup.scene
+        return cls(scene, scene.observables, values, right, size, setup, step, parts)
 
 
 class Measured(NamedTuple):
@@ -115,7 +121,7 @@ def largest_inertias(matrices: Array, alike: NDArray[np.bool_]) -> Array:
     """Return the largest inertia (n,) that enters the sums of each row of mass matrices (k, n, n).
 
     It is that of the bodies beyond a joint i about the farthest joint j of the same unit (`alike`,
-    (n, n)), at least M_ij^2 / M_ii: at the end of a chain a sum is small beside its terms.
+    (n, n)), at least M_ij^2 / M_ii: at the end of a chain a sum is small compared with its terms.
     """
     inertia = np.abs(np.diagonal(matrices, axis1=1, axis2=2))[:, :, None]
     about = np.where(alike, matrices**2 / np.where(inertia > 0, inertia, np.inf), 0.0)
@@ -123,7 +129,7 @@ def largest_inertias(matrices: Array, alike: NDArray[np.bool_]) -> Array:
 
 
 def taylor_remainder(motion: Array, size: Array, order: int) -> float:
-    """Return what Taylor's polynomial of this degree leaves of a motion in a step.
+    """Return the remainder of a motion's Taylor polynomial of this degree after a step.
 
     Parameters
     ----------
@@ -132,8 +138,8 @@ def taylor_remainder(motion: Array, size: Array, order: int) -> float:
     size : array (k,)
         To which it is related.
     order : int
-        Degree p; the remainder is the difference of order p + 1 over (p + 1)!, its median over
-        the places where the motion was looked at, since a drive that ends makes one of them large.
+        Degree p; the remainder is the difference of order p + 1 over (p + 1)!, its median over the
+        samples of the motion, since the end of a drive makes one of them large.
     """
     differences = np.abs(np.diff(motion, n=order + 1, axis=-1)) / math.factorial(order + 1)
     shares = (differences.reshape(len(size), -1) / size[:, None]).max(axis=0)
@@ -143,7 +149,7 @@ def taylor_remainder(motion: Array, size: Array, order: int) -> float:
 def least_error(
     order: int, step: float, error: float, bound: float, remainder: float
 ) -> Finding | Inconclusive:
-    """Judge whether a step is too good for its order: then it is not the step that was asked for.
+    """Judge if the error of a step is below the least that its order allows.
 
     Parameters
     ----------
@@ -157,7 +163,7 @@ def least_error(
     """
     least = LEAST * remainder
     if 0 < least < bound:
-        reason = f"a step of {step:.3g} s leaves {least:.2g}, less than the reference knows"
+        reason = f"a step of {step:.3g} s may err by {least:.2g}, less than the reference resolves"
         return Inconclusive("least_error", reason)
     return Finding(
         "least_error",
@@ -166,15 +172,15 @@ def least_error(
         least,
         least / (error + bound) if least else 0.0,
         1.0,
-        f"a method of order {order} leaves {least:.2g} or more with h = {step:.3g} s; one that "
-        "leaves less is too good for its order: it takes other steps, or has another order",
+        f"the error of a method of order {order} is {least:.2g} or more with h = {step:.3g} s: "
+        "with a smaller error it sub-steps or misdeclares its order",
     )
 
 
 def last_trusted_sample(predicted: Array) -> int:
     """Return up to which sample the predicted relative errors (..., n_t) stay below `CAP`.
 
-    A coarse method is judged as far as its own error leaves something to be seen.
+    A coarse method is judged up to the time at which its own error reaches this limit.
     """
     worst = np.maximum.accumulate(np.max(np.atleast_2d(predicted), axis=0))
     return int(np.searchsorted(worst, CAP / RICHARDSON_SAFETY, side="right"))
@@ -183,7 +189,7 @@ def last_trusted_sample(predicted: Array) -> int:
 def sample_numbers(horizon: float, step: float, count: int = 32) -> NDArray[np.int_]:
     """Return about ``count`` step numbers spread evenly over a horizon.
 
-    With a step that is a power of two, their times are those that references are kept at.
+    If the step is a power of two, the reference is stored at their times.
     """
     every = max(1, int(2.0 ** np.round(np.log2(max(1.0, horizon / step / count)))))
     return every * np.arange(1, max(1, int(horizon / step / every * (1 + 1e-12))) + 1)
@@ -191,7 +197,7 @@ def sample_numbers(horizon: float, step: float, count: int = 32) -> NDArray[np.i
 
 @dataclass(frozen=True)
 class Richardson:
-    """What three runs at h, h/2, h/4 say of a quantity.
+    """Richardson extrapolation of a quantity from runs at h, h/2 and h/4.
 
     Attributes
     ----------
@@ -215,12 +221,12 @@ class Richardson:
     order: int
 
     def is_regular(self, floor: float) -> bool:
-        """Return whether it converges with its order, and so can be extrapolated."""
+        """Return True if it converges with its order, and so can be extrapolated."""
         inside = 2 ** (self.order - 0.5) < self.ratio < 2 ** (self.order + 1)
         return self.change < CLEAR * floor or inside
 
     def shrinks(self, floor: float) -> bool:
-        """Return whether the error shrinks as declared, or is down at the floor."""
+        """Return True if the error shrinks as declared, or has reached the floor of round-off."""
         return self.ratio > 2 ** (self.order - 0.5) or self.change < 10 * floor
 
 
@@ -248,7 +254,7 @@ def converging(
     """Grant what three steps predict of a finding's error, where it shrinks as declared.
 
     Where it does not, and its order is ``moving`` from one halving to the next, an error that
-    halving may still take away tells neither right nor wrong.
+    halving the step may still remove is not judged.
     """
     if not shrinks and moving and floor < finding.error < OPEN * estimate.change:
         return Inconclusive(finding.quantity, f"too coarse to tell: {finding.reason}")
@@ -260,7 +266,7 @@ def converging(
 
 @dataclass(frozen=True)
 class Prediction:
-    """What a correct engine would do.
+    """Predicted errors of a correct engine.
 
     Attributes
     ----------
@@ -297,12 +303,8 @@ class Prediction:
             self,
             errors=self.errors + share,
             spread=self.spread + self.safety * share,
-            reason=f"{self.reason}; elements are off by up to {float(np.max(share)):.2g}",
+            reason=f"{self.reason}; error of elements up to {float(np.max(share)):.2g}",
         )
-
-    def concludes(self, finding: Finding, change: float) -> Finding | Inconclusive:
-        """Return a finding, unless it may come from vibrations that steps do not resolve."""
-        return conclusion(finding, change, self.unfollowed)
 
 
 def exact_prediction(errors: Array, values: Array) -> Prediction:
@@ -386,7 +388,7 @@ def ideal_rows(setup: Setup, parts: Sequence[Part], step: float, names: tuple[st
 
 @dataclass(frozen=True)
 class Comparison:
-    """Values beside true ones, with the error granted for each.
+    """Computed and true values, with the granted error of each.
 
     Attributes
     ----------
@@ -395,10 +397,10 @@ class Comparison:
         Of states and outputs; violations of a closed loop have none.
     values : array (k, n)
     right : Truth
-        With values (k, n).
+        Its values are (k, n).
     prediction : Prediction
     room : float
-        What rounding may leave, relative.
+        Relative error that round-off may leave.
     seen : int
         Number of the first samples that are compared.
     """
@@ -423,12 +425,12 @@ class Comparison:
     def observables(
         self, describe: Callable[[int, int], str], over_time: bool
     ) -> list[Finding | Inconclusive]:
-        """Return the finding on each row, where it errs most beside what is granted.
+        """Return the finding on each row, where error over tolerance is largest.
 
         Parameters
         ----------
         describe : callable ``(row, sample) -> str``
-            Where that is, in words.
+            Description of the sample, in words.
         over_time : bool
             Whether the samples are those of one run, which can be drawn.
         """
@@ -452,7 +454,7 @@ class Comparison:
                 Series("time", self.right.times[seen], value, right) if over_time else None,
             )
             change = float(np.max(self.prediction.change[i, seen]))
-            findings.append(self.prediction.concludes(finding, change))
+            findings.append(conclusion(finding, change, self.prediction.unfollowed))
         return findings
 
     def unit(self, name: str) -> str:
@@ -464,7 +466,7 @@ class Comparison:
     ) -> Finding | Inconclusive:
         """Judge a number of all states without the error of the step, relative to their sizes.
 
-        What halving leaves open beyond all that is ever granted can tell neither right nor wrong.
+        Where extrapolation is less certain than the largest tolerance, the number is not judged.
         """
         known = float(np.max((self.right.bound / self.right.size)[self.states]))
         spread, error = self.largest(self.prediction.spread), abs(value - reference)
@@ -474,16 +476,17 @@ class Comparison:
         if granted < error <= open_to:
             return Inconclusive(
                 name,
-                f"halving steps and elements leaves {open_to:.2g} open, and no more than "
-                f"{CAP**2:.2g} is granted: choose more of them",
+                f"extrapolation is uncertain by {open_to:.2g}, above the limit of {CAP**2:.2g}: "
+                "use more elements or a shorter step",
             )
         finding = Finding(name, "1", value, reference, error, granted, reason)
-        return self.prediction.concludes(finding, self.largest(self.prediction.change))
+        change = self.largest(self.prediction.change)
+        return conclusion(finding, change, self.prediction.unfollowed)
 
 
 @dataclass(frozen=True)
 class RunComparison(Comparison):
-    """An engine's runs with a step [s] beside the truth, all parts of them side by side."""
+    """An engine's runs with a step [s] compared with the truth, all parts side by side."""
 
     setup: Setup
     step: float
@@ -491,11 +494,12 @@ class RunComparison(Comparison):
 
     @property
     def runs(self) -> EngineRuns:
-        """The runs beside those of a right engine: of a scheme with its error, else the truth."""
+        """The runs, with those expected: of the scheme with its error, else the truth."""
         count, expected = len(self.setup.scene.observables), self.right.values
         if self.setup.scheme:
             expected = expected + self.values - self.prediction.limit
-        return EngineRuns(self.setup, self.step, self.parts, self.values[:count], expected[:count])
+        values = self.values[:count]
+        return EngineRuns.of(self.setup, self.step, self.parts, values, expected[:count])
 
 
 def largest_share(errors: Array, size: Array) -> float:
@@ -517,12 +521,12 @@ def conclusion(finding: Finding, change: float, unfollowed: str) -> Finding | In
 def unfollowed_vibrations(
     setup: Setup, step: float, horizon: float, right: Truth, room: float
 ) -> str:
-    """Return which vibrations a start excites that steps [s] do not follow, "" if none is seen."""
+    """Describe modes that the initial state excites and steps [s] do not resolve; empty if none."""
     lost, count = excitation(setup, step, horizon), len(setup.scene.observables)
     seen = lost.amplitudes / right.size[:count] > room + (right.bound / right.size)[:count]
     return (
-        f"the start shakes vibrations above {lost.omega:.3g} rad/s, which steps of {step:.3g} s do "
-        f"not follow over {horizon:.3g} s"
+        f"the initial state excites modes above {lost.omega:.3g} rad/s, which a step of "
+        f"{step:.3g} s does not resolve over {horizon:.3g} s"
         if np.any(seen)
         else ""
     )
@@ -534,9 +538,9 @@ def unfollowed_vibrations(
 def drifts(
     equations: ModelEquations, case: Case, times: Any, values: Mapping[str, Array]
 ) -> dict[str, Array]:
-    """Return (I(t) - I) / I (n_t,) of a run, by the reference's formula or as the engine tells.
+    """Return (I(t) - I) / I (n_t,) of a run, by the reference's formula or by the engine.
 
-    What it tells counts where its states do not give it. I is that at the start. Where the scene
+    The engine's value counts if its states do not give it. I is that at the start. Where the scene
     was driven, I(t) is counted from the end of the drive on, relative to the largest value before:
     a pulse may leave none of its momentum.
     """
@@ -560,9 +564,9 @@ def drifts(
 
 
 def invariant_size(invariant: Any, first: Any, q: Array, v: Array, c: Any) -> Any:
-    """Return to what a drift is related: the value at the start, or terms that cancel in it.
+    """Return the size to which a drift is related: the value at the start, or its largest terms.
 
-    The terms are what each rate (n,) alone makes of it: a momentum may be the small difference of
+    The terms are the values for each rate (n,) alone: a momentum may be the small difference of
     large ones, or 0.
     """
     terms = sum(

@@ -1,11 +1,11 @@
 """Continua and their elements: natural frequencies, and how they converge.
 
-Three layers are told apart. A model may *be* a discrete system, a chain of rods: its
-frequencies must be those of that system, assembled without the engine (`omega_1`, ...).
-Elements converge to a continuum with the order they claim (*order*, `extrapolated`), and
-elements that claim no more than that must be off by what halving them predicts. What is left
-between the model and the scene's own continuum is `model_error`: that of the rods, or of a
-beam that stretches or shears where the scene's does not.
+There are three layers. A model may *be* a discrete system, a chain of rods: its frequencies must be
+those of that system, assembled without the engine (`omega_1`, ...). Elements converge to a
+continuum with the order they claim (*order*, `extrapolated`), and elements that claim no more than
+that must be off by what halving them predicts. What is left between the model and the scene's own
+continuum is `model_error`: that of the rods, or of a beam that stretches or shears where the
+scene's does not.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from .comparison import RICHARDSON_SAFETY
 from .verdict import Finding
 
 COUNT = 2
-"""Modes looked at."""
+"""Number of modes compared."""
 
 PLANE = "chordwise"
 ABOUT = "rotation"
@@ -40,12 +40,12 @@ STRETCHES = 5
 """Steps of Newton's method from the straight beam to the one that rotation stretches."""
 
 SLACK = 0.1
-"""The slope of the finer errors may stay this much below the declared order; right elements were
-seen to stay 0.042 below, a clamp that holds the whole slope vector 0.17 and more."""
+"""The slope of the finer errors may stay this much below the declared order: right elements stay
+0.042 below, a clamp of the whole slope vector 0.17 and more."""
 
 ELEMENT_LEAST = 1e-3
-"""Least part of what Taylor's polynomial of the elements' order leaves of a quarter of a wave: the
-cubic elements and the rods leave 0.1 of it and more."""
+"""Least error as a share of the Taylor remainder, of the elements' order, over a quarter of a wave:
+the cubic elements and the rods leave 0.1 of it and more."""
 
 NOISE = 4e-9
 """Relative error of a first frequency by the rounding of matrices in which coordinates that bend
@@ -63,7 +63,7 @@ def steady(setup: Setup) -> Setup:
 
 
 def engine_modes(setup: Setup) -> list[Mode]:
-    """Return the modes from the engine's own matrices, without those of what is held."""
+    """Return the modes from the engine's own matrices, without the prescribed rotation."""
     setup = steady(setup)
     names = setup.bound.coordinates
     state = np.array(
@@ -106,7 +106,7 @@ def of_model_equations(setup: Setup) -> Array:
 
 
 def steady_places(case: Case, names: tuple[str, ...]) -> tuple[int, ...]:
-    """Return where the coordinates stand that keep their speed."""
+    """Return the indices of the coordinates with a constant speed."""
     keeping = get_scene(case.scene).steady_coordinates.get(case.about or "", ())
     return tuple(names.index(name) for name in keeping)
 
@@ -172,7 +172,7 @@ def measure_frequencies(setup: Setup) -> list[Finding]:
 
 
 class Refinement(NamedTuple):
-    """What first frequencies with elements halved twice tell.
+    """Convergence of the first frequency with elements halved twice.
 
     Attributes
     ----------
@@ -180,9 +180,9 @@ class Refinement(NamedTuple):
     slope : float
         Order of the last two.
     away : float
-        Relative error of what the last two extrapolate to.
+        Relative error of the extrapolation of the last two.
     spread : float
-        By how much that differs from what the first two extrapolate to.
+        Its distance from the extrapolation of the first two.
     """
 
     errors: Array
@@ -192,7 +192,7 @@ class Refinement(NamedTuple):
 
 
 def refinement(runs: Sequence[float], truth: float, order: int) -> Refinement:
-    """Return what first frequencies (3,) tell of elements of an order that approach the truth."""
+    """Return the convergence of first frequencies (3,) for elements of an order."""
     errors, gain = np.array(runs) / truth - 1, 2**order - 1
     slope = float(np.log2(abs(errors[1]) / abs(errors[2])))
     limits = [b + (b - a) / gain for a, b in pairwise(runs)]
@@ -200,10 +200,11 @@ def refinement(runs: Sequence[float], truth: float, order: int) -> Refinement:
 
 
 def measure_order(setup: Setup) -> list[Finding]:
-    """Halve the elements twice, and look at the first frequency.
+    """Halve the elements twice, and judge the first frequency.
 
-    Where their own equations are known, no more is asked than these do: a mass off the ends of
-    equal elements is in each mesh elsewhere, and errors of coarse elements shrink as they like.
+    If their own equations are known, these set the expected order: a mass between the nodes of
+    equal elements lies elsewhere in each mesh, and errors of coarse elements then shrink
+    irregularly.
     """
     order = setup.bound.description.element_order
     truth = float(of_continuum(setup)[0])
@@ -242,8 +243,8 @@ def measure_order(setup: Setup) -> list[Finding]:
             least,
             least / max(abs(errors[0]), least * NOISE),
             1.0,
-            f"elements of order {order} leave {least:.2g} or more of the first frequency; what "
-            "leaves less does not come of elements",
+            f"elements of order {order} leave an error of {least:.2g} or more in the first "
+            "frequency; a smaller one is not that of elements",
         )
     )
     if expected := setup.bound.frequency_side:

@@ -1,4 +1,4 @@
-"""How checks are run: one after the other, or in processes of their own."""
+"""Execution of checks: one after the other, or in worker processes."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def run_checks(
     on_result : callable, optional
         Called with the results of each check as it ends.
     settle : callable, optional
-        Returns a result as it is to be reported, which may be a known deviation.
+        Returns the reported result, which may be a known deviation.
 
     Raises
     ------
@@ -86,14 +86,14 @@ def run_checks(
     return [item for index in sorted(results_of) for item in results_of[index]]
 
 
-def unavailable(asked: Sequence[str] = (), source: str = "verification") -> list[Result]:
-    """Return a result for each engine that cannot be used here, of those asked for or of all.
+def unavailable(requested: Sequence[str] = (), source: str = "verification") -> list[Result]:
+    """Return a result for each engine, requested or of all, that cannot be used here.
 
-    One that is not installed is skipped. One that is installed is an error, lest half a run pass
-    for a whole one.
+    An engine is skipped if it is not installed, and an error if it is, lest half a run pass for a
+    whole one.
     """
-    reasons: dict[str, EngineUnavailableError] = dict(broken_engines(asked))
-    for name in () if asked else checked_engines():
+    reasons: dict[str, EngineUnavailableError] = dict(broken_engines(requested))
+    for name in () if requested else checked_engines():
         try:
             get_engine(name)
         except EngineUnavailableError as error:
@@ -101,7 +101,7 @@ def unavailable(asked: Sequence[str] = (), source: str = "verification") -> list
     missing = []
     for name, reason in reasons.items():
         prefix = "/".join([source, *[NOT_APPLICABLE] * 3, name, NOT_APPLICABLE])
-        verdict: Verdict = "error" if asked or installed(name) else "skipped"
+        verdict: Verdict = "error" if requested or installed(name) else "skipped"
         about, where = Subject(prefix, source, name), excerpt(reason.traceback) or None
         missing.append(about.result(NOT_APPLICABLE, verdict, str(reason), traceback=where))
     return missing

@@ -1,4 +1,4 @@
-"""Free vibrations of what a model claims, and the longest step that a method bears there."""
+"""Free vibrations of a model's equations, and the largest stable step of a method."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ from .truth import rows
 
 START = "start"
 CLOCK = "drive"
-"""Coordinate of a drive that is integrated along."""
+"""Coordinate of a drive that the engine integrates."""
 
 PHASE = 12.0
-"""12 times the phase [rad] that a vibration may lose for its error to shrink with the step: the
-trapezoidal rule loses omega (omega h)^2 / 12 a second."""
+"""12 times the phase error [rad] up to which the error of a vibration shrinks with the step: the
+phase error of the trapezoidal rule grows by omega (omega h)^2 / 12 per second."""
 
 
 class Place(NamedTuple):
-    """Where a claim is linearised.
+    """A state about which model equations are linearised.
 
     Attributes
     ----------
@@ -67,14 +67,14 @@ class Place(NamedTuple):
 
 
 class Critical(NamedTuple):
-    """The mode that a step is too long for: circular frequency, or rate [1/s], and coordinate."""
+    """The mode that limits the step: its circular frequency, or rate [1/s], and its coordinate."""
 
     omega: float
     coordinate: str
 
 
 class Limit(NamedTuple):
-    """The longest stable step [s], where it is least, and the mode there."""
+    """The largest stable step [s], the state and the mode that limit it."""
 
     step: float
     place: Place
@@ -155,7 +155,7 @@ def stable_step(setup: Setup, horizon: float, among: Sequence[Place] | None = No
 
 
 def drowns(setup: Setup, horizon: float) -> bool:
-    """Return whether the steps of a run make rounding as large as the motion."""
+    """Return True if a run amplifies round-off to the size of the motion."""
     scheme, step = setup.linear_scheme, setup.step_size
     return scheme is not None and any(
         excess(scheme, at.modes, step, horizon, 1 / EPS) > 0 for at in places(setup, scheme)
@@ -177,7 +177,7 @@ def critical(scheme: str, at: Place, step: float) -> Critical:
 
 
 class Excitation(NamedTuple):
-    """Vibrations that a start excites and that steps do not follow.
+    """Modes that a start excites and steps do not resolve.
 
     Attributes
     ----------
@@ -192,11 +192,11 @@ class Excitation(NamedTuple):
 
 
 def excitation(setup: Setup, step: float, horizon: float) -> Excitation:
-    """Return what a start excites and steps [s] do not follow over a horizon [s].
+    """Return the modes that a start excites and steps [s] do not resolve over a horizon [s].
 
-    A method of order p turns a vibration by some ``omega (omega step)^p / 12`` a second less than
-    it should. Where that adds up to more than 1 rad halved steps say nothing of the error: it
-    falls as fewer such vibrations are left, more slowly than the order says.
+    The phase error of a method of order p grows by some ``omega (omega step)^p / 12`` per second.
+    Above 1 rad in all, halved steps do not predict the error: it falls only as fewer such modes
+    are left, more slowly than by the order.
     """
     equations, case, order = setup.bound.solved_equations, setup.case, setup.integrator.order
     scene, parameters = equations.scene, equations.parameters

@@ -1,4 +1,4 @@
-"""Deviations that a user knows of: a TOML file of id patterns, each with its reason.
+"""Known deviations: a TOML file of id patterns, each with a reason.
 
 What an entry covers gets the verdict ``known`` and does not fail. An entry is *stale* when the
 whole run of today shows that it is of no use; a run that was filtered or cut short shows nothing
@@ -55,7 +55,7 @@ class Entry:
 
     @property
     def place(self) -> str:
-        """Where it stands, for messages."""
+        """Its place in the file, for messages."""
         return f"entry {self.number}"
 
     def covers(self, result: Result) -> bool:
@@ -71,7 +71,7 @@ class Entry:
 
 @dataclass(frozen=True)
 class Use:
-    """What became of an entry in a run.
+    """The use of an entry in a run.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ class Use:
     results : int
         how many are known because of it
     state : {"used", "stale", "open"}
-        `stale`: of no use any more; `open`: this run cannot tell
+        `stale`: no longer needed; `open`: undecided by this run
     why : str
         why it is not used; empty if it is
     """
@@ -124,7 +124,7 @@ class Listing:
         every: Callable[[], Collection[str]],
         others: Collection[str] = (),
     ) -> tuple[Use, ...]:
-        """Return what became of each entry.
+        """Return the use of each entry.
 
         Parameters
         ----------
@@ -212,7 +212,7 @@ def draft(results: Iterable[Result]) -> str:
 
     A deviation may double before it is news; an error has no size.
     """
-    lines = ["# Known deviations: give each a reason, and remove what is to be repaired instead."]
+    lines = ["# Known deviations: write a reason for each, or repair and remove it."]
     for result in results:
         if result.verdict in FAILED:
             about = f"# {result.quantity}: {result.reason}"

@@ -42,17 +42,17 @@ PERTURBATION = balanced_step(ORDER, rounding=1e-14, roughness=1e4)
 """Step of the differences, in the size of each state on the orbit.
 
 Rounding of a period map is 1e-14 of the states; its fifth derivatives are 1e4 on the hula hoop's
-orbit. What both leave is below 1e-10 then (measured: 4e-11 with RK4 and RK67 at small steps).
+orbit. The error of both is then below 1e-10 (measured: 4e-11 with RK4 and RK67 at small steps).
 """
 
 FEWEST_STEPS = 16
-"""Steps per period below which the harmonics up to order 6 cannot be told apart."""
+"""Steps per period needed to resolve the harmonics up to order 6."""
 
 
 def engine_paths(
     setup: Setup, parameters: Sequence[Any], states: Array, steps: Array, times: Array
 ) -> tuple[Array, dict[int, str]]:
-    """Follow many states through an engine, each with parameters of its own.
+    """Follow many states through an engine, each with its parameters.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ class EngineFlow:
     steps : int
         Steps in a part: half a period of a symmetric scene, or else a period.
     problems : list of str
-        Why runs have failed.
+        Reasons of failed runs.
     """
 
     setup: Setup
@@ -115,7 +115,7 @@ class EngineFlow:
 
 
 def engine_tracer(reference: Tracer, setup: Setup, per_period: int) -> tuple[Tracer, EngineFlow]:
-    """Return what follows an engine's orbits, with so many steps in a period, and its flow."""
+    """Return a tracer of an engine's orbits, with so many steps in a period, and the flow."""
     halves = 1 if half_period_signs(reference.scene) is None else 2
     flow = EngineFlow(setup, per_period // halves)
     stepper = Stepper(flow, ORDER, PERTURBATION)
@@ -140,7 +140,7 @@ class EngineOrbit:
     samples : array (2 n, n_steps)
         States at every step of one period, its end left out.
     trivial : int or None
-        Which multiplier is that of a shift in time.
+        Index of the multiplier of a shift in time.
     """
 
     period: float

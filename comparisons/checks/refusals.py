@@ -1,4 +1,4 @@
-"""What is not checked, through no fault of an engine: default steps too long, drives not taken."""
+"""Checks that are skipped: unstable default steps, engines without forces in time."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from .truth import roundoff_reference
 from .verdict import Finding
 
 UNDRIVEN = 8
-"""Steps in which a drive would be seen."""
+"""Steps within which a drive shows."""
 
 
 def refuse_undriven(setup: Setup) -> None:
-    """Refuse an engine that does not take a force in time, which stands in no file.
+    """Refuse an engine that ignores a force in time, which is in no file.
 
     Raises
     ------
@@ -56,16 +56,16 @@ def refuse_undriven(setup: Setup) -> None:
             "same file differ in them",
         )
     raise CannotJudgeError(
-        "it moves as without the drive, a force in time that stands in system.force(...) and "
+        "it moves as without the drive, a force in time that is given by system.force(...) and "
         "system.controls(...), and in no file; see docs/engines.md"
     )
 
 
 def is_driven(setup: Setup, undriven: Setup, motion: Array, steps: NDArray[np.int_]) -> bool:
-    """Return True if a motion (k, n_t) after so many default steps is no undriven one.
+    """Return True if a motion (k, n_t) after so many default steps is a driven one.
 
     It lies closer to the reference with the drive than to that without. An engine without a method
-    is asked for its accelerations once more, at other times.
+    computes accelerations once more, at other times.
     """
     if setup.method is None:
         findings = algebra.measure(undriven).findings

@@ -1,4 +1,4 @@
-"""What ``check`` is asked for: its options, and the ``selection`` of its document.
+"""Options of ``check``, and the ``selection`` of its document.
 
 Nothing heavy is imported here, since help texts are made from it.
 """
@@ -13,10 +13,10 @@ from typing import Annotated
 from ..documents.fields import JOBS, OptionMark
 
 SOURCES = ("verification", "validation")
-"""What results are about: engines, or papers. The first is checked by default."""
+"""Subjects of checks: engines (the default) or papers."""
 
 AS_THEY_STAND = "none"
-"""The placement of models that are not placed."""
+"""Placement of models as their files place them."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class CheckRequest:
 
     @property
     def axes(self) -> str:
-        """The placement of all models; empty where they stand as in their files."""
+        """The placement of all models; empty for that of their files."""
         return "" if self.placement == AS_THEY_STAND else self.placement
 
 
@@ -101,7 +101,7 @@ class Execution:
         Processes, on which results do not depend; by default one for each core on the command line,
         and one in Python.
     fail_fast : bool
-        Stop at the first deviation or error that is not known.
+        Stop at the first new deviation or error.
     time_limit : float or None
         Stop a check that takes longer [s]: an error, and the others go on.
     memory_limit : float or None

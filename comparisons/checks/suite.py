@@ -34,8 +34,7 @@ from ..engines.run import describe, excerpt, noting, traceback_of
 from ..engines.setup import Setup
 from ..faults.variants import Variant
 from .comparison import Measured
-from .diagnosis.runs import Deviation, cause
-from .mistakes.motions import seen_in
+from .diagnosis import Deviation, cause
 from .mistakes.observables import other_measures
 from .refusals import refuse_undriven
 from .rules.cautions import Caution, cautions, explained, noticing_rules
@@ -52,12 +51,12 @@ from .verdict import (
 
 
 class Task(ABC):
-    """What `run_checks` runs: one measurement, of one quantity or several.
+    """One measurement of one quantity or several, as `run_checks` runs it.
 
     Attributes
     ----------
     engine : str
-        The engine that is measured.
+        Name of the engine.
     quantities : tuple of str
     loaded_as : str or None
         ``package.module:Class`` of an engine that was given so.
@@ -70,20 +69,20 @@ class Task(ABC):
     @property
     @abstractmethod
     def subject(self) -> Subject:
-        """What its results are about."""
+        """The subject of its results."""
 
     @property
     def effort(self) -> float:
-        """How long it takes beside others, roughly; for estimates."""
+        """Approximate duration relative to others, for estimates."""
         return 0.2 if not self.integrates else 5.0 if self.takes_long else 1.0
 
     @property
     @abstractmethod
     def group(self) -> tuple[str, str, str]:
-        """Owner, scene and case: what it shares with others that run in the same process.
+        """Owner, scene and case: tasks of one group run in the same process.
 
-        Those of an engine of others stand apart, by its name: its code may change what it runs
-        beside. The owner of all others is empty.
+        A third-party engine owns its tasks, by its name: its code may change others in the same
+        process. The owner of all other tasks is empty.
         """
 
     @property
@@ -107,7 +106,7 @@ class Task(ABC):
 
     @property
     def prefix(self) -> str:
-        """What the ids of its results have in common."""
+        """The common part of the ids of its results."""
         return self.subject.prefix
 
     @property
@@ -153,8 +152,8 @@ class Check(Task):
         Whether the model is the engine's first.
     full_only : bool
         Left out of the default set.
-    why_not : str or None
-        Why it cannot run; then it is skipped.
+    unsupported_reason : str or None
+        Why it cannot run, in which case it is skipped.
     loaded_as : str or None
         ``package.module:Class`` of an engine that was given so.
     step : float or None
@@ -173,14 +172,14 @@ class Check(Task):
     quantities: tuple[str, ...]
     default_model: bool = True
     full_only: bool = False
-    why_not: str | None = None
+    unsupported_reason: str | None = None
     loaded_as: str | None = None
     step: float | None = None
     variant: Variant | None = None
     provoked_by: str = ""
 
     def setup(self, engine: Adapter | None = None) -> Setup:
-        """Return what is checked, of the engine of this name or of another one."""
+        """Return the setup of the check, of the engine of this name or of another one."""
         if engine is None and self.variant is not None:
             engine = self.variant.make()
         engine = engine or get_engine(self.loaded_as or self.engine)
@@ -193,7 +192,7 @@ class Check(Task):
 
     @property
     def subject(self) -> Subject:
-        """What its results are about."""
+        """The subject of its results."""
         how, method = self.model, None
         if self.method is not None:
             method = self.method.name
@@ -206,7 +205,7 @@ class Check(Task):
 
     @property
     def group(self) -> tuple[str, str, str]:
-        """What it shares with others: the reference of its case."""
+        """Owner, scene and case; checks of one group share the reference of the case."""
         owner = "" if self.engine in ENGINES else self.engine
         return owner, self.case.scene, self.case.name
 
@@ -245,12 +244,12 @@ def plan(
     ids : sequence of str
         Shell patterns (``*``, ``?``) for ids.
     full : bool
-        Include what is left out of the default set.
+        Include checks beyond the default set.
 
     Raises
     ------
     UsageError
-        For an unknown name, an engine asked for that is not there, or no check left.
+        For an unknown name, a missing engine, or if no check matches.
     """
     scenes, engines = resolve_selection(scenes, engines)
     every = [get_scene(scene) for scene in scenes]
@@ -318,7 +317,7 @@ def narrowed(tasks: Sequence[T], option: str, keeps: Callable[[T], bool]) -> lis
     Raises
     ------
     UsageError
-        If it keeps none: names the option, and the nearest ids of what it was given.
+        If it keeps none; the message names the option, and the nearest ids.
     """
     left = [task for task in tasks if keeps(task)]
     if left:
@@ -330,7 +329,7 @@ def narrowed(tasks: Sequence[T], option: str, keeps: Callable[[T], bool]) -> lis
 
 
 def planned(kind: str, case: Case, engine_name: str) -> list[Check]:
-    """Return the checks of `checks_of`; none of an engine that fails as it is asked."""
+    """Return the checks of `checks_of`; none if the engine fails."""
     try:
         return list(checks_of(kind, case, engine_name))
     except BrokenEngineError:
@@ -342,15 +341,15 @@ def planned(kind: str, case: Case, engine_name: str) -> list[Check]:
 def quick(checks: Iterable[Check]) -> list[Check]:
     """Return checks that give a quick answer: each level once, in its first case.
 
-    Of *parts*, *algebra* and *step* that is of each model that is not another's twin, of *step* of
-    twins too whose case is the default model's; of *trajectory* it is the best method of that.
+    *parts*, *algebra* and *step* of each model but twins, *step* also of twins with another case
+    than the default model's, and *trajectory* by the best method of the default model.
     """
     seen, first, steps = set[tuple[str, ...]](), list[Check](), set[tuple[str, ...]]()
     for check in checks:
         level = check.case.scene, check.engine, check.kind
         here = *level, check.case.label
         key = level if check.kind == "trajectory" else (*level, check.model)
-        if not KINDS[check.kind].quick or key in seen or check.why_not is not None:
+        if not KINDS[check.kind].quick or key in seen or check.unsupported_reason is not None:
             continue
         twins = check.setup().engine.twins(check.case.scene)
         if check.model in twins and not (check.kind == "step" and here in steps):
@@ -375,10 +374,10 @@ def kinds_of(case: Case) -> tuple[str, ...]:
 def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
     """Yield the checks of one kind, case and engine.
 
-    Of a model beside the engine's default one, the default set has trajectories by the best
-    method, and no orbits: they take longest; of a boundary it has that of the default model by the
-    best method. One with another drive has the kinds of a quick answer alone, in the default set by
-    the best method in the first case, and where a torque drives. Of single steps it has the best
+    The default set has all kinds of the engine's default model. Of other models it has trajectories
+    by the best method, and no orbits, which take longest. Of a boundary it has that of the default
+    model by the best method. A model with another drive has the kinds of a quick answer alone, by
+    the best method in the first case, and in cases with a torque. Of single steps it has the best
     method of each model, of elements, whose reference takes long, in one of the scene's cases.
     """
     engine = get_engine(engine_name)
@@ -424,7 +423,7 @@ def later_motions(scene: str) -> list[str]:
 def integrators(setup: Setup, kind: str) -> tuple[Method | None, ...]:
     """Return the methods that a kind of check is made with.
 
-    An engine whose solvers differ in accelerations is asked for them by each.
+    If the solvers of an engine differ in accelerations, each is checked.
     """
     case = setup.case
     if not KINDS[kind].integrates or case.watch == "elements":
@@ -444,7 +443,7 @@ def best_method(setup: Setup) -> Method | None:
 
 
 def matches(check: Task, patterns: Iterable[str]) -> bool:
-    """Return whether a pattern matches one of the check's ids."""
+    """Return True if a pattern matches one of the check's ids."""
     return any(fnmatchcase(name, pattern) for name in check.ids for pattern in patterns)
 
 
@@ -455,8 +454,8 @@ def run_check(
 
     With ``explain`` they say where deviations may come from, which may run the engine again.
     """
-    if check.why_not is not None:
-        return check.skipped(check.why_not, (ENGINE,))
+    if check.unsupported_reason is not None:
+        return check.skipped(check.unsupported_reason, (ENGINE,))
     begin, kind = perf_counter(), EVERY_KIND[check.kind]
     setup: Setup | None = None
     try:
@@ -497,9 +496,9 @@ def run_check(
 def with_causes(
     results: list[Result], setup: Setup, kind: Kind, measured: Measured
 ) -> list[Result]:
-    """Return results, those that deviate with where that comes from, and what rules say of the run.
+    """Return results; those that deviate name their cause and the rules that warn of the run.
 
-    Where no mistake alone explains all, the measure in which an observable is told is.
+    If no mistake alone explains all, the unit or sign of each observable may explain it.
     """
     verdicts = {one.quantity: one.verdict for one in results if one.verdict != "skipped"}
     if "deviation" not in verdicts.values() or not kind.level:
@@ -509,7 +508,7 @@ def with_causes(
     )
     said, measures = cautioned(setup), dict[str, str]()
     if measured.runs and not where:
-        measures = other_measures(seen_in(measured.runs), least=0.0)
+        measures = other_measures(measured.runs, least=0.0)
     rules, explained_results = noticing_rules(said), []
     for one in results:
         if one.verdict == "deviation":
@@ -522,7 +521,7 @@ def with_causes(
 
 
 def origin(setup: Setup | None, error: BaseException) -> str:
-    """Return whose equations raised an exception, where an engine tells some of its own."""
+    """Return the engine and function whose own equations raised an exception, for messages."""
     try:
         if setup is None or setup.bound.is_exact:
             return ""

@@ -7,9 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from ..engines.setup import Setup
+from . import diagnosis
 from .comparison import Measured
-from .diagnosis import models, runs
-from .diagnosis.runs import Search
+from .diagnosis import Search
 from .kinds import (
     algebra,
     energy,
@@ -35,7 +35,7 @@ class Kind:
     level : str
         What is wrong where it fails, in words; empty of an extreme.
     quantities : callable ``(setup) -> tuple of str``
-        Names of what it measures, none where it does not apply to a model.
+        Names of its quantities; none if it does not apply to a model.
     measure : callable ``(setup) -> Measured``
     searches : sequence of callable ``(deviation) -> str``
         The mistakes that may explain a deviation, in this order.
@@ -66,20 +66,20 @@ class Kind:
     quick: bool = False
 
 
-IN_STEPS = (runs.of_numbers, models.of_joints, runs.of_order)
+IN_STEPS = (diagnosis.of_numbers, diagnosis.of_joints, diagnosis.of_order)
 """Mistakes that show in steps, once no single motion explains them."""
 
 KINDS = {
     "parts": Kind(
-        "what it made of the model",
+        "its reading of the model",
         parts.quantities,
         parts.measure,
         (
-            runs.of_repetition,
-            models.of_placement,
-            models.of_parts,
-            runs.of_numbers,
-            models.of_joints,
+            diagnosis.of_repetition,
+            diagnosis.of_placement,
+            diagnosis.of_parts,
+            diagnosis.of_numbers,
+            diagnosis.of_joints,
         ),
         integrates=False,
         follows="algebra",
@@ -91,11 +91,11 @@ KINDS = {
         algebra.quantities,
         algebra.measure,
         (
-            runs.of_repetition,
-            models.of_placement,
-            models.of_accelerations,
-            runs.of_numbers,
-            models.of_joints,
+            diagnosis.of_repetition,
+            diagnosis.of_placement,
+            diagnosis.of_accelerations,
+            diagnosis.of_numbers,
+            diagnosis.of_joints,
         ),
         integrates=False,
         asks_forces=True,
@@ -105,7 +105,7 @@ KINDS = {
         "its linearised equations of motion",
         frequency.quantities,
         frequency.measure,
-        (models.of_matrices, runs.of_numbers),
+        (diagnosis.of_matrices, diagnosis.of_numbers),
         integrates=False,
         needs=("rest",),
     ),
@@ -113,7 +113,7 @@ KINDS = {
         "a single step from a right state",
         one_step.quantities,
         one_step.measure,
-        (runs.of_repetition, models.of_placement, runs.of_steps, *IN_STEPS),
+        (diagnosis.of_repetition, diagnosis.of_placement, diagnosis.of_steps, *IN_STEPS),
         follows="trajectory",
         needs=("motion",),
         quick=True,
@@ -122,23 +122,23 @@ KINDS = {
         "a free run",
         trajectory.quantities,
         trajectory.measure,
-        (runs.of_repetition, models.of_placement, runs.of_run, *IN_STEPS),
+        (diagnosis.of_repetition, diagnosis.of_placement, diagnosis.of_run, *IN_STEPS),
         needs=("motion",),
         refuse=refuse_unstable,
         quick=True,
     ),
     "order": Kind(
-        "how its errors shrink",
+        "its order of convergence",
         order.quantities,
         order.measure,
-        (runs.of_repetition, runs.of_run, *IN_STEPS, runs.of_limit),
+        (diagnosis.of_repetition, diagnosis.of_run, *IN_STEPS, diagnosis.of_limit),
         needs=("motion",),
     ),
     "energy": Kind(
-        "what it conserves",
+        "its conservation of invariants",
         energy.quantities,
         energy.measure,
-        (runs.of_repetition, runs.of_run, runs.of_numbers),
+        (diagnosis.of_repetition, diagnosis.of_run, diagnosis.of_numbers),
         needs=("motion", "conserved"),
         refuse=refuse_unstable,
     ),
@@ -146,12 +146,12 @@ KINDS = {
         "its periodic or long motion",
         stability.quantities,
         stability.measure,
-        (runs.of_repetition, runs.of_orbit, runs.of_numbers, runs.of_limit),
+        (diagnosis.of_repetition, diagnosis.of_orbit, diagnosis.of_numbers, diagnosis.of_limit),
         needs=("orbit",),
         refuse=refuse_unstable,
     ),
 }
-"""From the model to its motion: what is wrong on one level is mostly wrong on those below."""
+"""Kinds from the model to its motion: a fault on one level mostly shows on those below."""
 
 EXTREMES = {
     "limits": Kind("", limits.quantities, limits.measure),

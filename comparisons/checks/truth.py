@@ -1,4 +1,4 @@
-"""What a correct engine computes, the error of its step apart: solutions of model equations."""
+"""Reference solutions of model equations, with bounds on their errors."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from ..engines.run import EPS, VIOLATIONS
 from ..engines.setup import power_of_two
 
 MOST_STEPS = 1 << 13
-"""Longer runs with a method's default step are cut: what it does wrong shows before. An
-eighth of it where the error is predicted by runs with half and a quarter of the step, unless
-the scene's bodies bend, which takes long to show: then none is cut of cases for `--full`."""
+"""Longer runs with a method's default step are cut: mistakes show before. An eighth of it where the
+error is predicted by runs with half and a quarter of the step, unless the scene's bodies bend,
+which takes long to show: then none is cut of cases for `--full`."""
 
 SAMPLES = 256
 """Least number of times over a case's horizon at which its reference is kept."""
@@ -33,20 +33,20 @@ MOST_AMPLIFICATION = 1e5
 """Horizons are cut so that an initial error grows by no more than this."""
 
 MOST_ROUNDING = 1e-2
-"""Horizons are cut so that rounding leaves no more than this of a quantity's size unknown."""
+"""Horizons are cut so that round-off stays below this share of a quantity's size."""
 
 VIBRATION_GROWTH = 1e3
-"""What an initial error of a beam may grow to over its case, in the sizes of its states: 741 by
-the variational equations of its spin-up, which cost more than all that they permit."""
+"""Growth factor of an initial error of a beam over its case, in the sizes of its states: 741 by the
+variational equations of its spin-up, which cost too much to be solved in each case."""
 
 RATIO, WORST_RATIO = 0.5, 0.9
 """Least and largest part of a refinement's change that the next one is taken to make."""
 
 SMOOTH = 1e-5
-"""Change of a refinement, relative to the size, below which no further one is looked at."""
+"""Change of a refinement, relative to the size, below which it is the last."""
 
 ROUGH = (1e-6, 1e-5)
-"""Tolerances where the size of a motion is all that is asked."""
+"""Tolerances of solutions from which only the size of a motion is used."""
 
 STILL = 1e-9
 """A coordinate that changes by less (SI, or relative to its largest value) does not move."""
@@ -55,7 +55,7 @@ MARKS = 8
 """Places where a horizon may be cut."""
 
 SHARP = 1e-14
-"""Relative tolerance of what is solved down to round-off."""
+"""Relative tolerance of solutions down to round-off."""
 
 RANDOM_STATES = 16
 SEED = 2011
@@ -172,9 +172,9 @@ def truncated(
 ) -> Truth:
     """Return a solution whose bound counts what all other coordinates of a continuum change.
 
-    Each refinement is taken to change `RATIO` times what the last one did, and no further one is
-    looked at, unless a drive so short that it excites what the first leaves out shows that more
-    of them matter: then the ratio is measured.
+    Each refinement is taken to change `RATIO` times as much as the last one. Further ones are
+    computed only if a short drive excites coordinates that the first leaves out: then the ratio is
+    measured.
     """
     values = dict(zip(equations.scene.state_names, state, strict=True))
     coarse, bound, changes = solution, solution.bound, [np.zeros(len(names))]
@@ -250,7 +250,7 @@ def truth(equations: ModelEquations, case: Case, times: Any, names: tuple[str, .
 def truth_to_the_end(
     equations: ModelEquations, state: Array, start: float, times: Array, names: tuple[str, ...]
 ) -> Truth:
-    """Return the solution from a state, however errors grow in it: its bound tells."""
+    """Return the solution from a state, with its bound, however errors grow."""
     return _truth(equations, tuple(state.tolist()), start, tuple(times.tolist()), None, names)
 
 
@@ -274,7 +274,7 @@ def roundoff_reference(
     equations: ModelEquations, case: Case, times: Array, names: tuple[str, ...]
 ) -> Truth:
     """Return the solution over a short time, down to round-off unless it is stiff."""
-    return _roundoff_references(equations, [case], times[:, None], names)[0]
+    return after_starts(equations, [case], times - case.start_time, names)
 
 
 def after_starts(
@@ -284,12 +284,20 @@ def after_starts(
     names: tuple[str, ...],
     tolerance: float = SHARP,
 ) -> Truth:
-    """Return the same (k, n m) some times (m,) [s] after each of n starts.
+    """Return the same (k, n m) some times (m,) [s] after each of n starts, solved together.
 
     A relative tolerance larger than `SHARP` saves the steps that fight with round-off.
     """
-    times = np.add.outer(np.atleast_1d(after), [one.start_time for one in cases])
-    solutions = _roundoff_references(equations, cases, times, names, tolerance)
+    begins = [one.start_time for one in cases]
+    columns = map(tuple, np.add.outer(np.atleast_1d(after), begins).T.tolist())
+    states = (tuple(map(float, equations.start(one))) for one in cases)
+    each = tuple(zip(states, begins, columns, strict=True))
+    solutions = (
+        [_truth(equations, state, begin, column, column[-1] - begin, names)
+         for state, begin, column in each]
+        if equations.scene.stiff
+        else _sharp(equations, each, names, tolerance)
+    )  # fmt: skip
     return Truth(
         times=np.concatenate([one.times for one in solutions]),
         values=np.hstack([one.values for one in solutions]),
@@ -298,25 +306,6 @@ def after_starts(
         scale=np.max([one.scale for one in solutions], axis=0),
         states=np.hstack([one.states for one in solutions]),
     )
-
-
-def _roundoff_references(
-    equations: ModelEquations,
-    cases: Sequence[Case],
-    times: Array,
-    names: tuple[str, ...],
-    tolerance: float = SHARP,
-) -> tuple[Truth, ...]:
-    """Return solutions from some starts, each at times (n_t, k) of its own; solved together."""
-    begins, columns = [one.start_time for one in cases], list(map(tuple, times.T.tolist()))
-    states = [tuple(map(float, equations.start(one))) for one in cases]
-    each = list(zip(states, begins, columns, strict=True))
-    if equations.scene.stiff:
-        return tuple(
-            _truth(equations, state, begin, column, column[-1] - begin, names)
-            for state, begin, column in each
-        )
-    return _sharp(equations, tuple(each), names, tolerance)
 
 
 @lru_cache(maxsize=64)
@@ -366,7 +355,8 @@ def _permitted(
         horizon /= MARKS
     kind = MbcheckError if epsilon == EPS else CannotJudgeError
     raise kind(
-        f"errors grow by {growth[0]:.3g} within {horizon:.3g} s: no trajectory can be compared"
+        f"errors grow by a factor of {growth[0]:.3g} within {horizon:.3g} s: no trajectory can be "
+        "compared"
     )
 
 
@@ -375,7 +365,7 @@ def permitted_horizon(
 ) -> tuple[float, float]:
     """Return the horizon [s] that error growth permits, and the amplification over it.
 
-    Rounding of the steps [s], which ``epsilon`` tells, must leave something to be seen as well.
+    Round-off of the steps [s], with unit ``epsilon``, must stay small enough as well.
     """
     scene = get_scene(case.scene)
     if scene.discretisation_coordinates:
@@ -386,7 +376,7 @@ def permitted_horizon(
 
 
 def simulated_horizon(case: Case, step: float, scheme: str | None, epsilon: float = EPS) -> float:
-    """Return the part of the permitted horizon [s] that is run with this step."""
+    """Return the part of the permitted horizon [s] simulated with this step."""
     horizon, _ = permitted_horizon(case, step, epsilon)
     if get_scene(case.scene).discretisation_coordinates:
         return horizon if case.full_only else min(horizon, MOST_STEPS * step)

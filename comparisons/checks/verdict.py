@@ -9,18 +9,17 @@ from typing import Any, Literal
 
 from ...reference.errors import EngineError
 from ...reference.scene import Array
-from ..documents.core import hints_of
 from ..documents.fields import HIDDEN, Number, documented
 
 Verdict = Literal["pass", "deviation", "known", "skipped", "error"]
 
 NOT_APPLICABLE = "-"
-"""What documents have in place of a scene, a case, ... of an engine that is not there."""
+"""Placeholder in documents for the scene, case, ... of a missing engine."""
 
 ENGINE, GUARD, HALVING, REFERENCE = "engine", "guard", "halving", "reference"
 RULE = "rule:"
-"""Who notices that something is wrong: the engine itself or its adapter, mbcheck's guard of every
-run, a rule known before the run (``rule:<name>``), a run with half the step, or the reference."""
+"""Witnesses of a fault: the engine itself or its adapter, mbcheck's guard of every run, a rule
+known before the run (``rule:<name>``), a run with half the step, or the reference."""
 
 OWN_KINDS = ("raised", "solver", "warning", "step", "start", "model")
 """Kinds of `EngineError` that the engine, or its adapter, raises by itself; the guard finds the
@@ -39,7 +38,7 @@ is predicted exactly; ``strict`` stays above that."""
 
 @dataclass(frozen=True)
 class Series:
-    """What a result is drawn by: the engine's values beside those that they should be.
+    """Sampled values and reference, for plotting.
 
     Attributes
     ----------
@@ -62,15 +61,15 @@ class Finding:
     ----------
     quantity, unit : str
     value, reference : float
-        The engine's and the true value where they differ most; what is an error by nature (a
-        residual, a drift) is its own value against 0.
+        The engine's and the true value where they differ most; an error by nature (a residual, a
+        drift) is compared with 0.
     error : float
         What is compared with the tolerance.
     tolerance : float
     reason : str
         Where the tolerance comes from, and what was seen.
     series : Series, optional
-        What it was found in, for pictures.
+        Samples for pictures.
     noticed_by : tuple of str, optional
         Who notices, if it is wrong; by default rules of the run, and the reference.
     """
@@ -88,7 +87,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class Inconclusive:
-    """A quantity that a check has nothing to say of, and why; it is skipped."""
+    """A quantity that a check cannot judge, and the reason; its result is skipped."""
 
     quantity: str
     reason: str
@@ -96,7 +95,7 @@ class Inconclusive:
 
 @dataclass(frozen=True)
 class Subject:
-    """What a result is about; what does not apply has the word that documents have for it.
+    """The subject of a result; `NOT_APPLICABLE` for fields that do not apply.
 
     Attributes
     ----------
@@ -161,12 +160,12 @@ class Result(Subject):
     unit : str
         of the next four; `1` for a number without unit
     value : float or None
-        what the engine gives, where it differs most from the reference; what is an error by nature
-        (a residual, a drift) is judged against the reference 0
+        value of the engine, where it differs most from the reference; an error by nature (a
+        residual, a drift) is compared with 0
     reference : float or None
         the true value
     error : float or None
-        what is compared with the tolerance
+        distance to compare with the tolerance
     tolerance : float or None
         largest error that passes, `--profile` included
     verdict : Verdict
@@ -186,7 +185,7 @@ class Result(Subject):
         where a deviation comes from, if one mistake alone explains it; else null
     noticed_by : tuple of str
         who notices a deviation, a failure or a refusal, the first to do so first: `engine`, the
-        engine itself or its adapter; `guard`, what mbcheck asks of every run; `rule:NAME`, a rule
+        engine itself or its adapter; `guard`, the conditions on every run; `rule:NAME`, a rule
         known before the run; `halving`, a run with half the step; `reference`
     """
 
@@ -213,16 +212,12 @@ class Result(Subject):
 
     @property
     def check_id(self) -> str:
-        """What the ids of all results of its check begin with; a row has one, its own."""
+        """Beginning of the ids of all results of its check; a row of a paper has one result."""
         return self.id if self.source == "validation" else self.prefix
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the fields of the JSON (docs/json.md), without what pictures are drawn from."""
-        return {name: getattr(self, name) for name in hints_of(Result)}
 
 
 def result_from(document: Mapping[str, Any]) -> Result:
-    """Return the result that a document holds, see `Result.as_dict`."""
+    """Return the result of its fields in a document."""
     rest = {**document, "noticed_by": tuple(document.get("noticed_by", ()))}
     return Result(prefix=rest.pop("id").removesuffix(f"/{rest['quantity']}"), **rest)
 

@@ -1,4 +1,4 @@
-"""What there is: scenes, engines, methods, models, kinds, and what a scene consists of."""
+"""Contents: scenes, engines, methods, models and kinds of check, and the parts of a scene."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from ..checks.table import KINDS
 from ..documents import SCHEMA
 from ..engines.registry import checked_engines, get_engine, known, usable
 from ..maps.request import axis_names, quantities
-from ..reports.text import matrix_by_kind, print_line, print_table, print_wrapped
+from ..reports.text import matrix_by_kind, print_line, print_table
 from ..reports.words import assignments
 
 
 def overview() -> dict[str, Any]:
-    """Return scenes, engines and kinds of check: what ``mbcheck list --json`` writes."""
+    """Return scenes, engines and kinds of check, as ``mbcheck list --json`` writes them."""
     scenes = [get_scene(name) for name in SCENES]
     return {
         "schema": SCHEMA,
@@ -34,7 +34,7 @@ def overview() -> dict[str, Any]:
 
 
 def coverage() -> dict[str, Any]:
-    """Return how many checks of each kind there are: what ``mbcheck list --coverage`` writes.
+    """Return the number of checks of each kind, as ``mbcheck list --coverage`` writes it.
 
     Returns
     -------
@@ -47,8 +47,8 @@ def coverage() -> dict[str, Any]:
     reasons: dict[tuple[str, str, str], str] = {}
     for check in plan(full=True):
         cell = (check.case.scene, check.engine, check.kind)
-        if check.why_not is not None:
-            reasons[cell] = check.why_not
+        if check.unsupported_reason is not None:
+            reasons[cell] = check.unsupported_reason
             continue
         counts[*cell, "full" if check.full_only else "checks"] += 1
         counts[*cell, "results"] += 0 if check.full_only else len(check.ids)
@@ -73,7 +73,7 @@ def why_none(
     reasons: Mapping[tuple[str, str, str], str],
     cell: tuple[str, str, str],
 ) -> str | None:
-    """Return why a cell of the coverage has no check by default, or None."""
+    """Return the reason if a cell of the coverage has no check by default, else None."""
     if counts.get((*cell, "checks")):
         return None
     if counts.get((*cell, "full")):
@@ -97,7 +97,7 @@ def engine_entry(name: str) -> dict[str, Any]:
 
 
 def scene_sheet(name: str) -> dict[str, Any]:
-    """Return what a scene consists of: what ``mbcheck list SCENE --json`` writes.
+    """Return the parts of a scene, as ``mbcheck list SCENE --json`` writes them.
 
     Raises
     ------
@@ -159,7 +159,7 @@ def parameters(scene: Scene) -> list[dict[str, Any]]:
 
 
 def case_entry(case: Case) -> dict[str, Any]:
-    """Return a case: how it starts, how long it runs, what it feeds."""
+    """Return a case: its parameters, start, horizon and kinds of check."""
     changed = {
         name: value
         for name, value in case.parameters.as_dict().items()
@@ -191,7 +191,7 @@ def print_overview(console: Console, overview: Mapping[str, Any]) -> None:
         for item in overview["engines"]
     ]
     print_table(console, ["engine", "version", "methods (order)"], engines)
-    print_wrapped(console, f"kinds of check: {', '.join(overview['kinds'])}")
+    print_line(console, f"kinds of check: {', '.join(overview['kinds'])}")
     print_line(console, "more about a scene: mbcheck list SCENE")
 
 
@@ -212,10 +212,10 @@ def print_coverage(console: Console, coverage: Mapping[str, Any]) -> None:
 def print_scene(console: Console, sheet: Mapping[str, Any]) -> None:
     """Print a scene: source, parameters, states, places of rest, models, cases."""
     paper = sheet["paper"]
-    print_wrapped(console, f"{sheet['scene']}: {sheet['title']}")
+    print_line(console, f"{sheet['scene']}: {sheet['title']}")
     where = [paper["journal"], f"doi {paper['doi']}" if paper["doi"] else ""]
     source = ", ".join(filter(None, [paper["title"], *where]))
-    print_wrapped(console, f"{paper['authors']} ({paper['year']}), {source}")
+    print_line(console, f"{paper['authors']} ({paper['year']}), {source}")
     names = ("name", "symbol", "default", "unit", "source", "meaning")
     rows = [[item[name] for name in names] for item in sheet["parameters"]]
     print_table(console, ["parameter", *names[1:]], rows)
@@ -223,12 +223,12 @@ def print_scene(console: Console, sheet: Mapping[str, Any]) -> None:
     for on_request, label in ((False, "also observed:"), (True, "on request (--observe):")):
         lines[label] = with_units([o for o in sheet["outputs"] if o["on_request"] == on_request])
     lines["states of rest (--about):"] = ", ".join(sheet["about"])
-    lines["drive:"] = sheet["drive"] or "none that is a function of time"
+    lines["drive:"] = sheet["drive"] or "no function of time"
     for engine, models in sheet["models"].items():
         lines[f"models of {engine}:"] = ", ".join(models) or "none"
     for label, text in lines.items():
         if text:
-            print_wrapped(console, f"{label} {text}")
+            print_line(console, f"{label} {text}")
     console.print()
     cases = [
         [

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from importlib import import_module
-from typing import Annotated
 
 import click
+from click.shell_completion import CompletionItem
 
 from ...reference.errors import UnknownNameError, UsageError
-from ..documents.fields import OptionMark
 from ..reports.files import Destination
-from ..terminal.options import with_options_of
 from ..terminal.program import JSON, MISUSED, Program, deliver, examples
 
 VERBS: Mapping[str, tuple[str, str]] = {
@@ -22,18 +19,22 @@ VERBS: Mapping[str, tuple[str, str]] = {
     "orbit": ("cli.verbs.orbit", "Find the periodic orbit of a scene."),
     "frequencies": ("cli.verbs.frequencies", "Find the modes about a state of rest."),
     "export": ("cli.verbs.export", "Write a scene's MJCF with these parameters."),
-    "list": ("cli.group.list_", "List what there is, what a scene has, or what is checked."),
+    "list": ("cli.group.list_", "List scenes and engines, the parts of a scene, or all checks."),
+    "explain": ("cli.explain.explain", "Explain a term of the reports."),
     "compare": ("compare.verb.compare_models", "Compare two readings of one model."),
-    "diff": ("diff.verb.diff", "Tell what changed between two runs of `mbcheck check --json`."),
+    "diff": ("diff.verb.diff", "Compare two runs of `mbcheck check --json`."),
     "map": ("maps.verbs.map_", "Map a quantity of a scene over two of its parameters."),
-    "boundary": ("boundary.verb.boundary", "Follow where orbits and equilibria lose stability."),
+    "boundary": (
+        "boundary.verb.boundary",
+        "Trace stability boundaries of orbits and equilibria.",
+    ),
     "compare-maps": ("maps.verbs.compare_maps", "Compare two maps of a scene."),
-    "reproduce": ("papers.verbs.reproduce_papers", "Draw the figures of the papers again."),
+    "reproduce": ("papers.verbs.reproduce_papers", "Reproduce figures and claims of the papers."),
     "tradeoff": ("tradeoff.verb.tradeoff", "Measure what accuracy costs, and recommend settings."),
-    "extremes": ("extremes.verb.extremes", "Push engines to where they break."),
-    "inspect": ("inspect.verbs.inspect", "Inspect MJCF models: what is wrong, how they move."),
+    "extremes": ("extremes.verb.extremes", "Check engines at extremes, up to where they fail."),
+    "inspect": ("inspect.verbs.inspect", "Find mistakes in MJCF models, and their modes."),
 }
-"""Where each verb stands below `comparisons`, and what it does. Verbs are loaded when they run."""
+"""Function of each verb, below `comparisons`, and its purpose. Verbs are loaded when they run."""
 
 
 class Verbs(Program):
@@ -52,6 +53,15 @@ class Verbs(Program):
         module, _, name = VERBS[cmd_name][0].rpartition(".")
         verb: click.Command = getattr(import_module(f"..{module}", __package__), name)
         return verb
+
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+        """Return the verbs that begin so, none of which is loaded for it, and options."""
+        verbs = [
+            CompletionItem(name, help=VERBS[name][1])
+            for name in self.list_commands(ctx)
+            if name.startswith(incomplete)
+        ]
+        return verbs + click.Command.shell_complete(self, ctx, incomplete)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write what the verbs do."""
@@ -77,10 +87,12 @@ def show_versions(context: click.Context, option: click.Parameter, wanted: bool)
     invoke_without_command=True,
     context_settings={"help_option_names": ["-h", "--help"]},
     epilog=examples(
-        "mbcheck check                 is the simulator right?",
-        "mbcheck list hula_hoop        what is there?",
+        "mbcheck check                 check the installed engines",
+        "mbcheck list hula_hoop        show the parts of a scene",
         "mbcheck simulate hula_hoop --times 0:1:0.1 --csv -",
-        "                              numbers to hold a simulator against",
+        "                              numbers to compare a simulator with",
+        'eval "$(_MBCHECK_COMPLETE=bash_source mbcheck)"',
+        "                              complete verbs and options: bash, zsh, fish",
     ),
 )
 @click.option(
@@ -103,22 +115,6 @@ def program(context: click.Context) -> None:
         context.exit(MISUSED)
 
 
-@dataclass(frozen=True)
-class ListRequest:
-    """What is listed.
-
-    Attributes
-    ----------
-    scene : str or None
-        This scene alone, with all that it has.
-    coverage : bool
-        Show which kinds of check each scene has.
-    """
-
-    scene: Annotated[str | None, OptionMark(flags=())] = None
-    coverage: Annotated[bool, OptionMark()] = False
-
-
 @click.command(
     "list",
     epilog=examples(
@@ -127,14 +123,15 @@ class ListRequest:
         "mbcheck list --coverage",
     ),
 )
-@with_options_of(ListRequest)
+@click.argument("scene", required=False)
+@click.option("--coverage", is_flag=True, help="Show which kinds of check each scene has.")
 @JSON
 def list_(scene: str | None, coverage: bool, json_file: Destination | None) -> None:
-    """List what there is, what a scene consists of, or what is checked."""
+    """List scenes and engines, the parts of a scene, or all checks."""
     from . import catalogue
 
     if coverage and scene is not None:
-        raise UsageError("--coverage is of all scenes: leave the scene out")
+        raise UsageError("--coverage lists all scenes: leave the scene out")
     if coverage:
         deliver(catalogue.coverage(), catalogue.print_coverage, json_file)
     elif scene is None:

@@ -1,7 +1,7 @@
 """The pytest plugin: ``pytest --pyargs mbcheck.tests.conformance`` runs what `mbcheck check` runs.
 
-pytest loads it in every run of everyone who has mbcheck installed: it imports nothing of mbcheck
-but its folders, and says nothing until the checks are asked for or collected.
+pytest loads it in every run of everyone who has mbcheck installed: it imports only small modules of
+mbcheck, and prints nothing until the checks are requested or collected.
 """
 
 from __future__ import annotations
@@ -36,8 +36,7 @@ OPTIONS: dict[str, Any] = {
     "known": "paths",
     "strict_known": "bool",
 }
-"""Fields of `CheckRequest` that are options here, and their type in the ini file if they stand in
-it."""
+"""Fields of `CheckRequest` that are options here, and their type in the ini file, if any."""
 
 PLAN: pytest.StashKey[CheckPlan] = pytest.StashKey()
 RESULTS: pytest.StashKey[list[Result]] = pytest.StashKey()
@@ -64,8 +63,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     add("--mbcheck-json", metavar="FILE", help="Write the JSON document of `mbcheck check`.")
 
 
-def asked(config: pytest.Config) -> bool:
-    """Return whether the user wants checks: by an option, or by the place of the tests."""
+def requested(config: pytest.Config) -> bool:
+    """Return True if the user requests checks: by an option, or by the folder of the tests."""
 
     def ours(argument: str) -> bool:
         place = Path(argument.split("::")[0]).resolve()
@@ -78,7 +77,7 @@ def asked(config: pytest.Config) -> bool:
 
 
 def is_worker(config: pytest.Config) -> bool:
-    """Return whether this is a worker process of pytest-xdist."""
+    """Return True in a worker process of pytest-xdist."""
     return hasattr(config, "workerinput")
 
 
@@ -113,7 +112,7 @@ def option(config: pytest.Config, word: str) -> Any:
 
 def pytest_configure(config: pytest.Config) -> None:
     """Refuse at once what cannot be checked."""
-    if not asked(config) or config.option.help:
+    if not requested(config) or config.option.help:
         return
     use_one_thread()
     if is_worker(config):
@@ -130,13 +129,13 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_report_header(config: pytest.Config) -> list[str]:
-    """Name what is checked, and the versions."""
-    return described(config) if asked(config) else []
+    """Return the versions, and the file of known deviations."""
+    return described(config) if requested(config) else []
 
 
 def pytest_report_collectionfinish(config: pytest.Config) -> list[str]:
-    """Do the same where the checks were collected without being asked for."""
-    return described(config) if PLAN in config.stash and not asked(config) else []
+    """Do the same if the checks were collected without a request."""
+    return described(config) if PLAN in config.stash and not requested(config) else []
 
 
 def described(config: pytest.Config) -> list[str]:
@@ -228,7 +227,7 @@ def pytest_sessionstart(session: pytest.Session) -> None:
 def pytest_sessionfinish(session: pytest.Session) -> None:
     """Write the document, and fail if nothing ran or an entry is stale that must not be."""
     config = session.config
-    ran = asked(config) or bool(config.stash.get(DOCUMENTS, None))
+    ran = requested(config) or bool(config.stash.get(DOCUMENTS, None))
     if is_worker(config) or config.option.collectonly or PLAN not in config.stash or not ran:
         return
     from ..checks.verdict import result_from

@@ -10,10 +10,12 @@ from ...reference.errors import UsageError
 from ..engines import REFERENCE
 from ..queries.request import FrequenciesRequest, MethodQuery, ModelQuery, SimulateRequest
 from ..reports.files import Destination, refuse_conflicts
-from ..terminal.budget import QUERY, budget_option, budgeted
 from ..terminal.options import with_options_of
 from ..terminal.program import (
     JSON,
+    QUERY,
+    budget_option,
+    budgeted,
     console,
     deliver,
     destination,
@@ -28,8 +30,8 @@ from ..terminal.program import (
     epilog=examples(
         "mbcheck simulate hula_hoop --times 0:1:0.1",
         "mbcheck simulate hula_hoop --times 0.1,0.25,1 --set force_amplitude=80 --csv truth.csv",
-        "mbcheck simulate hula_hoop --engine mujoco --method RK4 --step 0.001 \\",
-        "    --state theta=0.5 --times 0:0.5:0.01 --json -",
+        "mbcheck simulate hula_hoop --engine mujoco --method RK4 --step 0.001 "
+        "--state theta=0.5 --times 0:0.5:0.01 --json -",
     ),
 )
 @with_options_of(SimulateRequest)
@@ -48,8 +50,8 @@ def simulate(
 
     The reference gives the truth with its error bound, the largest over the times: numbers
     to hold a simulator of your own against. From where rounding alone has grown to the size of
-    the motion it gives none, and says so. Of an engine, rules say on standard error what its
-    run cannot be trusted in.
+    the motion it gives no numbers, with a warning. Rules warn on standard error of doubtful runs of
+    an engine.
     """
     refuse_conflicts(csv_file, json_file)
     if bounds and not csv_file:

@@ -1,1 +1,1 @@
-"""What changed between two runs of ``mbcheck check``."""
+"""Changes between two runs of ``mbcheck check``."""

@@ -1,4 +1,4 @@
-"""What changed between two runs, and what of it is a regression; docs/ci.md tells the rules."""
+"""Changes between two runs, and which are regressions, by the rules of docs/ci.md."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ from ..reports.run.outcome import Report
 from ..reports.run.results import ratio
 
 FACTOR = 1.5
-"""An error that grows by less has not changed: what the suite grants where it cannot predict an
-error exactly."""
+"""An error that grows by a smaller factor has not changed: the safety factor of errors that the
+suite cannot predict exactly."""
 
 SHARE = 0.5
-"""Of the tolerance; nor has one that grows by less than this. The arithmetic of another processor
-(no FMA, no AVX, other BLAS kernels) moved errors of a whole run by up to 0.42 of it: a tolerance
-allows for rounding, and an error far below it is made of nothing else."""
+"""Share of the tolerance; an error that grows by less has not changed. The arithmetic of another
+processor (no FMA, no AVX, other BLAS kernels) moved errors of a whole run by up to 0.42 of it: a
+tolerance allows for round-off, and an error far below it is nothing else."""
 
 
 @dataclass(frozen=True)
@@ -41,12 +41,12 @@ class Document:
     file : str
         file that was read
     environment : mapping of str to str
-        what rounding may depend on: python, system, machine, processor, libc
+        python, system, machine, processor and libc, on which round-off may depend
     results : mapping of id to Result
-        Without those that stand for an engine that cannot be imported.
+        Without those for an engine that cannot be imported.
     selection : CheckRequest
     not_reached : int
-        Number of checks that were planned, and for which there was no time.
+        Number of planned checks that did not start.
     unavailable : mapping of str to str
         Why an engine could not be imported, by its name.
     """
@@ -77,7 +77,7 @@ def read(file: str) -> Document:
     Raises
     ------
     UsageError
-        If it cannot be read, or is no such document of a schema that is known here.
+        If it cannot be read, or is no such document of this schema.
     """
 
     def constant(word: str) -> NoReturn:
@@ -128,41 +128,29 @@ def run_of(file: str, content: Any) -> Document:
 # Changes
 
 
-@dataclass(frozen=True)
-class Sort:
-    """A sort of change.
-
-    Attributes
-    ----------
-    title : str
-    regression : bool
-    """
-
-    title: str
-    regression: bool = False
-
-
-SORTS = {
-    "new_error": Sort("new errors", True),
-    "new_deviation": Sort("new deviations", True),
-    "grew": Sort("errors that grew", True),
-    "vanished": Sort("not there any more", True),
-    "now_skipped": Sort("skipped now", True),
-    "other_failure": Sort("errors that are deviations now"),
-    "now_known": Sort("known now"),
-    "fixed": Sort("fixed"),
-    "shrank": Sort("errors that shrank"),
-    "now_runs": Sort("no longer skipped"),
-    "appeared": Sort("new, and not failing"),
-    "left_out": Sort("not compared: left out of the new run"),
-    "dropped": Sort("not there any more, and did not run before"),
+SORTS: Mapping[str, str] = {
+    "new_error": "new errors",
+    "new_deviation": "new deviations",
+    "grew": "errors that grew",
+    "vanished": "missing now",
+    "now_skipped": "now skipped",
+    "other_failure": "errors, now deviations",
+    "now_known": "now known",
+    "fixed": "fixed",
+    "shrank": "errors that shrank",
+    "now_runs": "no longer skipped",
+    "appeared": "new without failure",
+    "left_out": "not compared: left out of the new run",
+    "dropped": "missing now, and skipped before",
 }
-"""By how much they matter."""
+"""Titles of sorts of changes, the most important first."""
+
+REGRESSIONS = ("new_error", "new_deviation", "grew", "vanished", "now_skipped")
 
 
 @dataclass(frozen=True)
 class Change:
-    """One id that is not as it was.
+    """A change of the result of one id.
 
     Attributes
     ----------
@@ -178,7 +166,7 @@ class Change:
 
     @property
     def result(self) -> Result:
-        """What names it: the newer result of the two."""
+        """The newer result of the two, which names the change."""
         newer = self.new or self.old
         assert newer is not None
         return newer
@@ -193,11 +181,11 @@ class Change:
     @documented
     def regression(self) -> bool:
         """Whether it makes the new run worse."""
-        return SORTS[self.sort].regression
+        return self.sort in REGRESSIONS
 
     @property
     def weight(self) -> tuple[int, float, float, str]:
-        """What changes are sorted by: sort, error over tolerance, factor of growth, id."""
+        """Key of the order of changes: sort, error over tolerance, factor of growth, id."""
         where = tuple(SORTS).index(self.sort)
         return where, -ratio(self.result), -self.factor, self.result.id
 
@@ -212,16 +200,16 @@ class Change:
 
 @dataclass(frozen=True)
 class Diff:
-    """What changed between two runs.
+    """The changes between two runs.
 
     Attributes
     ----------
     old, new : Document
         the runs
     changes : tuple of Change
-        what matters most first
+        the most important first
     notes : tuple of str
-        what else differs about the runs, for readers
+        other differences of the runs, in words
     """
 
     old: Document
@@ -255,7 +243,7 @@ class Diff:
 
 
 def compare(old: Document, new: Document) -> Diff:
-    """Return what changed.
+    """Return the changes between two runs.
 
     Raises
     ------
@@ -297,7 +285,7 @@ def sort_of(old: Result, new: Result) -> str | None:
 
 
 def growth(old: Result, new: Result) -> str | None:
-    """Return whether an error ``grew`` or ``shrank`` beyond its noise; None if neither."""
+    """Return ``grew`` or ``shrank`` if an error changes beyond its noise; None otherwise."""
     before, after = old.error, new.error
     if before is None or after is None or old.tolerance is None or new.tolerance is None:
         return None
@@ -335,7 +323,7 @@ def absent(old: Document, new: Document) -> Iterator[Change]:
 
 
 def notes(old: Document, new: Document) -> Iterator[str]:
-    """Yield what is not the same about two runs, beside their results."""
+    """Yield the differences of two runs besides their results."""
     for what in ("versions", "environment"):
         before: Mapping[str, str] = getattr(old, what)
         after: Mapping[str, str] = getattr(new, what)
@@ -351,7 +339,7 @@ def notes(old: Document, new: Document) -> Iterator[str]:
         for name, reason in here.unavailable.items():
             yield f"engine {name} could not be imported in the {side} run: {reason}"
         if here.not_reached:
-            yield f"the {side} run was stopped: {here.not_reached} checks were not reached"
+            yield f"the {side} run was stopped: {here.not_reached} checks did not start"
     for item in fields(CheckRequest):
         first, second = (getattr(side.selection, item.name) for side in (old, new))
         if first != second:

@@ -1,4 +1,4 @@
-"""Reports on what changed between two runs: console and Markdown."""
+"""Reports on the changes between two runs: console and Markdown."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rich.console import Console
 from ..reports.sections import Section, markdown_sections, print_sections
 from ..reports.text import STYLES, print_line
 from ..reports.words import plural, with_unit
-from .changes import SORTS, Change, Diff, Document
+from .changes import REGRESSIONS, SORTS, Change, Diff, Document
 
 FEW = 3
 """So many changes of a sort are shown one by one; more are grouped by engine and kind."""
@@ -20,25 +20,25 @@ MOST_GROUPS = 4
 
 
 def summary_line(diff: Diff) -> str:
-    """Return what changed in one line."""
+    """Return the changes in one line."""
     if not diff.changes:
         return f"NO CHANGE: {plural(diff.compared, 'result')}, the same in both"
     word = "REGRESSED" if diff.regressions else "NO REGRESSION"
-    counts = [f"{diff.summary[name]} {sort.title}" for name, sort in SORTS.items()]
+    counts = [f"{diff.summary[name]} {title}" for name, title in SORTS.items()]
     parts = [text for text in counts if not text.startswith("0 ")]
     return f"{word}: {', '.join(parts)}; {diff.same} of {diff.compared} the same"
 
 
 def side_line(name: str, side: Document) -> str:
-    """Return what one of the runs was."""
+    """Return the description of one of the runs."""
     versions = ", ".join(f"{what} {text}" for what, text in side.versions.items())
     return f"{name} {side.file}: {plural(len(side.results), 'result')}; {versions}"
 
 
 def numbers(change: Change) -> str:
-    """Return what verdict and error were, and what they are."""
+    """Return verdict and error before and after."""
     sides = (change.old, change.new)
-    verdicts = " -> ".join("not there" if s is None else s.verdict for s in sides)
+    verdicts = " -> ".join("missing" if s is None else s.verdict for s in sides)
     errors = [s for s in sides if s is not None and s.error is not None]
     if not errors:
         return verdicts
@@ -49,16 +49,16 @@ def numbers(change: Change) -> str:
 
 
 def reason(change: Change) -> str:
-    """Return why the newer result is what it is, where that is news."""
+    """Return the reason of the newer result if it is a new failure."""
     wanted = change.regression and change.new is not None and change.new.verdict != "pass"
     return change.result.reason if wanted else ""
 
 
 def diff_sections(diff: Diff, verbose: bool) -> Iterator[Section]:
-    """Yield what was compared, then each sort of change; ``verbose`` lists every change."""
+    """Yield the two runs, then each sort of change; ``verbose`` lists every change."""
     sides = [side_line("old", diff.old), side_line("new", diff.new)]
     yield Section(lines=[*sides, *(f"  {note}" for note in diff.notes)])
-    for name, sort in SORTS.items():
+    for name, title in SORTS.items():
         changes = [change for change in diff.changes if change.sort == name]
         groups: dict[str, list[Change]] = {}
         for change in changes:
@@ -66,15 +66,15 @@ def diff_sections(diff: Diff, verbose: bool) -> Iterator[Section]:
         lines = []
         for change in changes if verbose or len(changes) <= FEW else ():
             lines += change_lines(change)
-        for title, members in () if lines else list(groups.items())[:MOST_GROUPS]:
+        for group, members in () if lines else list(groups.items())[:MOST_GROUPS]:
             scenes = Counter(change.result.scene for change in members).items()
             where = ", ".join(f"{scene} ({count})" for scene, count in scenes)
-            lines.append(f"{title}: {len(members)} in {where}")
-            if sort.regression:
+            lines.append(f"{group}: {len(members)} in {where}")
+            if name in REGRESSIONS:
                 lines += change_lines(members[0], "  worst: ")
         if changes:
-            verdict = "deviation" if sort.regression else ""
-            yield Section(f"{sort.title} ({len(changes)})", lines=lines, verdict=verdict)
+            verdict = "deviation" if name in REGRESSIONS else ""
+            yield Section(f"{title} ({len(changes)})", lines=lines, verdict=verdict)
 
 
 def change_lines(change: Change, title: str = "") -> list[str]:
@@ -84,7 +84,7 @@ def change_lines(change: Change, title: str = "") -> list[str]:
 
 
 def print_diff(console: Console, diff: Diff, verbose: bool = False) -> None:
-    """Print what was compared, then what changed, then one line."""
+    """Print the two runs, then the changes, then a summary."""
     print_sections(console, diff_sections(diff, verbose))
     print_line(console, summary_line(diff), STYLES["deviation" if diff.regressions else "pass"])
 

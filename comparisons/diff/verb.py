@@ -2,32 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Annotated
-
 import click
 
-from ..documents.fields import OptionMark
 from ..reports.files import Destination, refuse_conflicts
-from ..terminal.options import with_options_of
 from ..terminal.program import JSON, MARKDOWN, console, examples, json_text, to_stdout
-
-
-@dataclass(frozen=True)
-class DiffRequest:
-    """Two documents of `mbcheck check`, and how much is printed of what changed.
-
-    Attributes
-    ----------
-    old, new : str
-        Documents to compare.
-    verbose : bool
-        Print every change.
-    """
-
-    old: Annotated[str, OptionMark("OLD.json", flags=())]
-    new: Annotated[str, OptionMark("NEW.json", flags=())]
-    verbose: Annotated[bool, OptionMark(flags=("-v", "--verbose"))] = False
 
 
 @click.command(
@@ -36,7 +14,9 @@ class DiffRequest:
         "mbcheck diff old.json new.json --json diff.json --markdown diff.md",
     ),
 )
-@with_options_of(DiffRequest)
+@click.argument("old", metavar="OLD.json")
+@click.argument("new", metavar="NEW.json")
+@click.option("-v", "--verbose", is_flag=True, help="Print every change.")
 @JSON
 @MARKDOWN
 def diff(
@@ -46,11 +26,11 @@ def diff(
     markdown_file: Destination | None,
     verbose: bool,
 ) -> int:
-    """Tell what changed between two runs of `mbcheck check --json`.
+    """Compare two runs of `mbcheck check --json`.
 
-    New deviations and errors come first, then errors that grew beyond their noise, and what is
-    not checked any more; what got better comes last. Exit code 0 without a regression, 1 with
-    one, 2 if there is nothing to compare.
+    New deviations and errors come first, then errors that grew beyond their noise, and results that
+    are missing; improvements come last. Exit code 0 without a regression, 1 with one, 2 if there is
+    nothing to compare.
     """
     refuse_conflicts(json_file, markdown_file)
     from ..reports.github import append_step_summary

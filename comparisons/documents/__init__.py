@@ -17,11 +17,11 @@ DOCUMENTS: Mapping[str, tuple[str, str]] = {
     "check": ("reports.run.outcome.Report", "Results of a run of checks."),
     "judge": (
         "judge.judge.Judgement",
-        "A trajectory that was computed elsewhere, against the reference.",
+        "A trajectory that was computed elsewhere, compared with the reference.",
     ),
     "simulate": (
         "queries.simulate.Simulation",
-        "A trajectory, and all that is needed to repeat it.",
+        "A trajectory, with the settings that repeat it.",
     ),
     "orbit": ("queries.orbit.OrbitReport", "The periodic orbit of a scene."),
     "frequencies": (
@@ -31,32 +31,32 @@ DOCUMENTS: Mapping[str, tuple[str, str]] = {
     "compare_maps": ("maps.compare.MapComparison", "Two maps on the points that both computed."),
     "boundary": (
         "boundary.document.BoundaryDocument",
-        "Where orbits and equilibria lose their stability, as curves.",
+        "Boundaries of stability of orbits and equilibria, as curves.",
     ),
-    "reproduce": ("papers.outcomes.Findings", "What of the papers holds."),
+    "reproduce": ("papers.outcomes.Findings", "Verdicts on the claims of the papers."),
     "tradeoff": (
         "tradeoff.report.Tradeoff",
-        "What accuracy costs, and which settings to choose.",
+        "Cost and accuracy of settings, and which to choose.",
     ),
     "tradeoff_model": (
         "tradeoff.model.TradeoffModelDocument",
-        "Which step and integrator an MJCF file needs.",
+        "Step and integrator that an MJCF file needs.",
     ),
     "compare": (
         "compare.comparison.ModelComparison",
-        "What two readings of one model differ in.",
+        "Differences of two readings of one model.",
     ),
-    "diff": ("diff.changes.Diff", "What changed between two runs of checks."),
+    "diff": ("diff.changes.Diff", "Changes between two runs of checks."),
     "inspect": (
-        "inspect.inspection.InspectDocument",
-        "What is in an MJCF file, and what it could do without.",
+        "inspect.inspection.Inspection",
+        "Contents, modes and mistakes of an MJCF file.",
     ),
     "inspections": (
-        "inspect.inspection.InspectionsDocument",
-        "What is found in several MJCF files.",
+        "inspect.batch.InspectionsDocument",
+        "Findings in several MJCF files.",
     ),
 }
-"""Class of each document, below `comparisons`, and what it is."""
+"""Class of each document, below `comparisons`, and its content."""
 
 
 def document(name: str, result: object, /, **parts: object) -> dict[str, Any]:
@@ -67,9 +67,9 @@ def document(name: str, result: object, /, **parts: object) -> dict[str, Any]:
     name : str
         Of the document.
     result : object
-        Has what the document holds, but for what is in ``parts``.
+        Has the fields of the document, but those in ``parts``.
     **parts
-        Fields of the document that ``result`` has otherwise.
+        Fields of the document in place of those of ``result``.
 
     Raises
     ------

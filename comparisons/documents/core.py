@@ -37,7 +37,7 @@ COMMON: dict[str, str] = {
     "SCENE` shows one; settings of models are among them",
     "versions": "versions of mbcheck, numpy, scipy and of the engines that took part, by name",
 }
-"""Meaning of fields that documents share, where a docstring says nothing else."""
+"""Meaning of fields that documents share, unless a docstring defines another."""
 
 
 def to_document(kind: Any, result: object, parts: Mapping[str, object]) -> dict[str, Any]:
@@ -58,7 +58,7 @@ def to_document(kind: Any, result: object, parts: Mapping[str, object]) -> dict[
 
 
 def checked(kind: Any, content: Any) -> dict[str, Any]:
-    """Return a document that is what its type says.
+    """Return a document after a check of its type.
 
     Raises
     ------
@@ -69,7 +69,7 @@ def checked(kind: Any, content: Any) -> dict[str, Any]:
         return dict(msgspec.to_builtins(msgspec.convert(content, kind)))
     except msgspec.ValidationError as error:
         raise MbcheckError(
-            f"a fault of mbcheck: this {kind.__name__} is not what docs/json.md says: {error}"
+            f"a fault of mbcheck: this {kind.__name__} contradicts docs/json.md: {error}"
         ) from None
 
 
@@ -103,7 +103,7 @@ class ComplexNumber(msgspec.Struct):
 
 @cache
 def hints_of(kind: Any) -> dict[str, Any]:
-    """Return the types of what a document holds of a class: its fields, and marked properties."""
+    """Return the types of the fields and marked properties of a class that documents hold."""
     hints, bases = get_type_hints(kind, include_extras=True), reversed(kind.__mro__)
     if not is_dataclass(kind):
         return hints

@@ -1,7 +1,7 @@
-"""What classes of requests and results say of their fields: meaning, option, place in documents.
+"""Fields of requests and results: their meanings, options and places in documents.
 
-The meaning of a field stands in the docstring of its class, under ``Attributes``; help texts and
-the tables of docs/json.md take it from there.
+The meaning of a field is in the docstring of its class, under ``Attributes``, for help texts and
+the tables of docs/json.md.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ class OptionField(NamedTuple):
     default
         `dataclasses.MISSING` makes it required.
     help : str
-        What it means, in a sentence.
+        Its meaning, in a sentence.
     """
 
     name: str
@@ -132,7 +132,7 @@ def bare(hint: Any) -> Any:
 
 
 JOBS = OptionMark("N", ("-j", "--jobs"), least=1, default=os.cpu_count() or 1)
-"""How many processes work."""
+"""Option of the number of processes."""
 
 
 def number_from(text: str, what: str) -> float:

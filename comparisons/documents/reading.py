@@ -14,7 +14,7 @@ from ...reference.errors import UsageError
 T = TypeVar("T")
 
 MAX_BYTES = 256 * 2**20
-"""Largest size [bytes] of a file that is read; nothing that a user writes or keeps is larger."""
+"""Largest size [bytes] of an input file; no file of a user is larger."""
 
 STDIN = "-"
 
@@ -26,9 +26,9 @@ def read_bytes(name: str | Path, option: str = "", label: str = "") -> bytes:
     ----------
     name : str or Path
     option : str
-        How the message begins: ``"--known: "``.
+        Beginning of the message: ``"--known: "``.
     label : str
-        How the message names the file, if otherwise.
+        Name of the file in the message, if another.
 
     Raises
     ------
@@ -59,7 +59,7 @@ def read_document(
     option: str = "",
     label: str = "",
 ) -> tuple[str, T]:
-    """Return the text of such a file, which is in UTF-8, and what a parser makes of it.
+    """Return the text of such a file, in UTF-8, and the result of a parser.
 
     Raises
     ------

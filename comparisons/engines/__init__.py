@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 
 REFERENCE = "reference"
-"""What the other engines are checked against."""
+"""Name of the engine that the others are checked against."""
 
 THREADS = (
     "OMP_NUM_THREADS",

@@ -42,7 +42,6 @@ from .validation import (
     model_description,
     model_names,
     motion_of,
-    named_anew,
     numbers,
     options_of,
     own_functions,
@@ -57,19 +56,19 @@ T = TypeVar("T")
 CLOSURE_TIME = Option(
     "closure_time", "s", 2e-3, (2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4), "closure softness"
 )
-"""Of models whose file may be written with another softness, for engines that read it."""
+"""Closure softness, an option of engines that read it from the file."""
 
-MODELS = 256
+MAX_MODELS = 256
 """Bound models that an adapter keeps, since a map runs its points repeatedly."""
 
-REASONS = 4096
+MAX_REASONS = 4096
 """Reasons of an engine that are kept: each kind of check asks for those of all methods."""
 
 OWN = "scene"
 """Name of the model of an engine that reads no MJCF and names none."""
 
 NO_FILE = mjcf.Mjcf(path=Path(), bindings={}, controls=lambda parameters: {})
-"""Stands for the file of such a model: its joints are the coordinates, and a force drives them."""
+"""The file of such a model: its joints are the coordinates, and a force drives them."""
 
 UNKNOWN_SOFTNESS = "its loops are soft by a rule of its own: no reference has their equations"
 
@@ -84,7 +83,7 @@ DIFFERENCE = 0.03
 round-off of accelerations, whose stiffest modes are far faster than those of interest, falls with
 the step."""
 
-TURNING = DIFFERENCE / 6
+CURVED_DIFFERENCE = DIFFERENCE / 6
 """The same step where joints are no sums of coordinates: in loops, and where quaternions turn.
 Rotations have poles at the length 0, at the distance 1."""
 
@@ -99,7 +98,7 @@ class BoundModel:
     ----------
     engine : Adapter
     case : Case
-        Its scene, parameters and placement count, its initial state does not.
+        A scene, its parameters and a placement, without an initial state.
     name : str
         One of the engine's models of the scene.
 
@@ -110,40 +109,19 @@ class BoundModel:
     """
 
     def __init__(self, engine: Adapter, case: Case, name: str) -> None:
-        self.engine, self.name = engine, name
-        self.case = Case(case.scene, "", case.parameters, placement=case.placement)
+        self.engine, self.case, self.name = engine, case, name
         self.scene = get_scene(case.scene)
-        self.source = self.read_source()
-        self.engine_reason = lru_cache(REASONS)(self.ask_reason)
-
-    def read_source(self) -> mjcf.Mjcf:
-        """Return the named MJCF model.
-
-        Raises
-        ------
-        UnknownNameError
-            If there is none.
-        """
-        scene, engine = self.scene.name, self.engine
-        known = mjcf.models(scene) if engine.reads_mjcf else engine.models(scene)
-        if self.name not in known:
-            owner = "MJCF" if engine.reads_mjcf else engine.name
-            raise UnknownNameError(f"{owner} model of {scene}", self.name, known)
-        if not engine.reads_mjcf:
-            return NO_FILE
-        source = mjcf.models(scene)[self.name]
-        if engine.closure_time is None or source.softened is None:
-            return source
-        return source.softened(engine.closure_time)
+        self.source = engine.read_source(case.scene, name)
+        self.engine_reason = lru_cache(MAX_REASONS)(self.ask_reason)
 
     # Its equations
 
     @cached_property
     def described(self) -> tuple[ModelDescription, str | None]:
-        """What is to be known of the model, and the engine's reason where it cannot tell.
+        """The description of the model, and the engine's reason if it has none.
 
-        Of a file most stands in its `Mjcf`; an engine is asked that models scenes itself, or whose
-        joints or loops give way by a rule of its own.
+        An MJCF model is described by its `Mjcf`; the engine describes models that it builds itself,
+        and those whose joints or loops are compliant by its own rule.
 
         Raises
         ------
@@ -187,7 +165,7 @@ class BoundModel:
         engine, names = self.engine, self.scene.public
         bare = System(self.case, self.name, names, *np.zeros((2, len(names))))
         system = self.origin if engine.reads_mjcf else bare
-        description = engine.ahead(
+        description = engine.call_before_checks(
             "describe_model",
             lambda: model_description(engine.inner.describe_model(system), self.scene.units),
         )
@@ -225,11 +203,11 @@ class BoundModel:
                 raise EngineError("returned", f"they do not tell {', '.join(sorted(missing))}")
 
         function = f"describe_model: its equations for {self.scene.name}"
-        self.engine.ahead(function, refuse_missing)
+        self.engine.call_before_checks(function, refuse_missing)
 
     @cached_property
     def description(self) -> ModelDescription:
-        """What is to be known of the model, see `described`."""
+        """The description of the model, see `described`."""
         return self.described[0]
 
     @cached_property
@@ -245,16 +223,16 @@ class BoundModel:
 
     @cached_property
     def discrete(self) -> ModelEquations | None:
-        """The equations of the model's elements, where it has any and the engine tells them.
+        """The equations of the model's elements, if the engine describes any.
 
-        The engine then takes states in their coordinates, and returns these of a run.
+        The engine then takes and returns states in their coordinates.
         """
         elements = self.description.elements
         return None if elements is None else ModelEquations(elements, self.case.parameters)
 
     @cached_property
     def solved_equations(self) -> ModelEquations:
-        """What runs converge to as steps are halved: its elements' equations, or the model's."""
+        """The equations that runs converge to as steps are halved: of its elements, if any."""
         return self.discrete or self.equations
 
     @cached_property
@@ -269,7 +247,7 @@ class BoundModel:
 
     @cached_property
     def has_soft_closure(self) -> bool:
-        """Whether a constraint closes a loop of the model, and gives way."""
+        """Whether a soft constraint closes a loop of the model."""
         return self.has_constraints and self.equations.scene is not self.scene
 
     @cached_property
@@ -281,7 +259,7 @@ class BoundModel:
 
     @cached_property
     def approximates_continuum(self) -> bool:
-        """Whether the model converges to a continuum, and does not solve equations of its own."""
+        """Whether the model converges to a continuum whose equations it does not solve."""
         scene = self.equations.scene
         return bool(scene.discretisation_coordinates) and self.coordinates != scene.coordinates
 
@@ -297,19 +275,19 @@ class BoundModel:
 
     @cached_property
     def observables(self) -> tuple[str, ...]:
-        """What is compared of a run; closed loops also show how far they are open."""
+        """Names of the outputs that are compared; for closed loops also their residuals."""
         names = self.scene.observables
         return (*names, *VIOLATIONS) if self.has_constraints else names
 
     @cached_property
     def reaction_names(self) -> tuple[str, ...]:
-        """The outputs of the scene that are forces in joints, which the engine tells."""
+        """The outputs of the scene that are forces in joints and that the engine returns."""
         return tuple(self.description.reactions) if "reactions" in self.engine.functions else ()
 
     # What it supports
 
     def unsupported_reason(self, case: Case, method: Method | None) -> str | None:
-        """Return why this method cannot run a case with these parameters, or None."""
+        """Return the reason why this method cannot run a case, or None."""
         if case.placement and self.description.unplaceable_reason:
             return self.description.unplaceable_reason
         if self.engine.reads_mjcf:
@@ -317,7 +295,7 @@ class BoundModel:
         return self.described[1] or self.engine_reason(case, method) or self.model_reason(case)
 
     def model_reason(self, case: Case) -> str | None:
-        """Return why the model cannot stand for a case, whatever the engine says, or None."""
+        """Return the reason why the model cannot represent a case in any engine, or None."""
         engine, description = self.engine, self.description
         if case.inconsistency and not description.constrained:
             return f"no constraint closes a loop of {self.name}: none can start open"
@@ -328,7 +306,7 @@ class BoundModel:
         if description.equations is None and description.constrained and engine.closure == "soft":
             return self.described[1] or UNKNOWN_SOFTNESS
         if engine.reads_mjcf:
-            return self.source.why_not(self.case.parameters)
+            return self.source.unsupported_reason(self.case.parameters)
         own = description.equations or description.elements
         if self.scene.discretisation_coordinates and not own:
             name = self.scene.name
@@ -349,10 +327,12 @@ class BoundModel:
         try:
             system = self.system(case)
         except ArithmeticError:
-            return None  # the caller is told, of a run also how many steps it would take
+            return None  # the call itself will raise it
         ask = engine.inner.unsupported_reason
         try:
-            return engine.ahead("unsupported_reason", lambda: reason_of(ask(system, method)))
+            return engine.call_before_checks(
+                "unsupported_reason", lambda: reason_of(ask(system, method))
+            )
         except Unsupported as error:
             return str(error)
 
@@ -371,7 +351,7 @@ class BoundModel:
         return method.scheme if method.scheme_with_loops or not loop else None
 
     def options(self, method: Method) -> tuple[Option, ...]:
-        """Return what limits accuracy beside the step: how a loop is closed, and the engine's."""
+        """Return the options that limit accuracy: the closure's softness, and the engine's."""
         engine = self.engine
         soft = engine.closure == "mjcf" and self.source.softened is not None
         own: tuple[Option, ...] = ()
@@ -566,12 +546,12 @@ class BoundModel:
     def trajectory(
         self, system: System, step: float, times: Array, motion: Any, precision: str | None = None
     ) -> Trajectory:
-        """Return what a method of this precision returned of a run, in the scene's observables.
+        """Return the record of a run, in the scene's observables.
 
         Raises
         ------
         EngineError
-            ``returned``, if it has no sense, or what was returned in place of a motion.
+            ``returned``, if ``motion`` is not a valid `Motion`; the error itself if it is one.
         """
         q, v, sensed = motion_of(system, motion, times, precision or self.engine.precision)
         values = self.observed(q, v, sensed)
@@ -611,7 +591,7 @@ class BoundModel:
         ):
             raise EngineError("returned", f"Motion.observables must tell {', '.join(missing)}")
         states = np.array([values[name] for name in equations.scene.state_names])
-        with np.errstate(all="ignore"):  # the guard tells of what is not finite
+        with np.errstate(all="ignore"):  # the guard refuses values that are not finite
             others = equations.scene.observe(states, equations.parameters)
             if by_file and self.has_constraints:
                 others |= self.loop_motion(q, v)
@@ -709,14 +689,14 @@ class BoundModel:
     def linearise(self, state: Array, time: float = 0.0) -> tuple[Array, Array, Array]:
         """Return M, C, K, each (n, n), about a state of rest or steady motion.
 
-        The engine's own of a tree at rest, if it tells them, and of models that it describes, in
-        coordinates that may be fewer than the states'; else by central differences.
+        The engine's matrices, if it has `linearise`: for a tree at rest, and for models that it
+        describes, in coordinates that may be fewer than the states'. Else central differences.
 
         Raises
         ------
         Unsupported
-            If a closure gives way and there is no inverse dynamics: modes are those of a closed
-            loop, and accelerations of another.
+            If a closure is soft and there is no inverse dynamics: modes are those of a closed
+            loop, accelerations those of an open one.
         """
         moves = np.any(state[len(state) // 2 :])
         own_models = bool({"models", "describe_model"} & self.engine.functions)
@@ -724,13 +704,13 @@ class BoundModel:
             own_models or not (moves or self.has_constraints)
         ):
             try:
-                return self.told_matrices(state, time)
+                return self.linearise_by_engine(state, time)
             except Unsupported:
                 if own_models:
                     raise
         return self.linearise_numerically(state, time)
 
-    def told_matrices(self, state: Array, time: float) -> tuple[Array, Array, Array]:
+    def linearise_by_engine(self, state: Array, time: float) -> tuple[Array, Array, Array]:
         """Return M, C, K, each (n, n), by the engine's own function."""
         q, v = self.joint_motion(time, state)
         system = replace(self.origin, positions=q, velocities=v, start_time=time)
@@ -756,7 +736,7 @@ class BoundModel:
         if not inverse and self.knows_softness:
             raise Unsupported("accelerations of a soft closure show no modes of a closed loop")
         q, v = self.joint_states(times, state[None])
-        # a soft closure gives way even at rest, which a closed loop does not
+        # a soft closure yields even at rest, which a closed loop does not
         acceleration = 0 * v[0]
         if inverse and not self.has_constraints:
             acceleration = self.joint_accelerations(times, q, v)[0]
@@ -774,7 +754,7 @@ class BoundModel:
         standing = self.jacobian(time, state)
         # joints of a tree in the plane are linear in the coordinates
         curved = self.has_constraints or self.origin.layout.is_spatial
-        width = TURNING if curved else DIFFERENCE
+        width = CURVED_DIFFERENCE if curved else DIFFERENCE
         _, slopes = by_differences(one_by_one(force), state, ORDER, width)
         slopes[self.prescribed] = 0
         mass = self.mass_matrices(state[None])[0] if inverse else self.own_mass_matrix(state)
@@ -801,7 +781,7 @@ class Adapter:
     closure_time : float or None
         Time constant [s] in which loops close whose softness is free; None: as in the file.
     failure : BrokenEngineError or None
-        How it failed as checks of it were planned, after which it is asked for nothing.
+        Its failure while checks were planned, after which it is not called again.
     bound : type
         Of its models.
     """
@@ -815,15 +795,15 @@ class Adapter:
         self.name, self.version, self.methods = inner.name, inner.version, tuple(inner.methods)
         self.reads_mjcf, self.compliant_joints = bool(inner.reads_mjcf), inner.compliant_joints
         self.precision, self.closure = inner.precision, inner.closure
-        self.hold(inner)
+        self.wrap(inner)
 
-    def hold(self, inner: Engine) -> None:
-        """Replace the wrapped engine and clear what is cached of the one before."""
+    def wrap(self, inner: Engine) -> None:
+        """Replace the wrapped engine and clear cached models."""
         self.inner = inner
         self.accumulates_clock, self.min_inertia = inner.accumulates_clock, inner.min_inertia
         self.max_value, self.newton_tolerance = inner.max_value, inner.newton_tolerance
         self.takes_method = functions_by_method(inner)
-        self.made = lru_cache(MODELS)(self.make)
+        self.made = lru_cache(MAX_MODELS)(self.make)
         self.names = lru_cache(self.ask_names)
 
     def bind(self, case: Case, model: str) -> BoundModel:
@@ -840,10 +820,28 @@ class Adapter:
         """Return a new bound model."""
         return self.bound(self, Case(scene, "", parameters, placement=placement), model)
 
-    def models(self, scene: str) -> tuple[str, ...]:
-        """Return the names of its models of a scene, default first: those in MJCF, or its own.
+    def read_source(self, scene: str, model: str) -> mjcf.Mjcf:
+        """Return the named MJCF model, `NO_FILE` of an engine that reads none.
 
-        A closure that is there with different softness is there once for an engine that ignores it.
+        Raises
+        ------
+        UnknownNameError
+            If the engine has no such model of the scene.
+        """
+        table = mjcf.models(scene)
+        known = table if self.reads_mjcf else self.models(scene)
+        if model not in known:
+            owner = "MJCF" if self.reads_mjcf else self.name
+            raise UnknownNameError(f"{owner} model of {scene}", model, known)
+        source = table[model] if self.reads_mjcf else NO_FILE
+        if self.closure_time is None or source.softened is None:
+            return source
+        return source.softened(self.closure_time)
+
+    def models(self, scene: str) -> tuple[str, ...]:
+        """Return the names of its models of a scene, default first.
+
+        For engines that ignore the softness of a closure, models that differ in it count once.
         """
         if not self.reads_mjcf:
             return self.names(scene)
@@ -852,11 +850,11 @@ class Adapter:
         return tuple(name for name, one in table.items() if every or one.softened is None)
 
     def ask_names(self, scene: str) -> tuple[str, ...]:
-        """Return the names of models that the engine tells, none of a scene that it refuses."""
+        """Return the engine's names of models, none of a scene that it refuses."""
         if "models" not in self.functions:
             return (OWN,)
         try:
-            return self.ahead("models", lambda: model_names(self.inner.models(scene)))
+            return self.call_before_checks("models", lambda: model_names(self.inner.models(scene)))
         except Unsupported:
             return ()
 
@@ -870,13 +868,13 @@ class Adapter:
         twins = self.twins(scene)
         return tuple(name for name in self.models(scene) if name not in twins)
 
-    def ahead(self, function: str, work: Callable[[], T]) -> T:
+    def call_before_checks(self, function: str, work: Callable[[], T]) -> T:
         """Return the answer of a function of the engine before there is a check to judge it by.
 
         Raises
         ------
         Unsupported
-            If it cannot do what it was asked for.
+            If it refuses the call.
         BrokenEngineError
             If it gives no answer; names the line of its code that raised.
         """
@@ -887,7 +885,7 @@ class Adapter:
         except MbcheckError as error:
             lines = re.findall(r'File "([^"]+)", line (\d+)', error.traceback)
             place = "".join(f" ({Path(file).name}, line {line})" for file, line in lines[-1:])
-            reason = named_anew(f"engine {self.name}: {function}: {error}{place}")
+            reason = f"engine {self.name}: {function}: {error}{place}"
             self.failure = BrokenEngineError(reason, error.traceback)
             raise self.failure from error
 
@@ -906,7 +904,7 @@ class Adapter:
             other.closure_time = value
         else:
             other.inner = self.inner.with_option(name, value)
-        other.hold(other.inner)
+        other.wrap(other.inner)
         return other
 
     def reordered(self, order: tuple[int, ...], inputs_too: bool) -> Self:
@@ -922,7 +920,7 @@ class Reordered(Engine):
     adapter : Adapter
         The other engine's.
     order : tuple of int
-        The joint that each number stands for.
+        The joint of each number.
     inputs_too : bool
         Whether states are given to it in this order as well.
     """
@@ -974,7 +972,7 @@ def adapt(name: str, offered: Any) -> Adapter:
     Parameters
     ----------
     name : str
-        How it was asked for, for messages.
+        The name given by the user, for messages.
     offered : class, or instance
         An `Engine`, or what has its attributes.
 
@@ -993,7 +991,7 @@ def adapt(name: str, offered: Any) -> Adapter:
     except EngineUnavailableError:
         raise
     except EngineError as error:
-        reason = named_anew(error.message.replace(":", " on creation:", 1))
+        reason = error.message.replace(":", " on creation:", 1)
         raise BrokenEngineError(f"engine {name}: {reason}", error.traceback) from error
     except MbcheckError as error:
         raise BrokenEngineError(f"{error}", error.traceback) from error

@@ -1,6 +1,6 @@
-"""Calls in processes of their own: what crashes, hangs or eats memory takes no other along.
+"""Calls in separate processes: a crash, a hang or an excess of memory ends one call alone.
 
-An engine is C code: it may abort, loop for ever, or allocate without end, and no exception tells.
+An engine is C code: it may abort, loop for ever, or allocate without end, and raises no exception.
 Python's own pools give up all their work when a process dies, and have no time limit. Pebble
 (https://pebble.readthedocs.io) has one; but its workers share a pipe, so one that dies while it
 reads its call breaks the pool, and no pool limits memory. Hence a pipe for each process here.
@@ -45,10 +45,10 @@ except ImportError:  # Windows
 T = TypeVar("T")
 
 STATM = Path("/proc/self/statm")
-"""How much memory a process maps, where the kernel tells and limits it: on Linux."""
+"""File with the memory that a process maps; Linux alone has it, and limits the memory."""
 
 MEMORY = 4096.0 if STATM.exists() else None
-"""What a task may take, where that can be limited, beside what its process has mapped [MiB]."""
+"""Memory that a task may map in addition to that of its process, where it can be limited [MiB]."""
 
 SIGKILL = 9
 """Absent from `signal` on Windows, which has no groups of processes to send it to."""
@@ -74,11 +74,11 @@ LIMITS: ContextVar[tuple[float | None, float | None]] = ContextVar("limits", def
 
 
 def unheard(message: Any) -> None:
-    """Take no notice."""
+    """Ignore a message."""
 
 
 TELL: ContextVar[Callable[[Any], None]] = ContextVar("TELL", default=unheard)
-"""Sends what a call has to say to the process that waits for it."""
+"""Sends a message of a call to the process that waits for it."""
 
 Local = Callable[[tuple[tuple[str, float], ...]], Engine]
 
@@ -109,7 +109,7 @@ def isolated(
     seconds : float, optional
         Time limit of each call [s], the start of its process apart.
     megabytes : float, optional
-        Memory that each call may map beside what its process has mapped before [MiB].
+        Memory that each call may map in addition to that of its process [MiB].
     groups : sequence of sequences of int, optional
         Numbers of calls that are made one after the other by one process, which keeps what they
         share; as long as it lives.
@@ -133,27 +133,25 @@ def isolated(
     groups = alone if groups is None else groups
     owners = [""] * len(groups) if owners is None else owners
     waiting = deque((owner, deque(group)) for owner, group in zip(owners, groups, strict=True))
-    crew: dict[Worker, deque[int]] = {}
-    busy_for: dict[Worker, str] = {}
+    crew: dict[Worker, tuple[str, deque[int]]] = {}
     try:
         while waiting or crew:
             while waiting and len(crew) < jobs:
                 worker = Worker()
-                busy_for[worker], crew[worker] = waiting.popleft()
-                worker.begin(calls[crew[worker][0]], seconds, megabytes)
+                crew[worker] = waiting.popleft()
+                worker.begin(calls[crew[worker][1][0]], seconds, megabytes)
             for worker in ready(crew):
-                group, result = crew[worker], worker.outcome
-                index = group.popleft()
-                owner = busy_for[worker]
-                if not group and waiting:
-                    owner, group = waiting.popleft()
-                if not group or owner != busy_for[worker] or not worker.process.is_alive():
-                    worker.end()
-                    del crew[worker], busy_for[worker]
-                if group:
-                    worker = worker if worker in crew else Worker()
-                    crew[worker], busy_for[worker] = group, owner
+                (owner, group), result = crew.pop(worker), worker.outcome
+                index, alive = group.popleft(), worker.process.is_alive()
+                if not group and alive and waiting and waiting[0][0] == owner:
+                    _, group = waiting.popleft()
+                if group and alive:
+                    crew[worker] = owner, group
                     worker.begin(calls[group[0]], seconds, megabytes)
+                else:
+                    worker.end()
+                    if group:
+                        waiting.appendleft((owner, group))
                 yield index, result
     finally:
         for worker in crew:
@@ -180,7 +178,7 @@ def within_limits(seconds: float | None, megabytes: float | None) -> Iterator[No
 
 
 def await_call(worker: Worker, call: Callable[[], T], most: float) -> T | EngineError:
-    """Return what a worker's call returns, or the `EngineError` of its failure.
+    """Return the result of a worker's call, or the `EngineError` of its failure.
 
     Parameters
     ----------
@@ -200,11 +198,11 @@ def await_call(worker: Worker, call: Callable[[], T], most: float) -> T | Engine
 
 
 def process_context() -> Any:
-    """Return how processes are started: by a server that has loaded no engine, where there is one.
+    """Return the context that starts processes: a server without engines, where there is one.
 
-    It has loaded what all of them need, which would take each a second; there linear algebra has
-    one thread. A process that makes
-    calls for another one has loaded no engine either: it is copied.
+    The server has loaded the modules that all of them need, which would take each process a second,
+    and linear algebra has one thread in it. A process that serves another one has loaded no engine
+    either: it is forked.
     """
     if "forkserver" not in get_all_start_methods():  # Windows has no fork
         return get_context("spawn")
@@ -241,7 +239,7 @@ class Worker:
     Attributes
     ----------
     heard : callable
-        Is given what a call tells meanwhile, see `tell`.
+        Receives the messages that a call sends before it ends, see `tell`.
     """
 
     def __init__(self, folder: Path | None = None) -> None:
@@ -274,7 +272,7 @@ class Worker:
         sent(self.pipe, pickle.dumps((call, seconds, megabytes)))
 
     def ended(self) -> bool:
-        """Return whether the call has ended, and put into ``outcome`` how."""
+        """Return True if the call has ended, with its result in ``outcome``."""
         try:
             while self.pipe.poll():
                 done, self.outcome = received(self.pipe, self.plain)
@@ -302,7 +300,7 @@ class Worker:
 
     @property
     def death(self) -> str:
-        """What the process died of."""
+        """The cause of the process's death."""
         code = self.process.exitcode or 0
         if code >= 0:
             return f"exit code {code}"
@@ -351,7 +349,7 @@ def serve(
     signal(SIGINT, SIG_DFL)
     lead_group()
     end_with_program(lifeline)
-    with suppress(OSError):  # foreign code has closed the pipe
+    with suppress(OSError):  # third-party code has closed the pipe
         while True:
             answer_next(pipe, folder is not None)
 
@@ -362,7 +360,7 @@ def answer_next(pipe: Connection, plain: bool) -> None:
         call, *limits = pipe.recv()
     except EOFError:
         raise BrokenPipeError from None
-    except BaseException as error:  # whatever a foreign module raises as it is imported
+    except BaseException as error:  # whatever a third-party module raises as it is imported
         pipe.send_bytes(encoded((True, engine_error(error)), plain))
     else:
         pipe.send_bytes(encoded((False, None), plain))
@@ -430,7 +428,7 @@ def end_with_program(lifeline: Connection) -> None:
 
 
 def outcome(call: Callable[[], Any], seconds: float | None, megabytes: float | None) -> Any:
-    """Return what a call returns, or the `EngineError` of its failure."""
+    """Return the result of a call, or the `EngineError` of its failure."""
     LIMITS.set((seconds, megabytes))
     try:
         with limited_memory(megabytes):
@@ -447,7 +445,7 @@ def outcome(call: Callable[[], Any], seconds: float | None, megabytes: float | N
 
 @contextmanager
 def limited_memory(megabytes: float | None) -> Iterator[None]:
-    """Let this process map so much memory [MiB] beside what it has mapped."""
+    """Let this process map so much additional memory [MiB]."""
     if megabytes is None:
         yield
         return
@@ -483,7 +481,7 @@ class RemoteEngine(Engine):
     ----------
     describe : callable
         Returns the engine's attributes by name, and as ``functions`` the names of the functions
-        that it has of its own, and as ``by_method`` those that take a method; called in that
+        that it defines, and as ``by_method`` those that take a method; called in that
         process.
     local : callable ``(options) -> Engine``
         Returns the engine itself, with options (name, value) set; called in that process.
@@ -512,13 +510,13 @@ class RemoteEngine(Engine):
         self.connect()
 
     def connect(self) -> None:
-        """Have each function that the engine has of its own called in its process."""
+        """Replace each function that the engine defines by a call in its process."""
         for name in self.functions:
             ask = self.ask_by_method if name in self.by_method else self.ask
             setattr(self, name, partial(ask, name))
 
     def call(self, work: Callable[[], Any], most: float = math.inf) -> Any:
-        """Return what work in the engine's process returns, which may take so long [s] at most.
+        """Return the result of some work in the engine's process, within a time limit [s].
 
         Raises
         ------
@@ -535,18 +533,18 @@ class RemoteEngine(Engine):
         return outcome
 
     def with_option(self, name: str, value: float) -> Self:
-        """Return the engine that is told of an option before it is asked."""
+        """Return the engine with an option set."""
         other = copy(self)
         other.settings = (*self.settings, (name, value))
         other.connect()
         return other
 
     def ask(self, function: str, *arguments: Any, **how: Any) -> Any:
-        """Return what a function of the engine returns."""
+        """Return the answer of a function of the engine."""
         return self.call(partial(asked, self.local, self.settings, function, arguments, how))
 
     def ask_by_method(self, function: str, *arguments: Any, method: Method | None = None) -> Any:
-        """Return what a function of the engine returns for a method."""
+        """Return the answer of a function of the engine for a method."""
         return self.ask(function, *arguments, method=method)
 
 
@@ -557,13 +555,13 @@ def asked(
     arguments: tuple[Any, ...],
     how: Mapping[str, Any],
 ) -> Any:
-    """Return what a function of an engine of this process returns."""
+    """Return the answer of a function of an engine in this process."""
     call = getattr(local(settings), function)
     return call_engine(lambda: call(*arguments, **how))
 
 
 def guarded(work: Callable[[], Any]) -> Any:
-    """Return what work returns, or the error of mbcheck's own that it raises."""
+    """Return the result of some work, or the `MbcheckError` that it raises."""
     try:
         return work()
     except MbcheckError as error:

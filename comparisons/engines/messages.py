@@ -1,4 +1,4 @@
-"""Messages between processes; those of a process that runs foreign code are plain data.
+"""Messages between processes; those of a process that runs third-party code are plain data.
 
 docs/engines.md describes their format: JSON that any language can write. Reading one makes
 numbers, text, arrays and objects of the classes listed here, and runs nothing.
@@ -28,7 +28,7 @@ from ...reference.errors import (
     UsageError,
 )
 from .protocol import Method, ModelDescription, Motion, Option
-from .run import describe, engine_error, excerpt, in_sight
+from .run import describe, engine_error, excerpt, printable_text
 from .validation import in_short
 
 CLASSES: dict[str, type] = {
@@ -88,7 +88,7 @@ def from_plain(value: Any) -> Any:
         If it has another form.
     """
     if isinstance(value, str):
-        return in_sight(value, MAX_TEXT)
+        return printable_text(value, MAX_TEXT)
     if isinstance(value, list):
         return tuple(map(from_plain, value))
     if not isinstance(value, dict):
@@ -98,7 +98,7 @@ def from_plain(value: Any) -> Any:
         data = b64decode(value["data"], validate=True)
         return np.frombuffer(data, "<f8").reshape(value["shape"])
     parts = {
-        in_sight(key, MAX_TEXT): excerpt(part) if key == "traceback" else from_plain(part)
+        printable_text(key, MAX_TEXT): excerpt(part) if key == "traceback" else from_plain(part)
         for key, part in value.items()
     }
     return parts if name is None else CLASSES[name](**parts)

@@ -1,6 +1,6 @@
 """The protocol of engines: what an author writes (docs/engines.md is the page for authors).
 
-All that MuJoCo and Exudyn take from mbcheck stands here.
+MuJoCo and Exudyn import nothing else of mbcheck.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ __all__ = [
 ]
 
 NO_ACCELERATIONS = "has no accelerations(...)"
-"""What is said of an engine that gives none."""
+"""The words for an engine without accelerations."""
 
 
 @dataclass(frozen=True)
@@ -51,10 +51,10 @@ class Method:
         The published scheme in `mbcheck.reference.solve.schemes` that it claims to be; with it
         the error is predicted exactly, without it by Richardson extrapolation.
     scheme_with_loops : bool
-        Whether it is this scheme of models with loops too, if these give way as the file says.
+        Whether it is this scheme on models with loops too, with their softness as in the file.
     linear_scheme : str or None
         The scheme in `mbcheck.reference.amplification` that it is on a linear system without
-        constraints, where that is not ``scheme``: what stability and damping are predicted by.
+        constraints, if another one than ``scheme``: stability and damping are predicted by it.
     evaluations_per_step : int, optional
         How often a step evaluates forces. A run whose `Motion.rhs_evaluations` differs took other
         steps than requested.
@@ -74,7 +74,7 @@ class Method:
 
 @dataclass(frozen=True)
 class Option:
-    """A setting of an engine, beside method and step, that limits its accuracy.
+    """A setting of an engine, apart from method and step, that limits its accuracy.
 
     Attributes
     ----------
@@ -95,17 +95,17 @@ class Option:
 
 @dataclass(frozen=True)
 class ModelDescription:
-    """What an engine tells of a model that it makes itself, or whose parts give way.
+    """An engine's description of a model that it builds itself, or that has compliant parts.
 
     Attributes
     ----------
     constrained : bool
-        Whether constraints close loops; `Motion.observables` then tells how far they are open.
+        Whether constraints close loops; `Motion.observables` then holds their residuals.
     reactions : tuple of str
         Outputs of the scene that are forces in its joints, which `Engine.reactions` returns.
     equations : (EquationsOfMotion, parameters), or None
         The equations of motion that the model really has, or converges to, where they are not the
-        scene's: those of a closure or of joints that give way, for instance.
+        scene's: those of a soft closure or of compliant joints, for instance.
     elements : EquationsOfMotion or None
         Of a model that converges to a continuum: the equations of its elements. The engine then
         takes states in their coordinates, and returns these of a run.
@@ -125,7 +125,7 @@ class ModelDescription:
 
 @dataclass(frozen=True)
 class Motion:
-    """What an engine returns of a run.
+    """The result of a run.
 
     Attributes
     ----------
@@ -136,13 +136,13 @@ class Motion:
     steps : int, optional
         Steps that the engine counted itself.
     warnings : mapping of str to int
-        Warning counters; any that is not zero fails the run.
+        Warning counters; any of them above zero fails the run.
     rhs_evaluations : int, optional
         How often forces were evaluated.
     newton_iterations : int, optional
         Of an implicit method, or of a solver of constraints; all steps together.
     changed_inputs : tuple of str
-        Inputs that the engine changed on its own (controls, parameters, step): they fail the run.
+        Inputs that the engine changed (controls, parameters, step): they fail the run.
     seconds : float
         Wall time of the stepping alone [s]; that of the whole call counts where it is 0.
     observables : mapping of str to array (n_t,)
@@ -169,23 +169,23 @@ class Engine:
     Attributes
     ----------
     name, version : str
-        The name stands in the ids of results.
+        The name is part of the ids of results.
     methods : tuple of Method
         The engine's integrators.
     reads_mjcf : bool
         Whether the engine reads `System.mjcf`. One that does not models the scenes itself, and
         takes their coordinates for joints.
     needs_only_mjcf : bool
-        Whether it needs nothing of `System` but the file and the state: then it is also asked for
-        models of which `System.terms` cannot tell the forces, and is empty.
+        Whether it needs nothing of `System` but the file and the state: then it also runs models
+        whose forces `System.terms` cannot represent, and is empty.
     precision : str
         Of the numbers that it computes with, ``float64`` or ``float32``. All tolerances follow.
     closure : str
         How it holds loops closed: ``rigid``, or as ``solref`` and ``solimp`` of the file say
-        (``mjcf``), or ``soft`` by a rule of its own; then models with loops are skipped, unless
+        (``mjcf``), or ``soft`` by another rule; then models with loops are skipped, unless
         `describe_model` returns their equations.
     compliant_joints : bool
-        Whether its joints give way by a rule of its own, as those of position-based dynamics or of
+        Whether its joints are compliant by its own rule, as those of position-based dynamics or of
         maximal coordinates with penalties do. Then models are skipped, unless `describe_model`
         returns their equations.
     accumulates_clock : bool
@@ -256,9 +256,9 @@ class Engine:
         raise Unsupported(f"{self.name} has no linearise(...)")
 
     def unsupported_reason(self, system: System, method: Method | None) -> str | None:
-        """Return why this method cannot run this system; its checks are then skipped. Else None.
+        """Return the reason why this method cannot run this system, or None.
 
-        Without a method: why the system cannot be modelled at all.
+        Its checks are then skipped. Without a method: the reason why no method can.
         """
         return None
 
@@ -270,9 +270,9 @@ class Engine:
         return ("scene",)
 
     def describe_model(self, system: System) -> ModelDescription:
-        """Return what is to be known of a model.
+        """Return the description of a model.
 
-        Of an engine that reads no MJCF, or one whose joints or loops give way.
+        Called if the engine reads no MJCF, or if its joints or loops are compliant.
         """
         return ModelDescription()
 
@@ -284,7 +284,7 @@ class Engine:
         velocities: Array,
         accelerations: Array,
     ) -> Array:
-        """Return the forces (n,) that must act on the joints, beside the model's, for a motion.
+        """Return the forces (n,) on the joints, in addition to the model's, for a given motion.
 
         Constraint forces of closed loops may be included or not: they do no work.
         """
@@ -297,7 +297,7 @@ class Engine:
         raise Unsupported(f"{self.name} has no reactions(...)")
 
     def options(self, system: System, method: Method) -> tuple[Option, ...]:
-        """Return what limits accuracy beside the step."""
+        """Return the settings that limit accuracy, apart from the step."""
         return ()
 
     def with_option(self, name: str, value: float) -> Self:
@@ -331,7 +331,7 @@ def import_library(name: str, cure: Callable[[str], str]) -> Any:
 
 
 def refuse_older(name: str, version: str, least: str) -> None:
-    """Refuse an engine that is older than the oldest that is known to work.
+    """Refuse an engine older than the oldest release known to work.
 
     Raises
     ------

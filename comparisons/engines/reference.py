@@ -19,7 +19,7 @@ from .protocol import Engine, Method, ModelDescription
 from .run import Trajectory
 
 EXACT = "exact"
-"""The reference's default model; the others are simplifications that it shows beside."""
+"""The reference's default model; its other models are simplifications from papers."""
 
 
 class ExactEngine(Engine):
@@ -37,10 +37,6 @@ class ReferenceModel(BoundModel):
     The step is chosen by error control; the ``step`` of `simulate` is only the grid on
     which ``times`` lie.
     """
-
-    def read_source(self) -> Mjcf:
-        """Return that it has no file."""
-        return NO_FILE
 
     @property
     def solved(self) -> EquationsOfMotion:
@@ -68,7 +64,7 @@ class ReferenceModel(BoundModel):
         raise Unsupported(f"{self.engine.name} has no joints")
 
     def unsupported_reason(self, case: Case, method: Method | None) -> str | None:
-        """Return why the reference cannot run this case, or None."""
+        """Return the reason why the reference cannot run this case, or None."""
         return "the reference's loops are always closed" if case.inconsistency else None
 
     def simulate(self, case: Case, method: Method, step: float, times: Array) -> Trajectory:
@@ -110,3 +106,7 @@ class ReferenceEngine(Adapter):
     def models(self, scene: str) -> tuple[str, ...]:
         """Return the reference's models of a scene, default first."""
         return (EXACT, *get_scene(scene).variants)
+
+    def read_source(self, scene: str, model: str) -> Mjcf:
+        """Return that it has no file."""
+        return NO_FILE

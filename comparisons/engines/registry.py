@@ -26,7 +26,7 @@ from .adapter import Adapter, adapt
 from .isolation import RemoteEngine
 from .protocol import Engine
 from .run import IN_SIGHT, call_engine, captured
-from .validation import attributes, named_anew
+from .validation import attributes
 
 ENGINES = (REFERENCE, "mujoco", "exudyn")
 """Engines that come with mbcheck."""
@@ -54,13 +54,13 @@ def known() -> tuple[str, ...]:
 
 
 def ours(name: str) -> bool:
-    """Return whether mbcheck itself offers an engine, by an extra."""
+    """Return True if mbcheck itself offers an engine, by an extra."""
     point = offered().get(name)
     return point is not None and point.dist is not None and point.dist.name == "mbcheck"
 
 
 def installed(name: str) -> bool:
-    """Return whether an engine is there, though it may not run on this machine."""
+    """Return True if an engine is installed, though it may not run on this machine."""
     return name in offered() or importlib.util.find_spec(name) is not None
 
 
@@ -70,7 +70,7 @@ def checked_engines() -> tuple[str, ...]:
 
 
 def usable(engine: str) -> bool:
-    """Return whether an engine can be imported here."""
+    """Return True if an engine can be imported here."""
     try:
         get_engine(engine)
     except EngineUnavailableError:
@@ -86,14 +86,14 @@ def available() -> tuple[str, ...]:
 def resolve_selection(
     scenes: Sequence[str] = (), engines: Sequence[str] = ()
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the scenes and engines that are asked for; without any, all that there are.
+    """Return the selected scenes and engines; all of them if none are named.
 
     An engine may be a ``package.module:Class`` too.
 
     Raises
     ------
     UsageError
-        For an unknown name, the reference, or an engine asked for that is not there.
+        For an unknown name, the reference, or an engine that cannot be imported.
     """
     if REFERENCE in engines:
         raise UsageError(
@@ -113,7 +113,7 @@ def resolve_selection(
 
 
 def broken_engines(names: Sequence[str]) -> dict[str, BrokenEngineError]:
-    """Return how engines fail as they are loaded, by the name that they were asked for by.
+    """Return the failures of engines to load, by the name that the user gave.
 
     Raises
     ------
@@ -255,7 +255,7 @@ def load_plugin(name: str) -> Adapter:
 
 
 def remote_plugin(name: str) -> Adapter:
-    """Return a plugged-in engine that runs in a process of its own.
+    """Return a plugged-in engine that runs in a separate process.
 
     Raises
     ------
@@ -271,7 +271,7 @@ def remote_plugin(name: str) -> Adapter:
 
 
 def describe_plugin(name: str) -> dict[str, Any]:
-    """Return the attributes of a plugged-in engine of this process, and its own functions."""
+    """Return the attributes of a plugged-in engine of this process, and the functions it has."""
     adapter = load_plugin(name)
     own = {"functions": sorted(adapter.functions), "by_method": sorted(adapter.takes_method)}
     return attributes(adapter.inner) | own
@@ -355,14 +355,13 @@ def _imported(module: str, attribute: str) -> Any:
         )
     try:
         loaded = call_engine(lambda: importlib.import_module(module), container=captured)
-    except MbcheckError as error:  # whatever a foreign module raises
+    except MbcheckError as error:  # whatever a third-party module raises
         cause = error.__cause__
         missing = isinstance(cause, ModuleNotFoundError) and f"{module}.".startswith(
             f"{cause.name}."
         )
         kind = EngineUnavailableError if missing else BrokenEngineError
-        reason = named_anew(f"{module} cannot be imported ({error})")
-        raise kind(reason, error.traceback) from error
+        raise kind(f"{module} cannot be imported ({error})", error.traceback) from error
     try:
         place: Any = loaded
         for part in attribute.split("."):

@@ -1,4 +1,4 @@
-"""What a run returns, the container around code of engines, and the errors that it raises."""
+"""The record of a run, the container around code of engines, and the errors that it raises."""
 
 from __future__ import annotations
 
@@ -27,24 +27,24 @@ VIOLATIONS = ("position_violation", "velocity_violation")
 """Largest residual of a closed loop's constraints [m], and of their rates [m/s]."""
 
 OURS = f"{Path(__file__).resolve().parents[2]}{os.sep}"
-"""Where the files of this package lie."""
+"""Folder of this package."""
 
 LOADERS = ("<frozen importlib", importlib.__file__)
-"""What the names of files begin with whose code imports modules."""
+"""Beginnings of the names of files whose code imports modules."""
 
 LONGEST_REASON, LONGEST_TRACEBACK = 300, 8000
-"""Characters of what is told of an exception in a line, and of its traceback."""
+"""Most characters of the line about an exception, and of its traceback."""
 
 MOST_STEPS = 2**31 - 1
 """Engines count their steps in 32 bits."""
 
 NOTES: ContextVar[dict[str, None]] = ContextVar("NOTES")
-"""What was seen of runs that is no fault, each thing once, while `noting` is active."""
+"""Harmless findings about runs, each once, while `noting` is active."""
 
 
 @dataclass(frozen=True)
 class Trajectory:
-    """What an engine returns; `guard` judges it before anyone reads it.
+    """The record of a run; `guard` judges it before anyone reads it.
 
     Attributes
     ----------
@@ -55,14 +55,14 @@ class Trajectory:
     clock : array (n_t,)
         The engine's own clock at the samples [s].
     steps : int
-        Steps that the engine counted (not those it was asked for).
+        Steps that the engine counted (not those requested).
     rhs_evaluations : int or None
     newton_iterations : int or None
         Of an implicit method, or of a solver of constraints; all steps together.
     warnings : mapping of str to int
-        The engine's warning counters; any that is not zero is a failure.
+        The engine's warning counters; any of them above zero is a failure.
     changed_inputs : tuple of str
-        Inputs that the engine changed on its own (controls, parameters, step).
+        Inputs that the engine changed (controls, parameters, step).
     seconds : float
         Wall time of the stepping alone [s]; `run` puts that of the whole call where it is 0.
     """
@@ -84,7 +84,7 @@ class Trajectory:
 
 @contextmanager
 def noting() -> Iterator[dict[str, None]]:
-    """Lend what is noted of runs meanwhile, each thing once."""
+    """Return the notes on runs in the context, each once."""
     before = NOTES.set({})
     try:
         yield NOTES.get()
@@ -97,14 +97,14 @@ IN_SIGHT: ContextVar[bool] = ContextVar("IN_SIGHT", default=False)
 
 
 class Console:
-    """What was written to standard output and error while `captured` was active."""
+    """The text written to standard output and error while `captured` was active."""
 
     text = ""
 
 
 @contextmanager
 def captured(console: Console | None = None) -> Iterator[Console]:
-    """Capture what is written, from C code too, unless the console of engines is the user's."""
+    """Capture all output, that of C code too, unless the console of engines is the user's."""
     console = console or Console()
     if IN_SIGHT.get():
         yield console
@@ -169,12 +169,12 @@ def grid_indices(times: Array, start: float, step: float) -> Array:
 def call_engine(
     work: Callable[[], T], console: Console | None = None, container: Callable[..., Any] = contained
 ) -> T:
-    """Return what a call of an engine returns, made inside the container.
+    """Return the result of a call of an engine, made inside the container.
 
     Raises
     ------
     EngineError
-        ``raised``, for whatever an engine raises that is no error of mbcheck's own.
+        ``raised``, for whatever an engine raises except errors of mbcheck.
     """
     console = console or Console()
     try:
@@ -187,7 +187,7 @@ def call_engine(
 
 
 def attempt(work: Callable[[], Any]) -> Any:
-    """Return what some work returns, or the `EngineError` that `run` makes of a failure."""
+    """Return the result of some work, or the `EngineError` of its failure."""
     try:
         return call_engine(work, container=nullcontext)
     except EngineError as error:
@@ -195,7 +195,7 @@ def attempt(work: Callable[[], Any]) -> Any:
 
 
 def engine_error(error: BaseException, console: str = "") -> EngineError:
-    """Return the `EngineError` of an exception of foreign code, and what it had printed."""
+    """Return the `EngineError` of an exception of third-party code, with its console."""
     parts = [traceback_of(error), console and f"its console:\n{console}"]
     traceback = excerpt("\n\n".join(filter(None, parts)))
     return EngineError("raised", describe(error, console), traceback)
@@ -208,11 +208,13 @@ def describe(error: BaseException, console: str) -> str:
     """
     lines = (str(error).strip() or "no message").splitlines()
     reason = " ".join(lines[:2]) if lines[0].endswith(":") else lines[0]
-    return last_words(in_sight(f"{type(error).__name__}: {reason}", LONGEST_REASON), console)
+    return append_console_tail(
+        printable_text(f"{type(error).__name__}: {reason}", LONGEST_REASON), console
+    )
 
 
 def traceback_of(error: BaseException) -> str:
-    """Return the traceback of an exception, from the first line on that is not ours."""
+    """Return the traceback of an exception, from the first line outside this package."""
     try:
         whole = TracebackException.from_exception(error)
         parts = [whole]
@@ -226,12 +228,12 @@ def traceback_of(error: BaseException) -> str:
 
 
 def excerpt(traceback: object) -> str:
-    """Return a traceback as it is shown, whatever a foreign process has sent in its place."""
+    """Return a printable traceback, whatever another process has sent in its place."""
     lines = without_middle(f"{traceback}", 2 * LONGEST_TRACEBACK).split("\n")
-    return without_middle("\n".join(map(in_sight, lines)), LONGEST_TRACEBACK).rstrip()
+    return without_middle("\n".join(map(printable_text, lines)), LONGEST_TRACEBACK).rstrip()
 
 
-def in_sight(text: str, most: int = 2 * LONGEST_TRACEBACK) -> str:
+def printable_text(text: str, most: int = 2 * LONGEST_TRACEBACK) -> str:
     """Return text of at most so many characters, with escapes for what a terminal might obey."""
     text = without_middle(text, most)
     seen = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
@@ -244,7 +246,7 @@ def without_middle(text: str, most: int) -> str:
     return text if len(text) <= most else f"{text[:half]} ... {text[-half:]}"
 
 
-def last_words(message: str, console: str) -> str:
+def append_console_tail(message: str, console: str) -> str:
     """Append the last line that the engine printed."""
     lines = [line.strip() for line in console.splitlines() if line.strip()]
-    return f"{message} (console: {in_sight(lines[-1], 200)})" if lines else message
+    return f"{message} (console: {printable_text(lines[-1], 200)})" if lines else message

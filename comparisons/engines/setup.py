@@ -5,7 +5,7 @@ Engines fail silently; what `run` returns has not.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
 from time import perf_counter
@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from ...reference import get_scene
 from ...reference.amplification import AMPLIFICATION
-from ...reference.equations import ModelEquations
 from ...reference.errors import EngineError, MbcheckError, NoOrbitError, UsageError
 from ...reference.linear import linearise, modes
 from ...reference.scene import Array, Case, Scene
@@ -27,36 +26,37 @@ from .run import (
     NOTES,
     Console,
     Trajectory,
+    append_console_tail,
     attempt,
     call_engine,
     grid_indices,
-    last_words,
     noting,
 )
 
 STEPS_PER_PERIOD = {1: 800, 2: 300, 3: 150, 4: 100, 5: 60, 6: 40}
 """Steps in the shortest period of a scene, by order of the method."""
 
-FAR = 20.0
-"""How many times faster than all else the turning of an orbit is where a run may never get near it:
-a motor with hardly any damper takes long to its working speed."""
+MAX_ROTATION_RATIO = 20.0
+"""Rotation rates above this multiple of all other rates do not set the step unless they can be
+reached: a motor with hardly any damper takes long to its working speed."""
 
-PLACES = 16
-"""Places around a turn where its acceleration is looked at."""
+ANGLES = 16
+"""Angles of a turn at which the largest acceleration is sought."""
 
 STIFF = 0.5
 """Longest step times the fastest rate of a model's closure: a quarter of the stability limit of
 explicit methods."""
 
+TRIAL_STEPS = 16
+"""Steps of the two short runs that tell remainder steps from shorter steps."""
 
-TRIAL = 16
-"""Steps of the two short runs that tell slivers from shorter steps."""
+SAME, LEAST_SIZE = 1e-9, 1e-3
+"""Largest relative difference of the ends of these runs, and the least size (SI) of an observable
+that it is relative to."""
 
-SAME, STILL = 1e-9, 1e-3
-"""Difference of their ends that slivers do not explain, in the size of what is observed, and the
-least of these sizes (SI)."""
-
-SLIVERS = "the engine counts slivers of steps to times that are off its clock by rounding: no fault"
+REMAINDER_STEPS = (
+    "the engine counts remainder steps to times that its clock misses by round-off: no fault"
+)
 
 
 @dataclass(frozen=True)
@@ -136,7 +136,12 @@ class Setup:
     @cached_property
     def stable_step_bound(self) -> float:
         """The longest step [s] for the equations of a closure; a continuum sets none."""
-        return stable_step_bound(self.case, self.bound.equations)
+        equations = self.bound.equations
+        if equations.scene is self.scene or equations.scene.continuum.refined:
+            return np.inf
+        start = equations.start(self.case)
+        matrices = linearise(equations.scene, equations.parameters, start)
+        return STIFF / max(mode.omega for mode in modes(*matrices))
 
     @cached_property
     def unsupported_reason(self) -> str | None:
@@ -167,7 +172,7 @@ class Setup:
 
 
 def power_of_two(most: float) -> float:
-    """Return the largest power of two that is not above a number; no clock has to round it."""
+    """Return the largest power of two up to a number; no clock has to round it."""
     return float(2.0 ** np.floor(np.log2(most)))
 
 
@@ -201,40 +206,39 @@ def shortest_period(case: Case) -> float:
     omega += [abs(case.state.get(f"{name}_dot", 0.0)) for name in scene.rotations_per_period]
     omega.append(scene.turning_speed(scene.state(case.state)))
     others = max(omega)
-    if not scene.drive and whole > FAR * others > 0:
+    if not scene.drive and whole > MAX_ROTATION_RATIO * others > 0:
         whole = min(whole, max(others, reachable_speed(case)))
     return 2 * np.pi / max(whole, others)
 
 
 def reachable_speed(case: Case) -> float:
-    """Return what a motor may bring a coordinate to within the horizon of a case [rad/s].
+    """Return an upper estimate of the speed of a coordinate within the horizon of a case [rad/s].
 
-    The largest acceleration at places all around, at the speed of the start, for the whole time.
+    The largest acceleration over a turn, at the initial speed, acts for the whole time.
     """
     scene = get_scene(case.scene)
     slopes, start = scene.right_hand_side(case.parameters), scene.state(case.state)
     n = len(scene.coordinates)
-    turns = np.linspace(0, 2 * np.pi, PLACES, endpoint=False)
+    turns = np.linspace(0, 2 * np.pi, ANGLES, endpoint=False)
     states = np.array([np.concatenate([start[:n] + turn, start[n:]]) for turn in turns])
     faster = [np.max(np.abs(slopes(case.start_time, state)[n:])) for state in states]
     return float(np.max(np.abs(start[n:])) + max(faster) * case.horizon)
 
 
-def stable_step_bound(case: Case, equations: ModelEquations) -> float:
-    """Return the longest step [s] for the equations of a closure; a continuum sets none."""
-    if equations.scene is get_scene(case.scene) or equations.scene.continuum.refined:
-        return np.inf
-    matrices = linearise(equations.scene, equations.parameters, equations.start(case))
-    return STIFF / max(mode.omega for mode in modes(*matrices))
-
-
 def guard(
-    trajectory: Trajectory, setup: Setup, times: Array, slivers: Callable[[], int] | None = None
+    trajectory: Trajectory, setup: Setup, times: Array, remainder_steps: int | None = None
 ) -> None:
-    """Refuse a run of a setup, with its step, that failed silently.
+    """Refuse a run of a setup that failed silently.
 
-    ``slivers`` returns how many steps more than were asked for are slivers, at most; by default
-    `most_slivers` finds out.
+    Parameters
+    ----------
+    trajectory : Trajectory
+    setup : Setup
+        With the step of the run.
+    times : array (n_t,)
+        The requested times [s].
+    remainder_steps : int, optional
+        Most additional steps that may be remainders; by default `count_remainder_steps`.
 
     Raises
     ------
@@ -243,139 +247,127 @@ def guard(
         ``clock_reversed``, ``step_count``, ``work_count``, ``inputs_changed`` or ``branch``.
     """
     expected = np.asarray(times, dtype=float)
-    case, step, evaluations = setup.case, setup.step_size, setup.integrator.evaluations_per_step
-    if trajectory.times.shape != expected.shape or not np.array_equal(trajectory.times, expected):
-        raise EngineError("shape", "the engine did not return the times that were asked for")
-    for name, values in trajectory.values.items():
-        if np.shape(values) != expected.shape:
+    case, step, values = setup.case, setup.step_size, trajectory.values
+    if not np.array_equal(trajectory.times, expected):
+        raise EngineError("shape", "the engine did not return the requested times")
+    for name, rows in values.items():
+        if np.shape(rows) != expected.shape:
             raise EngineError(
-                "shape", f"{name} has shape {np.shape(values)}, expected {expected.shape}"
+                "shape", f"{name} has shape {np.shape(rows)}, expected {expected.shape}"
             )
     for name, count in trajectory.warnings.items():
         if count:
-            raise EngineError("warning", f"the engine's warning counter {name} stands at {count}")
-    for name, values in trajectory.values.items():
-        bad = np.flatnonzero(~np.isfinite(values))
+            raise EngineError("warning", f"the engine's warning counter {name} is {count}")
+    for name, rows in values.items():
+        bad = np.flatnonzero(~np.isfinite(rows))
         if bad.size:
             raise EngineError(
                 "non_finite",
-                f"{name} is {values[bad[0]]} at t = {expected[bad[0]]:.6g} s: the run is unstable; "
+                f"{name} is {rows[bad[0]]} at t = {expected[bad[0]]:.6g} s: the run is unstable; "
                 "try a smaller step",
             )
-    if np.any(np.diff(trajectory.clock) < 0):
-        first = int(np.flatnonzero(np.diff(trajectory.clock) < 0)[0])
+    clock = trajectory.clock
+    back = np.flatnonzero(np.diff(clock) < 0)
+    if back.size:
         raise EngineError(
             "clock_reversed",
-            f"the engine's clock went back from {trajectory.clock[first]:.9g} s to "
-            f"{trajectory.clock[first + 1]:.9g} s: it reset itself",
+            f"the engine's clock decreased from {clock[back[0]]:.9g} s to "
+            f"{clock[back[0] + 1]:.9g} s: the simulation was reset",
         )
-    asked = round((expected[-1] - case.start_time) / step)
-    slack = setup.epsilon * max(asked, 1) * np.maximum(np.abs(expected), step)
-    late = np.flatnonzero(~(np.abs(trajectory.clock - expected) <= slack))
+    requested = round((expected[-1] - case.start_time) / step)
+    slack = setup.epsilon * max(requested, 1) * np.maximum(np.abs(expected), step)
+    late = np.flatnonzero(~(np.abs(clock - expected) <= slack))
     if late.size:
         raise EngineError(
             "clock",
-            f"the engine's clock shows {trajectory.clock[late[0]]:.17g} s at "
-            f"t = {expected[late[0]]:.17g} s: stop at the times that are asked for",
+            f"the engine's clock shows {clock[late[0]]:.17g} s at t = {expected[late[0]]:.17g} s: "
+            "stop at the requested times",
         )
-    slivers = slivers or partial(most_slivers, setup, expected)
-    refuse_other_steps(trajectory, asked, evaluations, slivers)
+    refuse_other_steps(trajectory, setup, requested, remainder_steps)
     if trajectory.changed_inputs:
         raise EngineError(
             "inputs_changed",
             f"the engine changed its inputs: {', '.join(trajectory.changed_inputs)}",
         )
-    scene = get_scene(case.scene)
-    missing = set(scene.observables) - set(trajectory.values)
+    missing = set(setup.scene.observables) - set(values)
     if missing:
         raise EngineError("names", f"the engine returned no {', '.join(sorted(missing))}")
-    if scene.assembled is not None:
-        apart = np.flatnonzero(~scene.assembled(trajectory.values, case.parameters))
+    if setup.scene.assembled is not None:
+        apart = np.flatnonzero(~setup.scene.assembled(values, case.parameters))
         if apart.size:
             raise EngineError(
                 "branch",
-                f"at t = {expected[apart[0]]:.6g} s the mechanism is put together the other way "
-                "round: the engine went through a singular position; try a smaller step",
+                f"at t = {expected[apart[0]]:.6g} s the loop has switched to its other assembly "
+                "branch: the engine went through a singular position; try a smaller step",
             )
 
 
 def refuse_other_steps(
-    trajectory: Trajectory, asked: int, evaluations: int | None, slivers: Callable[[], int]
+    trajectory: Trajectory, setup: Setup, requested: int, remainder_steps: int | None
 ) -> None:
-    """Refuse a run whose counts tell of other steps than were asked for, slivers apart.
+    """Refuse a run whose counts show other steps than requested, remainder steps apart.
 
     Raises
     ------
     EngineError
         ``step_count`` or ``work_count``.
     """
-    more, work = trajectory.steps - asked, trajectory.rhs_evaluations
-    few, beyond = False, 0.0
+    more, work = trajectory.steps - requested, trajectory.rhs_evaluations
+    evaluations, few, beyond = setup.integrator.evaluations_per_step, False, 0.0
     if evaluations is not None and work is not None:
-        few = work < evaluations * (asked - 1)
+        few = work < evaluations * (requested - 1)
         # one to start with, one for each sample
-        beyond = max(0.0, (work - len(trajectory.times)) / evaluations - asked - 1)
+        beyond = max(0.0, (work - len(trajectory.times)) / evaluations - requested - 1)
     if not (more or few or beyond):
         return
-    most = slivers() if more > 0 or beyond else 0
-    if not 0 <= more <= most:
+    if remainder_steps is None:
+        extra = more > 0 or beyond
+        remainder_steps = count_remainder_steps(setup, trajectory.times) if extra else 0
+    if not 0 <= more <= remainder_steps:
         raise EngineError(
             "step_count",
-            f"the engine took {trajectory.steps} steps, {asked} were asked for: count "
-            "those of this run, each of the step that is given, or leave Motion.steps out",
+            f"the engine took {trajectory.steps} steps, {requested} were requested: count the "
+            "steps of this run, each of the given size, or leave Motion.steps out",
         )
-    if few or beyond > most:
+    if few or beyond > remainder_steps:
         raise EngineError(
             "work_count",
-            f"the engine evaluated forces {work} times, {(evaluations or 0) * asked} "
-            f"make {asked} steps of {evaluations} each: it takes other steps than asked",
+            f"the engine evaluated forces {work} times, {(evaluations or 0) * requested} "
+            f"make {requested} steps of {evaluations} each: it takes other steps than requested",
         )
-    NOTES.get({})[SLIVERS] = None
+    NOTES.get({})[REMAINDER_STEPS] = None
 
 
-def most_slivers(setup: Setup, times: Array) -> int:
-    """Return how many steps of a run (n_t times) may be slivers; 0 if the engine takes others.
+def count_remainder_steps(setup: Setup, times: Array) -> int:
+    """Return the most steps of a run (n_t times) that may be remainders of others.
 
-    A clock that adds up its steps misses a sample time by rounding, and what is left takes a step
-    of its own: one for each such time, whatever lies between them. So a run with one sample has
+    A clock that adds up its steps misses a sample time by round-off, and the remainder takes a step
+    by itself: one for each such time, whatever lies between them. So a run with one sample has
     one at most, and ends where a run with many ends. An engine that halves its steps, or takes one
-    more from sample to sample, differs in one of these.
+    more from sample to sample, differs in one of these: then 0.
     """
-    most = missed(setup, times)
+    most = off_grid_times(setup, times)
     if not most:
         return 0
-    grid = setup.case.start_time + setup.step_size * np.arange(1, TRIAL + 1)
-    ends = []
+    case, method, step = setup.case, setup.integrator, setup.step_size
+    ends: list[Array] = []
+    grid = np.asarray(case.start_time + step * np.arange(1, TRIAL_STEPS + 1), dtype=float)
     for samples in (grid[-1:], grid):
         try:
-            short = short_run(setup, samples)
+            short = call_engine(partial(setup.bound.simulate, case, method, step, samples))
+            with noting():
+                guard(short, setup, samples, off_grid_times(setup, samples))
         except MbcheckError:
             return 0
-        values = short.matrix(get_scene(setup.case.scene).observables)
+        values = short.matrix(setup.scene.observables)
         ends.append(values[:, -1])
-    sizes = np.maximum(np.max(np.abs(values), axis=1), STILL)
-    alike = max(SAME, 8 * TRIAL * setup.epsilon)
+    sizes = np.maximum(np.max(np.abs(values), axis=1), LEAST_SIZE)
+    alike = max(SAME, 8 * TRIAL_STEPS * setup.epsilon)
     return most if np.all(np.abs(ends[1] - ends[0]) <= alike * sizes) else 0
 
 
-def short_run(setup: Setup, times: NDArray[Any]) -> Trajectory:
-    """Return a run that has a sliver at most where a time is missed; nothing is noted of it.
-
-    Raises
-    ------
-    MbcheckError
-        If the engine fails, or the run has other steps.
-    """
-    case, method, step = setup.case, setup.integrator, setup.step_size
-    room = missed(setup, times)
-    short = call_engine(lambda: setup.bound.simulate(case, method, step, times))
-    with noting():
-        guard(short, setup, times, lambda: room)
-    return short
-
-
-def missed(setup: Setup, times: NDArray[Any]) -> int:
-    """Return how many times (n_t,) a clock may miss by rounding that adds up steps to each [s]."""
+def off_grid_times(setup: Setup, times: NDArray[Any]) -> int:
+    """Return the number of times (n_t,) that a clock misses by round-off as it adds up steps."""
     if setup.epsilon > EPS:  # its sums are not those of this machine
         return len(times)
     start, step = setup.case.start_time, setup.step_size
@@ -409,9 +401,9 @@ def run(setup: Setup, times: Array) -> Trajectory:
     console = Console()
     trajectory, seconds = call_engine(simulate, console)
     try:
-        guard(trajectory, setup.with_step(step), times)
+        guard(trajectory, setup, times)
     except EngineError as error:
-        raise EngineError(error.kind, last_words(error.message, console.text)) from error
+        raise EngineError(error.kind, append_console_tail(error.message, console.text)) from error
     return trajectory if trajectory.seconds else replace(trajectory, seconds=seconds)
 
 
@@ -429,19 +421,14 @@ def run_many(
     times : array (k, n_t) [s]
         As many steps from one to the next in every case.
     """
-    for case, step, grid in zip(cases, steps, times, strict=True):
-        grid_indices(grid, case.start_time, float(step))
+    rows = list(zip(cases, steps.tolist(), times, strict=True))
+    for case, step, grid in rows:
+        grid_indices(grid, case.start_time, step)
 
     def simulate(case: Case, step: float, grid: Array) -> Trajectory:
-        return setup.with_case(case).bound.simulate(case, setup.integrator, step, grid)
+        own = setup.with_case(case).with_step(step)
+        trajectory = own.bound.simulate(case, setup.integrator, step, grid)
+        guard(trajectory, own, grid)
+        return trajectory
 
-    rows = zip(cases, steps.tolist(), times, strict=True)
-    results = call_engine(lambda: [attempt(partial(simulate, *row)) for row in rows])
-    for i, result in enumerate(results):
-        if isinstance(result, EngineError):
-            continue
-        try:
-            guard(result, setup.with_case(cases[i]).with_step(float(steps[i])), times[i])
-        except EngineError as error:
-            results[i] = error
-    return results
+    return call_engine(lambda: [attempt(partial(simulate, *row)) for row in rows])

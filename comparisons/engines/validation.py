@@ -1,11 +1,12 @@
-"""What engines that are plugged in must be, and what their answers must be."""
+"""Requirements on plugged-in engines and on their answers."""
 
 from __future__ import annotations
 
 import inspect
 import re
 from collections.abc import Collection, Mapping
-from typing import Any
+from contextlib import suppress
+from typing import Any, cast
 
 import numpy as np
 
@@ -22,11 +23,22 @@ PRECISIONS = ("float64", "float32")
 CLOSURES = ("rigid", "mjcf", "soft")
 
 LONGEST_NAME, LONGEST_VERSION = 63, 200
-"""Characters of the name of an engine or a method, which stands in ids and in tables, and of the
-version of an engine."""
+"""Most characters of the name of an engine or a method, which is part of ids, and of a version."""
 
 MAX_NAMES = 100
 """Methods of an engine, or models of a scene, above which it is refused: each has its checks."""
+
+
+def expect(right: bool, need: str, answer: Any) -> None:
+    """Refuse an answer that does not meet a need.
+
+    Raises
+    ------
+    EngineError
+        ``returned``
+    """
+    if not right:
+        raise EngineError("returned", f"{need}, not {in_short(answer)}")
 
 
 def numbers(what: str, value: Any, shape: tuple[int, ...], finite: bool = False) -> Array:
@@ -35,7 +47,7 @@ def numbers(what: str, value: Any, shape: tuple[int, ...], finite: bool = False)
     Raises
     ------
     EngineError
-        ``returned``, with what is wrong.
+        ``returned``; names the fault.
     """
     try:
         array = np.asarray(value)
@@ -61,7 +73,7 @@ def matrices(answer: Any, size: int | None = None) -> Array:
     Raises
     ------
     EngineError
-        ``returned``, with what is wrong.
+        ``returned``; names the fault.
     """
     try:
         n = len(answer[0]) if size is None else size
@@ -71,7 +83,7 @@ def matrices(answer: Any, size: int | None = None) -> Array:
 
 
 UNIT, UNITS = 1e-9, 256
-"""By how much the length of a quaternion may be off 1: so much, or so many units of rounding."""
+"""Largest error of the length of a quaternion: absolute, and in units of round-off."""
 
 
 def refuse_lost_length(system: System, times: Array, positions: Array, precision: str) -> None:
@@ -105,7 +117,11 @@ def refuse_lost_joints(system: System, times: Array, states: Array) -> None:
     """
     lost = np.argwhere(~np.isfinite(states))
     if lost.size:
-        time, joint = times[lost[0][0]], joint_of(system, int(lost[0][1]))
+        slices = zip(
+            (*system.layout.positions, *system.layout.velocities), system.joints * 2, strict=True
+        )
+        joint = [name for at, name in slices for _ in range(at.start, at.stop)][lost[0][1]]
+        time = times[lost[0][0]]
         raise EngineError("non_finite", f"the joint {joint} is not finite at t = {time:.6g} s")
 
 
@@ -139,13 +155,10 @@ def motion_of(
     """
     if isinstance(motion, Exception):
         raise motion
-    if not isinstance(motion, Motion):
-        raise EngineError("returned", f"simulate must return a Motion, not {in_short(motion)}")
+    expect(isinstance(motion, Motion), "simulate must return a Motion", motion)
     for name, what in (("warnings", "counts"), ("observables", "values")):
-        if not isinstance(value := vars(motion)[name], Mapping):
-            raise EngineError(
-                "returned", f"Motion.{name} must be {what} by name, not {in_short(value)}"
-            )
+        value = vars(motion)[name]
+        expect(isinstance(value, Mapping), f"Motion.{name} must be {what} by name", value)
     shape, (positions, rates) = (len(times),), system.layout.size
     q = numbers("Motion.positions", motion.positions, (*shape, positions))
     v = numbers("Motion.velocities", motion.velocities, (*shape, rates))
@@ -156,7 +169,7 @@ def motion_of(
 
 
 def clock_of(motion: Motion, times: Array) -> Array:
-    """Return what an engine's clock shows (n_t,) [s]: the requested times where it has none."""
+    """Return the times of an engine's clock (n_t,) [s]: the requested ones where it has none."""
     return times if motion.clock is None else numbers("Motion.clock", motion.clock, times.shape)
 
 
@@ -171,13 +184,19 @@ def trajectory_of(
         ``returned``
     """
     requested = round((times[-1] - system.start_time) / step)
+    counts = {
+        name: None
+        if (value := vars(motion)[name]) is None
+        else int(numbers(f"Motion.{name}", value, (), finite=True))
+        for name in ("steps", "rhs_evaluations", "newton_iterations")
+    }
     return Trajectory(
         times=times,
         values=values,
         clock=clock_of(motion, times),
-        steps=requested if motion.steps is None else count("steps", motion.steps),
-        rhs_evaluations=optional_count("rhs_evaluations", motion.rhs_evaluations),
-        newton_iterations=optional_count("newton_iterations", motion.newton_iterations),
+        steps=requested if counts["steps"] is None else counts["steps"],
+        rhs_evaluations=counts["rhs_evaluations"],
+        newton_iterations=counts["newton_iterations"],
         warnings=dict(motion.warnings),
         changed_inputs=tuple(map(str, motion.changed_inputs)),
         seconds=float(numbers("Motion.seconds", motion.seconds, (), finite=True)),
@@ -201,26 +220,24 @@ def refuse_step_across_end(system: System, step: float, times: Array) -> None:
 
 
 def options_of(answer: Any) -> tuple[Option, ...]:
-    """Return the options that an engine tells.
+    """Return an engine's options.
 
     Raises
     ------
     EngineError
         ``returned``, if they are none.
     """
-    if not (isinstance(answer, tuple | list) and all(isinstance(x, Option) for x in answer)):
-        raise EngineError(
-            "returned", f"options must return a tuple of mbcheck.Option, not {in_short(answer)}"
-        )
+    right = isinstance(answer, tuple | list) and all(isinstance(x, Option) for x in answer)
+    expect(right, "options must return a tuple of mbcheck.Option", answer)
     return tuple(answer)
 
 
 INTEGRALS = ("energy", "momentum")
-"""Of motion, which a scene conserves in some of its cases alone: an engine may tell them in all."""
+"""Integrals of motion, conserved in some cases of a scene: an engine may return them in all."""
 
 
 def observables_of(motion: Motion, case: Case, shape: tuple[int, ...]) -> dict[str, Array]:
-    """Return what sensors show in a motion of a case, by name, each of this shape.
+    """Return the sensors' values in a motion of a case, by name, each of this shape.
 
     Raises
     ------
@@ -243,28 +260,10 @@ def observables_of(motion: Motion, case: Case, shape: tuple[int, ...]) -> dict[s
     }
 
 
-def joint_of(system: System, column: int) -> str:
-    """Return the joint of a column of positions and velocities side by side."""
-    count = system.layout.size[0]
-    slices = system.layout.positions if column < count else system.layout.velocities
-    column -= count * (column >= count)
-    return next(n for n, at in zip(system.joints, slices, strict=True) if column < at.stop)
-
-
 def in_short(value: Any) -> str:
     """Return an answer in one short line."""
     text = " ".join(repr(value).split())
     return f"{type(value).__name__} {text if len(text) <= 40 else text[:37] + '...'}"
-
-
-def count(name: str, value: Any) -> int:
-    """Return a number that a `Motion` tells as a whole one."""
-    return int(numbers(f"Motion.{name}", value, (), finite=True))
-
-
-def optional_count(name: str, value: Any) -> int | None:
-    """Return a number that a `Motion` may tell, or None."""
-    return None if value is None else count(name, value)
 
 
 def declared(name: str, author: Any) -> Engine:
@@ -294,7 +293,10 @@ def declared(name: str, author: Any) -> Engine:
         ),
         "methods": (listed, f"a tuple of mbcheck.Method, of {MAX_NAMES} at most"),
         **{flag: (isinstance(table[flag], bool | np.bool_), "True or False") for flag in FLAGS},
-        **{one: (is_size(table[one]), "a number") for one in NUMBERS},
+        **{
+            one: (isinstance(table[one], int | float) and table[one] >= 0, "a number")
+            for one in NUMBERS
+        },
     }
     refuse_unfit(f"engine {name}", table, needs)
     for method in methods:
@@ -322,15 +324,10 @@ def declared(name: str, author: Any) -> Engine:
     return author
 
 
-def is_size(value: Any) -> bool:
-    """Return True if a value is a number that is not negative."""
-    return isinstance(value, int | float) and value >= 0
-
-
 def refuse_unfit(
     where: str, values: Mapping[str, Any], needs: Mapping[str, tuple[bool, str]]
 ) -> None:
-    """Refuse the first of some values that is not what it must be.
+    """Refuse the first value that does not meet its need.
 
     Raises
     ------
@@ -347,7 +344,7 @@ def attributes(author: Engine) -> dict[str, Any]:
 
 
 def own_functions(author: Engine) -> frozenset[str]:
-    """Return which functions of the protocol an engine has of its own."""
+    """Return the names of the functions of the protocol that an engine defines."""
     return frozenset(
         name
         for name in CALLS
@@ -384,38 +381,15 @@ RENAMED = {
 }
 """Attributes and functions of an engine, by the names that they had before."""
 
-RENAMED_ARGUMENTS = {
-    "why_not_placed": "unplaceable_reason",
-    "linear": "linear_scheme",
-    "evaluations": "evaluations_per_step",
-    "limits": "error_source",
-    "changed": "changed_inputs",
-}
-"""Fields of `ModelDescription`, `Method`, `Option` and `Motion`, by the names they had before."""
-
-
-def named_anew(reason: str) -> str:
-    """Return a reason, with the new name of an argument if it complains of an old one."""
-    old = re.search(r"unexpected keyword argument '(\w+)'", reason)
-    new = RENAMED_ARGUMENTS.get(old[1]) if old else None
-    return f"{reason}; it is now {new}, see CHANGELOG.md" if new else reason
-
 
 def functions_by_method(author: Engine) -> frozenset[str]:
-    """Return which functions of an engine take a method as a keyword beside their arguments."""
-    return frozenset(
-        name
-        for name in ("accelerations", "mass_matrix")
-        if takes_keyword(getattr(author, name), "method")
-    )
-
-
-def takes_keyword(call: Any, name: str) -> bool:
-    """Return whether a function takes an argument by this name."""
-    try:
-        return name in inspect.signature(call).parameters
-    except ValueError:  # of compiled code
-        return False
+    """Return the names of the functions of an engine that take the keyword ``method``."""
+    taking = set()
+    for name in ("accelerations", "mass_matrix"):
+        with suppress(ValueError):  # of compiled code
+            if "method" in inspect.signature(getattr(author, name)).parameters:
+                taking.add(name)
+    return frozenset(taking)
 
 
 def refuse_signature(name: str, function: str, call: Any, arguments: int) -> None:
@@ -446,7 +420,7 @@ RENAME = "rename it if it is a helper of yours"
 
 
 def refuse_name(what: str, name: Any) -> None:
-    """Refuse a name that cannot stand in ids of results.
+    """Refuse a name that cannot be part of ids of results.
 
     Raises
     ------
@@ -460,7 +434,7 @@ def refuse_name(what: str, name: Any) -> None:
 
 
 def refuse_method(name: str, method: Any) -> None:
-    """Refuse what is no `Method`, or has an impossible order or an unknown scheme.
+    """Refuse an object other than a `Method`, an impossible order or an unknown scheme.
 
     Raises
     ------
@@ -487,20 +461,17 @@ def refuse_method(name: str, method: Any) -> None:
 
 
 def model_names(answer: Any) -> tuple[str, ...]:
-    """Return the names of models that an engine tells.
+    """Return an engine's names of models.
 
     Raises
     ------
     EngineError
         ``returned``, if they are no names, or too many.
     UsageError
-        If they cannot stand in ids of results.
+        If they cannot be part of ids of results.
     """
-    if not isinstance(answer, tuple | list) or len(answer) > MAX_NAMES:
-        raise EngineError(
-            "returned",
-            f"models must return a tuple of names, {MAX_NAMES} at most, not {in_short(answer)}",
-        )
+    few = isinstance(answer, tuple | list) and len(answer) <= MAX_NAMES
+    expect(few, f"models must return a tuple of names, {MAX_NAMES} at most", answer)
     for model in answer:
         refuse_name("it calls a model", model)
     if len(set(answer)) < len(answer):
@@ -509,17 +480,15 @@ def model_names(answer: Any) -> tuple[str, ...]:
 
 
 def model_description(answer: Any, outputs: Collection[str]) -> ModelDescription:
-    """Return what an engine tells of a model of a scene with these outputs.
+    """Return an engine's description of a model of a scene with these outputs.
 
     Raises
     ------
     EngineError
         ``returned``, if it has no sense; says in what.
     """
-    if not isinstance(answer, ModelDescription):
-        raise EngineError(
-            "returned", f"describe_model must return a ModelDescription, not {in_short(answer)}"
-        )
+    right = isinstance(answer, ModelDescription)
+    expect(right, "describe_model must return a ModelDescription", answer)
     equations, order = answer.equations, answer.element_order
     pair = isinstance(equations, tuple) and len(equations) == 2
     whole = equations is None or (
@@ -539,22 +508,18 @@ def model_description(answer: Any, outputs: Collection[str]) -> ModelDescription
         "unplaceable_reason": (placed, "None or a reason"),
     }
     for field, (right, need) in needs.items():
-        if not right:
-            value = in_short(vars(answer)[field])
-            raise EngineError("returned", f"ModelDescription.{field} must be {need}, not {value}")
-    return answer
+        expect(right, f"ModelDescription.{field} must be {need}", vars(answer)[field])
+    return cast(ModelDescription, answer)
 
 
 def reason_of(answer: Any) -> str | None:
-    """Return why an engine cannot run something, None where it gives no reason.
+    """Return an engine's reason for not running something, None if it gives none.
 
     Raises
     ------
     EngineError
         ``returned``, if it is no text.
     """
-    if not isinstance(answer, str | None):
-        raise EngineError(
-            "returned", f"unsupported_reason must return a reason or None, not {in_short(answer)}"
-        )
+    right = isinstance(answer, str | None)
+    expect(right, "unsupported_reason must return a reason or None", answer)
     return answer or None

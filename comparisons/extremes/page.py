@@ -1,4 +1,4 @@
-"""Where engines break, and who notices: for the console, and as the page docs/extremes.md."""
+"""Failures of engines, and who notices: for the console, and as the page docs/extremes.md."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from rich.console import Console
 from ..checks.table import EXTREMES
 from ..checks.verdict import ENGINE, REFERENCE, Result
 from ..faults.variants import NOT_PROVOKED
-from ..reports.text import markdown_table, print_line, print_table, print_wrapped
+from ..reports.text import markdown_table, print_line, print_table
 
 RIGHT, WRONG, FAILED, REFUSED, SKIPPED = "right", "wrong", "failed", "refused", "skipped"
 OUTCOMES: Mapping[str, str] = {
-    RIGHT: "within the error that is predicted",
+    RIGHT: "within the predicted error",
     WRONG: "finite, and wrong",
     FAILED: "no result, and the reason is named",
     REFUSED: "the engine or its adapter refuses the model, the method or the step",
@@ -38,7 +38,7 @@ alone with `mbcheck check --id ID`, or all of them with `mbcheck check --extreme
 """
 
 WHO = """Who notices: `engine`, the engine itself or its adapter; `guard`, what mbcheck asks of
-every run; `rule:...`, a rule that is known before the run; `halving`, a run with half the step;
+every run; `rule:...`, a rule known before the run; `halving`, a run with half the step;
 `reference`, a comparison with the reference.
 """
 
@@ -116,5 +116,5 @@ def show(console: Console, results: Sequence[Result], every: bool) -> None:
     hidden = [one for one in results if is_hidden(one)]
     for one in [one for one in results if outcome(one) != RIGHT] if every else hidden:
         noticed = ", ".join(one.noticed_by) or "-"
-        print_wrapped(console, f"{outcome(one)} {one.id}; noticed by {noticed}: {one.reason}")
+        print_line(console, f"{outcome(one)} {one.id}; noticed by {noticed}: {one.reason}")
     print_line(console, f"{len(results)} results; {len(hidden)} that only the reference notices")

@@ -22,7 +22,7 @@ from ..terminal.program import (
 )
 
 LIMIT = 240.0
-"""What a check may take [s]."""
+"""Time limit of a check [s]."""
 
 
 @click.command(
@@ -32,7 +32,7 @@ LIMIT = 240.0
     ),
 )
 @with_options_of(CheckRequest, Execution, only=("scenes", "engines", "kinds", "full", "jobs"))
-@click.option("-v", "--verbose", is_flag=True, help="Print every result that is not right.")
+@click.option("-v", "--verbose", is_flag=True, help="Print every wrong result.")
 @JSON
 @into("markdown", "Write what breaks in each engine as Markdown to a file, or '-'.")
 def extremes(

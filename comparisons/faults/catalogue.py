@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ...models import exudyn_mjcf, exudyn_system
+from ...models.mjcf import Binding
 from ...models.speed_regulator import exudyn_model as slider_crank
 from ...models.speed_regulator.exudyn_model import inertias
 from ...reference.hula_hoop.equations import HulaHoop
@@ -60,12 +61,12 @@ def misread(change: Callable[[Any], Any]) -> Fault:
 
 
 def scaled(name: str, factor: float = 1.001) -> Fault:
-    """Return the fault of one parameter that is wrong, by 0.1 % by default."""
+    """Return the fault of one wrong parameter, by 0.1 % by default."""
     return misread(lambda p: p.replace(**{name: factor * getattr(p, name)}))
 
 
 def without(name: str) -> Fault:
-    """Return the fault of one parameter that is forgotten."""
+    """Return the fault of one forgotten parameter."""
     return misread(lambda p: p.replace(**{name: 0.0}))
 
 
@@ -74,9 +75,25 @@ def pushed(law: Law) -> Fault:
     return Fault(
         {
             MUJOCO: lambda: mujoco.MujocoAdapter(mujoco.PushedMujoco(law)),
-            EXUDYN: lambda: exudyn.PushedExudyn(law),
+            EXUDYN: lambda: exudyn.ExudynAdapter(exudyn.PushedExudyn(law)),
         }
     )
+
+
+def rebound(bindings: Mapping[tuple[str, str], Binding], *built: Any, **changes: Any) -> Fault:
+    """Return the fault of other values in the MJCF, or in a module of Exudyn models."""
+    return Fault(
+        {
+            MUJOCO: lambda: mujoco.Rebound(bindings),
+            EXUDYN: lambda: exudyn.ExudynAdapter(exudyn.ReboundExudyn(bindings, *built, **changes)),
+        }
+    )
+
+
+def other_items(**kinds: Any) -> Callable[[], Any]:
+    """Return the maker of an Exudyn whose models are built with other items of some kinds."""
+    items = exudyn.OtherItems(**kinds)
+    return lambda: exudyn.ExudynAdapter(exudyn.Rebuilt(exudyn_mjcf, items=items))
 
 
 def stiffer(p: HulaHoop) -> HulaHoop:
@@ -102,14 +119,9 @@ def centrifugal(q: Any, v: Any, p: RotorPendulum) -> float:
 
 
 def half_slope(q: Any, v: Any, p: SpeedRegulator) -> float:
-    """What is missing where J' has lost its factor 2."""
+    """The missing force where J' has lost its factor 2."""
     c = regulator.coefficients(p)
     return float(regulator.inertia_slope(regulator.position(q[0], c), c) * v[0] ** 2 / 4)
-
-
-def heavy_tree(**settings: Any) -> Any:
-    """Return a kinematic tree with gravity along y."""
-    return exudyn_system.items.ObjectKinematicTree(**settings | {"gravity": [0, -9.81, 0]})
 
 
 def thick_inertias(p: SpeedRegulator) -> tuple[float, ...]:
@@ -119,7 +131,7 @@ def thick_inertias(p: SpeedRegulator) -> tuple[float, ...]:
 
 
 PIN = 1e4, 1e2
-"""Stiffness [N/m] and damping [N s/m] of a pin that is no joint."""
+"""Stiffness [N/m] and damping [N s/m] of a spring in the place of a pin."""
 
 
 def soft_pin(markerNumbers: Any) -> Any:
@@ -142,14 +154,7 @@ FAULTS: Mapping[str, Mapping[str, Fault]] = {
         "spring_0.1_percent": misread(stiffer),
         "no_hinge_damping": without("hinge_damping_ratio"),
         "force_late_by_one_step": wrapped(LateForce),
-        "gravity_along_the_slide": Fault(
-            {
-                MUJOCO: lambda: mujoco.Rebound({("option", "gravity"): lambda p: (0, -9.81, 0)}),
-                EXUDYN: lambda: exudyn.Rebuilt(
-                    exudyn_mjcf, items=exudyn.OtherItems(ObjectKinematicTree=heavy_tree)
-                ),
-            }
-        ),
+        "gravity_along_the_slide": rebound({("option", "gravity"): lambda p: (0, -9.81, 0)}),
     },
     "rotor_pendulum": {
         "rotor_mass_0.1_percent": scaled("rotor_mass"),
@@ -169,15 +174,8 @@ FAULTS: Mapping[str, Mapping[str, Fault]] = {
         "stiffness_0.1_percent": scaled("stiffness"),
         "no_damping": without("damping"),
         "factor_2_lost_in_the_slope_of_inertia": pushed(half_slope),
-        "rod_inertia_about_its_end": Fault(
-            {
-                MUJOCO: lambda: mujoco.Rebound({("body:rod/inertial", "diaginertia"): third}),
-                EXUDYN: lambda: exudyn.ReboundExudyn(
-                    {("body:rod/inertial", "diaginertia"): third},
-                    slider_crank,
-                    inertias=thick_inertias,
-                ),
-            }
+        "rod_inertia_about_its_end": rebound(
+            {("body:rod/inertial", "diaginertia"): third}, slider_crank, inertias=thick_inertias
         ),
         "spring_rest_of_the_averages": misread(
             lambda p: p.replace(spring_rest=-p.crank_radius - p.rod_length)
@@ -185,19 +183,17 @@ FAULTS: Mapping[str, Mapping[str, Fault]] = {
         "soft_joint_passed_off_as_exact": Fault(
             {
                 MUJOCO: mujoco.WithoutEquations,
-                EXUDYN: lambda: exudyn.Rebuilt(
-                    exudyn_mjcf, items=exudyn.OtherItems(ObjectJointRevolute2D=soft_pin)
-                ),
+                EXUDYN: other_items(ObjectJointRevolute2D=soft_pin),
             },
             models=("connect", "redundant"),
         ),
     },
 }
-"""By scene and name."""
+"""Faults by scene and name."""
 
 
 FLIPPED: Mapping[str, Callable[[], Any]] = {
     "connect": mujoco.FlippedMujoco,
-    "redundant": exudyn.FlippedExudyn,
+    "redundant": lambda: exudyn.ExudynAdapter(exudyn.FlippedExudyn()),
 }
-"""Slider-cranks put together the other way round, by model."""
+"""Slider-cranks on the other assembly branch, by model."""

@@ -15,7 +15,7 @@ from ...models.system import System
 from ...reference import get_scene
 from ...reference.scene import Array, Case
 from ..engines.adapter import Adapter, BoundModel
-from ..engines.mujoco.engine import MuJoCo, Order
+from ..engines.mujoco.engine import MuJoCo
 from ..engines.mujoco.library import inputs, quiet, recorded
 from ..engines.protocol import Method
 from ..engines.run import Trajectory, grid_indices
@@ -86,7 +86,7 @@ class Edited(Rewritten):
 
 
 class Unwarned(Altered):
-    """A variant that is read by someone who looks at no warning counter."""
+    """A variant whose warning counters are ignored."""
 
     def __init__(self, variant: Variant) -> None:
         super().__init__(variant.make(), lambda run, _: replace(run, warnings={}))
@@ -95,7 +95,7 @@ class Unwarned(Altered):
 class AtAnyStep(MuJoCo):
     """MuJoCo without the class's refusal of steps that soften closures."""
 
-    def refuse_softening(self, compiled: Any, order: Order) -> None:
+    def refuse_softening(self, compiled: Any, model: str, step: float) -> None:
         """Refuse nothing."""
 
 
@@ -115,33 +115,25 @@ class Willing(MujocoAdapter):
         super().__init__(AtAnyStep())
 
 
-class ModelWithoutEquations(BoundModel):
-    """A model that does not tell the equations of its closure."""
-
-    engine: WithoutEquations
-
-    def read_source(self) -> mjcf.Mjcf:
-        """Return the model without the equations that its closure has."""
-        make = self.engine.make_source
-        source = make(*self.engine.arguments) if make else super().read_source()
-        return replace(source, equations=None)
-
-
 class WithoutEquations(MujocoAdapter):
     """MuJoCo whose soft closure is taken for a joint.
 
     Parameters
     ----------
     make : callable ``(*arguments) -> Mjcf``, optional
-        Makes the model that is run in place of the named one.
+        Makes the model to run in place of the named one.
     arguments : tuple
     """
-
-    bound = ModelWithoutEquations
 
     def __init__(self, make: Callable[..., mjcf.Mjcf] | None = None, *arguments: Any) -> None:
         super().__init__()
         self.make_source, self.arguments = make, arguments
+
+    def read_source(self, scene: str, model: str) -> mjcf.Mjcf:
+        """Return the model without the equations that its closure has."""
+        make = self.make_source
+        source = make(*self.arguments) if make else super().read_source(scene, model)
+        return replace(source, equations=None)
 
 
 class ControlledModel(BoundModel):
@@ -163,7 +155,7 @@ class ControlledModel(BoundModel):
         numbers = grid_indices(times, case.start_time, step)
         system, mujoco = engine.bind(still, self.name).system(still), engine.inner.mujoco
         with quiet(mujoco):
-            compiled = engine.inner.compiled(Order(system, method.name, step))
+            compiled = engine.inner.compiled(system.mjcf, self.name, method.name, step)
             data = engine.inner.data(compiled, case.start_time, system.positions, system.velocities)
             before = inputs(mujoco, compiled, data)
             states = []
@@ -209,12 +201,12 @@ class PushedMujoco(MuJoCo):
         super().__init__()
         self.law = law
 
-    def load(self, system: System) -> Any:
-        """Return the compiled model of a system."""
+    def load(self, text: str) -> Any:
+        """Return the compiled model of a text."""
         hook = self.mujoco.get_mjcb_passive()
         self.mujoco.set_mjcb_passive(None)
         try:
-            return super().load(system)
+            return super().load(text)
         finally:
             self.mujoco.set_mjcb_passive(hook)
 
@@ -240,25 +232,17 @@ class PushedMujoco(MuJoCo):
                 self.mujoco.set_mjcb_passive(None)
 
 
-class ReboundModel(BoundModel):
-    """A model with other values in its MJCF."""
-
-    engine: Rebound
-
-    def read_source(self) -> mjcf.Mjcf:
-        """Return the model with those values."""
-        source = super().read_source()
-        return replace(source, bindings={**source.bindings, **self.engine.bindings})
-
-
 class Rebound(MujocoAdapter):
     """MuJoCo with other values in the MJCF."""
-
-    bound = ReboundModel
 
     def __init__(self, bindings: Mapping[tuple[str, str], mjcf.Binding]) -> None:
         super().__init__()
         self.bindings = bindings
+
+    def read_source(self, scene: str, model: str) -> mjcf.Mjcf:
+        """Return the model with those values."""
+        source = super().read_source(scene, model)
+        return replace(source, bindings={**source.bindings, **self.bindings})
 
 
 class FlippedModel(BoundModel):

@@ -49,7 +49,7 @@ class LateSamples(Wrapped):
 
 
 class Resetting(Wrapped):
-    """An engine that sets itself to zero half-way without a word, and stays there."""
+    """An engine that silently sets itself to zero half-way, and stays there."""
 
     def simulate(
         self, model: BoundModel, case: Case, method: Method, step: float, times: Array
@@ -68,7 +68,7 @@ class Resetting(Wrapped):
 
 
 class Restarting(Wrapped):
-    """An engine that goes back to its start half-way without a word, and goes on from there."""
+    """An engine that silently goes back to its start half-way, and goes on from there."""
 
     def simulate(
         self, model: BoundModel, case: Case, method: Method, step: float, times: Array
@@ -97,7 +97,7 @@ class Altered(Wrapped):
     def simulate(
         self, model: BoundModel, case: Case, method: Method, step: float, times: Array
     ) -> Trajectory:
-        """Integrate, and alter what is returned."""
+        """Integrate, and alter the result."""
         return self.alter(model.simulate(case, method, step, times), case)
 
 
@@ -122,13 +122,13 @@ class Starting(Wrapped):
     def simulate(
         self, model: BoundModel, case: Case, method: Method, step: float, times: Array
     ) -> Trajectory:
-        """Integrate from what is left."""
+        """Integrate from these values."""
         state = {name: value for name, value in case.state.items() if self.keeps(name)}
         return model.simulate(replace(case, state=state), method, step, times)
 
 
 class OtherMethod(Wrapped):
-    """An engine that integrates by another method than it is asked for."""
+    """An engine that integrates by another method than requested."""
 
     def __init__(self, engine: Adapter, other: str) -> None:
         super().__init__(engine)

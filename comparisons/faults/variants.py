@@ -10,20 +10,20 @@ from typing import Any
 
 from ...reference.scene import Array, Case
 from ..engines.adapter import Adapter, BoundModel
-from ..engines.protocol import Method
+from ..engines.protocol import Engine, Method
 from ..engines.registry import get_engine
 from ..engines.run import Trajectory
 
 MUJOCO, EXUDYN = "mujoco", "exudyn"
 
 EXTRA_METHODS: Mapping[str, tuple[str, ...]] = {MUJOCO: ("Euler",), EXUDYN: ("GeneralizedAlpha",)}
-"""Methods that are pushed to extremes beside an engine's best."""
+"""Methods that are pushed to extremes, in addition to an engine's best."""
 
 LONG_METHODS: Mapping[str, tuple[str, ...]] = {
     MUJOCO: ("RK4", "implicitfast", "discrete"),
     EXUDYN: ("RK67", "RK44", "GeneralizedAlpha", "TrapezoidalIndex2"),
 }
-"""Methods that are followed for long: the best, and those that tell most."""
+"""Methods of long runs: the best, and the most informative."""
 
 DEFAULT_NEWTON = {
     "newton.residualMode": 0,
@@ -85,7 +85,7 @@ NOT_PROVOKED: tuple[tuple[str, str], ...] = (
         "MuJoCo: an unstable run leaves MUJOCO_LOG.TXT in the working directory",
         "runs have a temporary folder",
     ),
-    ("MuJoCo: runs a crank that is longer than its rod", "the scene refuses its parameters"),
+    ("MuJoCo: runs a crank longer than its rod", "the scene refuses its parameters"),
     (
         "Exudyn: the renderer aborts without a display",
         "it would kill the process, and no scene is rendered",
@@ -110,7 +110,7 @@ Law = Callable[[Any, Any, Any], float]
 """(q, v, parameters) -> generalised force on the scene's first coordinate."""
 
 COMPUTED = ("accelerations", "reactions", "mass_matrices", "linearise")
-"""What a model computes of states, its runs apart."""
+"""Functions of a model that compute from states, its runs apart."""
 
 
 @dataclass(frozen=True)
@@ -135,8 +135,8 @@ class Variant:
         if not self.name:
             return get_engine(self.engine)
         variants = import_module(f".{self.engine}", __package__)
-        engine: Adapter = getattr(variants, self.name)(*self.arguments)
-        return engine
+        engine: Adapter | Engine = getattr(variants, self.name)(*self.arguments)
+        return Adapter(engine) if isinstance(engine, Engine) else engine
 
 
 def mujoco(name: str = "", *arguments: Any) -> Variant:
@@ -177,7 +177,7 @@ class Wrapped(Delegating):
         return model.simulate(case, method, step, times)
 
     def compute(self, model: BoundModel, name: str, *arguments: Any) -> Any:
-        """Return what another function of a model returns: one of `COMPUTED`."""
+        """Return the result of another function of a model, one of `COMPUTED`."""
         return getattr(model, name)(*arguments)
 
 

@@ -1,1 +1,1 @@
-"""Inspection of MJCF models: what is in a file, how it moves, and what it could do without."""
+"""Inspection of MJCF models: content, motion, mistakes and redundant parts."""

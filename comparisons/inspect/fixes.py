@@ -1,4 +1,4 @@
-"""Edits of a file that leave the compiled model the same to the last bit: `inspect --fix`."""
+"""Edits of a file that leave the compiled model unchanged to the last bit: `inspect --fix`."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .mujoco.source import Attribute, read
 from .request import InspectRequest
 
 FIXED = ("repeated_default", "unused_option", "unused_setting")
-"""Rules whose findings are attributes that may be left out, where that changes no bit."""
+"""Rules whose findings are attributes that may be redundant."""
 
 START_TAG = re.compile(rb"""<[^\s/>]+(?:\s+[^\s=/>]+\s*=\s*(?:"[^"]*"|'[^']*'))*""")
 ATTRIBUTE = re.compile(rb"""\s+([^\s=/>]+)\s*=\s*(?:"[^"]*"|'[^']*')""")
@@ -26,17 +26,17 @@ ATTRIBUTE = re.compile(rb"""\s+([^\s=/>]+)\s*=\s*(?:"[^"]*"|'[^']*')""")
 
 @dataclass(frozen=True)
 class NeutralEdit:
-    """The text of a file before and after an edit, and what was left out.
+    """Text of a file before and after an edit, and the attributes that were removed.
 
     Attributes
     ----------
     file : str
-        As it was given.
+        The file, as it was given.
     before, after : bytes
     attributes : tuple of (Element, str)
     refused : int
-        Findings that were left: without these attributes the model is another, if only by a bit, or
-        they stand in a file that others may include.
+        Findings that remain: without these attributes the model changes, if only by a bit, or they
+        are in a file that other models may include.
     """
 
     file: str
@@ -47,7 +47,7 @@ class NeutralEdit:
 
     @property
     def diff(self) -> str:
-        """The edit as a unified diff."""
+        """Unified diff of the edit."""
         old, new = (
             raw.decode("utf-8", "replace").splitlines(keepends=True)
             for raw in (self.before, self.after)
@@ -56,32 +56,31 @@ class NeutralEdit:
 
     @property
     def summary(self) -> str:
-        """What was done, in a sentence."""
+        """Sentence about the edit."""
         count = len(self.attributes)
         words = f"{self.file}: {plural(count, 'attribute')} without effect"
         proof = ": the compiled model is the same to the last bit" if count else ""
-        left = f"; {plural(self.refused, 'finding')} left as it is" if self.refused == 1 else ""
-        left = left or (f"; {self.refused} findings left as they are" if self.refused else "")
+        left = f"; {plural(self.refused, 'finding')} left unchanged" if self.refused else ""
         return f"{words}{proof}{left}"
 
     def write(self) -> None:
-        """Write the file, if anything changes in it."""
+        """Write the file, if it changes."""
         if self.attributes:
             write_whole(Path(self.file), self.after)
 
 
-def neutral_edit(asked: InspectRequest) -> NeutralEdit:
-    """Return the edit that leaves out all attributes which a file can do without.
+def neutral_edit(request: InspectRequest) -> NeutralEdit:
+    """Return the edit that removes all redundant attributes of a file.
 
-    Those that rules of the house find are among them, unless rules are selected. All of them
-    together: the file as it is after the edit was compiled, and compared.
+    Findings of rules of the house are included, unless rules are selected. The edited file was
+    compiled, and the model compared.
 
     Raises
     ------
     UsageError
         If the file cannot be read again, or does not compile to the same from one text.
     """
-    inspection = whole_inspection(replace(asked, modes=False, select=asked.select or FIXED))
+    inspection = whole_inspection(replace(request, modes=False, select=request.select or FIXED))
     loaded, path = inspection.loaded, Path(inspection.file)
     raw = read_bytes(path, label=inspection.file)
     idle = [one for one in inspection.unwaived if one.rule in FIXED]
@@ -89,7 +88,7 @@ def neutral_edit(asked: InspectRequest) -> NeutralEdit:
     own = loaded.source.files[0]
     candidates = [
         (element, key)
-        for element in loaded.source.walk()
+        for element in loaded.source.root.walk()
         if element.file == own
         for key in element.attributes
         if (own, element.line, element.address, key) in places
@@ -97,15 +96,16 @@ def neutral_edit(asked: InspectRequest) -> NeutralEdit:
     if candidates and not same(loaded, raw, ()):
         raise UsageError(f"--fix: {inspection.file} does not compile to the same from one text")
     attributes = neutral(loaded, raw, (), candidates)
-    after = without(raw, attributes)
     refused = len(idle) - len({(one.line, one.address, key) for one, key in attributes})
-    return NeutralEdit(inspection.file, raw, after, tuple(attributes), max(0, refused))
+    return NeutralEdit(
+        inspection.file, raw, without(raw, attributes), tuple(attributes), max(0, refused)
+    )
 
 
 def neutral(
     loaded: Loaded, raw: bytes, taken: Sequence[Attribute], more: Sequence[Attribute]
 ) -> list[Attribute]:
-    """Return attributes, those taken first, that may be left out together; halves on failure."""
+    """Return attributes that may be left out together, by bisection; ``taken`` comes first."""
     every = [*taken, *more]
     if not more or same(loaded, raw, every):
         return every
@@ -117,17 +117,19 @@ def neutral(
 
 
 def same(loaded: Loaded, raw: bytes, attributes: Sequence[Attribute]) -> bool:
-    """Return whether a file without some attributes compiles to the same bytes."""
+    """Return True if a file without some attributes compiles to the same bytes."""
     return loaded.compiles_alike(read(loaded.path, without(raw, attributes)).text())
 
 
 def without(raw: bytes, attributes: Sequence[Attribute]) -> bytes:
-    """Return a file without some attributes; all else stays as it is, blanks and comments too."""
+    """Return a file without some attributes; blanks and comments are kept."""
     spans = []
     for element, key in attributes:
         tag = START_TAG.match(raw, element.offset)
         if tag is None or not tag[0].startswith(f"<{element.tag}".encode()):
-            raise UsageError(f"--fix: {element.file}, line {element.line} is not plain UTF-8")
+            raise UsageError(
+                f"--fix: {element.file}, line {element.line} is not plain UTF-8: convert the file"
+            )
         for part in ATTRIBUTE.finditer(raw, element.offset, tag.end()):
             if part[1] == key.encode():
                 spans.append(part.span())

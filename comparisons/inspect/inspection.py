@@ -1,74 +1,73 @@
-"""`inspect`: what is in an MJCF file, how it moves, and what it could do without."""
+"""Inspection of an MJCF file: its content, its small motions, and the findings of rules."""
 
 from __future__ import annotations
 
+import json
 import math
+import os
+import re
+import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, fields, replace
+from fnmatch import fnmatchcase
 from functools import partial
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...reference.errors import UnknownNameError, UsageError
 from ..documents import document
-from ..documents.fields import takes_fields_of
+from ..documents.fields import documented, takes_fields_of
+from ..documents.reading import read_document
 from ..engines.mujoco.library import quiet
 from ..queries.environment import versions
 from .mujoco.closures import ClosedLoop, closures
-from .mujoco.facts import BodyFacts, Options, facts
-from .mujoco.linear import Linear
+from .mujoco.facts import facts
 from .mujoco.model import ENGINE, Loaded, NotFiniteError, load
 from .mujoco.source import Element, Waiver
 from .request import InspectRequest
 from .rules.table import RULES
 from .rules.text import repeated_default
-from .selection import Baseline, Selection, selection_of
-from .spectrum import Shape
-from .subject import SEVERITIES, Hit, InspectedModel, Severity, StepLimit, View
-from .views import MOST_STATES, state_views, step_limits
-
-BEFORE = "in the baseline"
-"""Why a finding is waived that was there before."""
-
-WORSE = 1.1
-"""Times as bad as in the baseline from which on a finding counts again."""
+from .subject import SEVERITIES, Hit, InspectedModel, Severity
+from .tuning import EFFORT, THRESHOLDS
+from .views import Shape, state_views, step_limits
 
 MODES, STEPS, LOOPS = "modes", "largest stable steps", "loads of closures"
-"""Parts of an inspection that take time, beside its rules."""
+"""Parts of an inspection that take time, besides its rules."""
 
 NEEDS = ("model", "states", "modes", "runs")
-"""What rules need, in the order in which they are asked."""
+"""Inputs of rules, in the order in which rules are evaluated."""
 
 
 @dataclass(frozen=True)
 class ModelFinding:
-    """What a rule says of a model.
+    """Finding of a rule.
 
     Attributes
     ----------
     rule : str
-        its id; `mbcheck inspect --explain` tells about it
+        id of the rule, which `mbcheck inspect --explain` explains
     severity : {"error", "warning", "note"}
-        how bad it is
+        severity of the rule
     element : str
-        where: tag:name, tag:name/tag or tag
+        element: tag:name, tag:name/tag or tag
     file : str or None
-        file; null if it does not stand in the text
+        file; null if the element is not in the text
     line : int or None
-        line; null likewise
+        line; null if the element is not in the text
     message : str
-        what was found, with its numbers
+        mistake, with its numbers
     fix : str
-        what to do
+        remedy
     waived : str or None
-        the reason that the file gives for it; null if it does not waive it
+        reason for which it is waived; null if it is not
     attribute : str or None
-        the attribute that is meant; null if it is not one
+        wrong attribute; null if it is not one
     measure : float or None
-        how bad it is, the larger the worse; null where no number tells
+        size of the mistake, the larger the worse; null where no number measures it
     """
 
     rule: str
@@ -85,24 +84,24 @@ class ModelFinding:
 
 @dataclass(frozen=True)
 class ModelMode:
-    """A mode of small motions.
+    """Mode of small motions.
 
     Attributes
     ----------
     kind : {"rigid", "oscillating", "decaying", "unstable"}
-        what it does
+        kind of motion
     re : float
-        real part of its eigenvalue [1/s]
+        real part of the eigenvalue [1/s]
     im : float
-        imaginary part [1/s]
+        imaginary part of the eigenvalue [1/s]
     omega : float
-        modulus [rad/s]
+        modulus of the eigenvalue [rad/s]
     hertz : float
         omega / (2 pi) [Hz]
     damping_ratio : float or None
         -re / omega [1]; null for a rigid mode
     joint : str
-        joint that moves most in it, by kinetic energy
+        joint with most of the kinetic energy
     """
 
     kind: str
@@ -116,161 +115,61 @@ class ModelMode:
 
 @dataclass(frozen=True)
 class ModelState:
-    """A state of the file, and small motions about it.
+    """State of the file, and small motions about it.
 
     Attributes
     ----------
     names : tuple of str
-        keyframes that hold it; 'as opened' is qpos0
+        keyframes that define the state; 'as opened' is qpos0
     position : tuple of float
         qpos [m, rad]
     velocity : tuple of float
         qvel [m/s, rad/s]
     held : str or None
-        hinge that turns steadily, held at its speed; null in the file's states
+        hinge that turns steadily at a fixed speed; null in the states of the file
     reason : str or None
-        why there are no modes; null if there are
+        reason why there are no modes; null if there are
     acceleration : float or None
-        largest, closed loops exact [m/s^2, rad/s^2]; null without modes
+        largest acceleration, closed loops exact [m/s^2, rad/s^2]; null without modes
     closed : int or None
-        directions that closed loops take away; null without modes
+        number of directions that closed loops block; null without modes
     contacts : int or None
-        contacts that act; null without modes
+        number of active contacts; null without modes
     limits : int or None
-        limits that act; null without modes
+        number of active limits; null without modes
     modes : tuple of ModelMode
-        loops closed exactly, contacts and limits left out; ascending in omega
+        modes with loops closed exactly, without contacts and limits; ascending in omega
     simulated : tuple of ModelMode
-        all constraints as soft as MuJoCo has them; ascending in omega
+        modes with all constraints as soft as MuJoCo has them; ascending in omega
     """
 
-    names: tuple[str, ...]
-    position: tuple[float, ...]
-    velocity: tuple[float, ...]
+    names: Sequence[str]
+    position: Sequence[float]
+    velocity: Sequence[float]
     held: str | None
     reason: str | None
     acceleration: float | None
     closed: int | None
     contacts: int | None
     limits: int | None
-    modes: tuple[ModelMode, ...]
-    simulated: tuple[ModelMode, ...]
-
-
-@dataclass(frozen=True)
-class Unreadable:
-    """A file that could not be inspected.
-
-    Attributes
-    ----------
-    file : str
-        as it was given
-    reason : str
-        why it could not be inspected
-    """
-
-    file: str
-    reason: str
-
-
-@dataclass(frozen=True)
-class InspectDocument:
-    """What is in an MJCF file, and what it could do without.
-
-    Attributes
-    ----------
-    file : str
-        the file, as it was given
-    files : tuple of str
-        it, and what it includes
-    name : str
-        of the model; empty if the file gives none
-    summary : mapping of str to int
-        number of findings by severity, waived ones apart; any `error` is exit code 1
-    options : Options
-        how the file is simulated
-    counts : mapping of str to int
-        number of positions nq, degrees of freedom nv, bodies, joints, geoms, ...
-    mass : float
-        of all bodies [kg]
-    size : float
-        MuJoCo's extent [m]
-    bodies : tuple of BodyFacts
-        in the order of the tree, without the world
-    states : tuple of ModelState
-        states of the file, then the steady rotation that was asked for
-    steps : tuple of StepLimit
-        largest stable step of each integrator; empty without modes
-    shortest_period : float or None
-        of all that oscillates as simulated [s]; null if nothing does
-    closures : tuple of ClosedLoop
-        closures of loops in each state, the stiffest first
-    findings : tuple of ModelFinding
-        unwaived ones first, errors first
-    untried : str or None
-        why some attributes were not tried for repeated_default; null if all were
-    left_out : tuple of str
-        modes, steps and rules that were not begun before it was stopped
-    """
-
-    file: str
-    files: tuple[str, ...]
-    name: str
-    summary: Mapping[str, int]
-    options: Options
-    counts: Mapping[str, int]
-    mass: float
-    size: float
-    bodies: tuple[BodyFacts, ...]
-    states: tuple[ModelState, ...]
-    steps: tuple[StepLimit, ...]
-    shortest_period: float | None
-    closures: tuple[ClosedLoop, ...]
-    findings: tuple[ModelFinding, ...]
-    untried: str | None
-    left_out: tuple[str, ...]
-    versions: Mapping[str, str]
-
-
-@dataclass(frozen=True)
-class InspectionsDocument:
-    """What is found in several MJCF files.
-
-    Attributes
-    ----------
-    summary : mapping of str to int
-        number of findings of all files
-    unreadable : tuple of Unreadable
-        files that could not be inspected
-    models : tuple of InspectDocument
-        the others, each as `inspect` describes it
-    """
-
-    summary: Mapping[str, int]
-    unreadable: tuple[Unreadable, ...]
-    models: tuple[InspectDocument, ...]
+    modes: Sequence[ModelMode]
+    simulated: Sequence[ModelMode]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Inspection(InspectedModel):
-    """What is found about a file: all that rules look at, and what they say.
+    """Content of an MJCF file, its small motions, and the findings of rules.
 
     Attributes
     ----------
-    file : str
-        As it was given.
-    files : tuple of str
-        It, and what it includes.
     findings : tuple of ModelFinding
+        findings: those that are not waived first, errors first
     untried : str or None
-        Why some attributes were not tried for `repeated_default`, if any were not.
+        reason why some attributes were not tried for repeated_default; null if all were
     left_out : tuple of str
-        Parts that were not begun, the next first: empty at the end.
-    versions : mapping of str to str
+        modes, steps and rules that were not begun before the inspection was stopped
     """
 
-    file: str
-    files: tuple[str, ...]
     findings: tuple[ModelFinding, ...]
     untried: str | None
     left_out: tuple[str, ...]
@@ -278,12 +177,13 @@ class Inspection(InspectedModel):
 
     @property
     def unwaived(self) -> tuple[ModelFinding, ...]:
-        """Findings that the file does not waive."""
+        """Findings that are not waived."""
         return tuple(one for one in self.findings if one.waived is None)
 
     @property
-    def summary(self) -> dict[str, int]:
-        """Number of unwaived findings by severity, and of waived ones."""
+    @documented
+    def summary(self) -> Mapping[str, int]:
+        """Number of findings by severity, waived ones apart; any `error` is exit code 1."""
         counts: dict[str, int] = {
             name: sum(one.severity == name for one in self.unwaived) for name in SEVERITIES
         }
@@ -294,124 +194,120 @@ class Inspection(InspectedModel):
         """1 if an error is not waived, else 0."""
         return 1 if self.summary["error"] else 0
 
-    def place(self, mode: Shape, linear: Linear) -> str:
-        """Return the joint that moves most in a mode."""
-        return self.loaded.joint_names[mode.place(linear.mass)]
+    @property
+    @documented
+    def states(self) -> Sequence[ModelState]:
+        """States of the file, then the steady rotation of --about-rotation."""
+        return [
+            ModelState(
+                names=view.state.keys,
+                position=view.state.position.tolist(),
+                velocity=view.state.velocity.tolist(),
+                held=view.steady_hinge,
+                reason=view.reason,
+                acceleration=linear and float(np.max(np.abs(linear.acceleration), initial=0.0)),
+                closed=linear and linear.closed,
+                contacts=linear and linear.rows.contacts,
+                limits=linear and linear.rows.limits,
+                modes=list(map(self.as_mode, view.modes)),
+                simulated=list(map(self.as_mode, view.simulated)),
+            )
+            for view in self.views
+            for linear in [view.linear]
+        ]
+
+    def as_mode(self, mode: Shape) -> ModelMode:
+        """Return a mode as documents have it."""
+        return ModelMode(
+            kind=mode.kind,
+            re=mode.rate.real,
+            im=mode.rate.imag,
+            omega=mode.omega,
+            hertz=mode.omega / (2 * math.pi),
+            damping_ratio=mode.damping_ratio,
+            joint=self.loaded.joint_names[mode.dof],
+        )
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``inspect`` document of docs/json.md."""
-        return document(
-            "inspect",
-            self,
-            **vars(self.facts),
-            states=[self.state_document(view) for view in self.views],
-        )
-
-    def state_document(self, view: View) -> dict[str, Any]:
-        """Return a state with its modes, as JSON."""
-        linear = view.linear
-        return {
-            "names": view.state.keys,
-            "position": view.state.position,
-            "velocity": view.state.velocity,
-            "held": view.steady_hinge,
-            "reason": view.reason,
-            "acceleration": linear and float(np.max(np.abs(linear.acceleration), initial=0.0)),
-            "closed": linear and linear.closed,
-            "contacts": linear and linear.rows.contacts,
-            "limits": linear and linear.rows.limits,
-            "modes": [self.mode_document(mode, linear) for mode in view.modes if linear],
-            "simulated": [self.mode_document(mode, linear) for mode in view.simulated if linear],
-        }
-
-    def mode_document(self, mode: Shape, linear: Linear) -> dict[str, Any]:
-        """Return a mode, as JSON."""
-        return {
-            "kind": mode.kind,
-            "re": mode.rate.real,
-            "im": mode.rate.imag,
-            "omega": mode.omega,
-            "hertz": mode.omega / (2 * math.pi),
-            "damping_ratio": mode.damping_ratio,
-            "joint": self.place(mode, linear),
-        }
+        return document("inspect", self)
 
 
 @takes_fields_of(InspectRequest)
-def inspect(asked: InspectRequest) -> Inspection:
+def inspect(request: InspectRequest) -> Inspection:
     """Inspect an MJCF file; takes the fields of `InspectRequest`.
 
     Raises
     ------
     UsageError
-        If the file cannot be read, is no MJCF or does not compile, or if there is no such
+        If the file cannot be read, is not MJCF or does not compile, or if there is no such
         rotation or rule.
     EngineUnavailableError
         If MuJoCo cannot be imported.
     """
-    return whole_inspection(asked)
+    return whole_inspection(request)
 
 
-def whole_inspection(asked: InspectRequest) -> Inspection:
+def whole_inspection(request: InspectRequest) -> Inspection:
     """Return the whole inspection of a file, see `inspect`."""
-    *_, (_, report) = inspect_in_parts(asked)
+    *_, (_, report) = inspect_in_parts(request)
     return report()
 
 
 def inspect_in_parts(
-    asked: InspectRequest,
+    request: InspectRequest,
 ) -> Iterator[tuple[tuple[str, ...], Callable[[], Inspection]]]:
-    """Inspect a file in parts; rules that look at the model alone come before what takes time.
+    """Inspect a file in parts; rules that need the model alone come before expensive parts.
 
-    Yields before each part, and at the end, the parts that are to come, and what returns the
+    Yields before each part, and at the end, the remaining parts, and a function that returns the
     inspection so far. See `inspect`.
     """
-    path, selection = asked.path, selection_of(asked)
-    loaded, hits, untried = load(path), list[tuple[str, Hit]](), None
+    selection = selection_of(request)
+    loaded, hits, untried = load(request.path), list[tuple[str, Hit]](), None
     rules = {f"rule {name}": RULES[name] for name in RULES if name in selection.rules}
     repeated = [part for part in rules if part == "rule repeated_default"]
     quick, *slow = ([p for p, rule in rules.items() if rule.needs == need] for need in NEEDS)
     parts = [*quick, MODES, STEPS, LOOPS, *chain(*slow), *repeated]
-    s = InspectedModel(loaded, facts(loaded), asked.strict)
+    content = vars(facts(loaded, str(request.path)))
+    s = InspectedModel(**content, loaded=loaded, strict=request.strict)
     with quiet(loaded.mujoco), np.errstate(all="ignore"):
         for number, part in enumerate(parts):
             left = tuple(parts[number:])
-            yield left, partial(report_of, path, s, selection, hits, left)
+            yield left, partial(report_of, s, selection, hits, left)
             if part == MODES:
-                s = replace(s, views=state_views(loaded, asked.about_rotation, asked.modes))
+                s = replace(s, views=state_views(loaded, request.about_rotation, request.modes))
             elif part == STEPS:
                 s = replace(s, steps=step_limits(loaded, s.views))
             elif part == LOOPS:
                 s = replace(s, closures=all_closures(loaded))
-            elif part in repeated:  # what no other rule has found
+            elif part in repeated:  # attributes that no other rule has found
                 repeated_hits, untried = repeated_default(s, [hit for _, hit in hits])
                 hits += [("repeated_default", hit) for hit in repeated_hits]
             else:
                 hits += [(part.removeprefix("rule "), hit) for hit in rules[part].find(s)]
-        yield (), partial(report_of, path, s, selection, hits, (), untried)
+        yield (), partial(report_of, s, selection, hits, (), untried)
 
 
 def all_closures(loaded: Loaded) -> tuple[ClosedLoop, ...]:
-    """Return the closures in all states, stiffest first, those that open most before others."""
+    """Return the closures in all states, the stiffest first, then those that open most."""
     every: list[ClosedLoop] = []
-    for state in loaded.states[:MOST_STATES] if loaded.model.neq else ():
+    for state in loaded.states[: EFFORT.max_states] if loaded.model.neq else ():
         with suppress(NotFiniteError, np.linalg.LinAlgError):
             every += closures(loaded, state)
     return tuple(sorted(every, key=lambda one: (-one.omega, -one.opening)))
 
 
 def report_of(
-    path: str | Path,
     s: InspectedModel,
     selection: Selection,
     hits: Sequence[tuple[str, Hit]],
     left_out: tuple[str, ...],
     untried: str | None = None,
 ) -> Inspection:
-    """Return a model with its findings: errors first, and those that are waived last.
+    """Return a model with its findings: errors first, waived ones last.
 
-    A waiver of what was not looked for, or of a rule that was not tried on all, may be of use
-    another time; others that waive nothing, and are about this model alone, are findings.
+    A waiver of a rule that was left out, or not tried on all attributes, may be needed another
+    time; others that waive nothing, and concern this model alone, are findings.
     """
     waivers = (*s.loaded.source.waivers, *selection.waivers)
     results, used = list[ModelFinding](), set[int]()
@@ -425,7 +321,7 @@ def report_of(
     skipped = {name for name in RULES if name not in selection.rules or f"rule {name}" in left_out}
     if untried:
         skipped.add("repeated_default")
-    if not any(view.linear for view in s.views):
+    if not s.linear_views:
         skipped |= {name for name, rule in RULES.items() if rule.needs == "modes"}
     for i, waiver in enumerate(waivers):
         idle = i not in used and not (waiver.rule in skipped and waiver.reason)
@@ -435,8 +331,6 @@ def report_of(
     results.sort(key=lambda one: (one.waived is not None, SEVERITIES.index(one.severity)))
     return Inspection(
         **{item.name: getattr(s, item.name) for item in fields(s)},
-        file=str(path),
-        files=s.loaded.source.files,
         findings=tuple(results),
         untried=untried,
         left_out=left_out,
@@ -446,15 +340,15 @@ def report_of(
 
 def compared(baseline: Baseline, rule: str, hit: Hit) -> ModelFinding:
     """Return a finding: waived if it is in the baseline, unless it has become worse."""
-    old = baseline.get((rule, hit.name))
-    if old is not None and hit.measure is not None and hit.measure > WORSE * abs(old):
-        worse = f"; in the baseline it was {old:.3g} where now it is {hit.measure:.3g}"
-        return finding(rule, hit._replace(message=hit.message + worse))
-    return finding(rule, hit, BEFORE if (rule, hit.name) in baseline else None)
+    old, worse = baseline.get((rule, hit.name)), THRESHOLDS.worse_than_baseline
+    if old is not None and hit.measure is not None and hit.measure > worse * abs(old):
+        words = f"; worse than the baseline's {old:.3g}: now {hit.measure:.3g}"
+        return finding(rule, hit._replace(message=hit.message + words))
+    return finding(rule, hit, "in the baseline" if (rule, hit.name) in baseline else None)
 
 
 def finding(rule: str, hit: Hit, waived: str | None = None) -> ModelFinding:
-    """Return what a rule found, with what the rule itself says, and why the file waives it."""
+    """Return the finding of a rule, with the texts of the rule, and the reason of a waiver."""
     return ModelFinding(
         rule=rule,
         severity=RULES[rule].severity,
@@ -470,16 +364,152 @@ def finding(rule: str, hit: Hit, waived: str | None = None) -> ModelFinding:
 
 
 def complaint(waiver: Waiver) -> tuple[str, Hit]:
-    """Return the rule about a waiver that waives nothing, and what is wrong with it."""
+    """Return the rule about a waiver that waives nothing, and its finding."""
     words = " ".join(waiver.text.split())
     quoted = repr(words if len(words) < 60 else f"{words[:57]}...")
     about = "" if waiver.pattern is None else f" for {waiver.pattern}"
-    if not waiver.rule:
-        rule, message = "waiver_reason", f"{quoted} is not a waiver"
-    elif waiver.rule not in RULES:
-        rule, message = "waiver_unknown", f"there is no rule {waiver.rule!r}"
-    elif not waiver.reason:
-        rule, message = "waiver_reason", f"{quoted} gives no reason"
-    else:
-        rule, message = "waiver_unused", f"nothing is found by {waiver.rule}{about}"
+    complaints = (
+        (not waiver.rule, "waiver_reason", f"{quoted} is not a waiver"),
+        (waiver.rule not in RULES, "waiver_unknown", f"there is no rule {waiver.rule!r}"),
+        (not waiver.reason, "waiver_reason", f"{quoted} gives no reason"),
+        (True, "waiver_unused", f"{waiver.rule} finds nothing{about}"),
+    )
+    _, rule, message = next(row for row in complaints if row[0])
     return rule, Hit(Element("comment", {}, waiver.file, waiver.line), "comment", message)
+
+
+# Selected rules, waivers and baselines --------------------------------------------------------
+
+BESIDE = "mbcheck-inspect.toml"
+"""Name of the file of waivers in the folder of a model."""
+
+KEYS = ("rule", "reason", "element", "file")
+"""Keys of an entry in a file of waivers; the first two are required."""
+
+HEADER = re.compile(r"^[ \t]*\[\[[ \t]*waive[ \t]*\]\]", re.MULTILINE)
+
+Baseline = Mapping[tuple[str, str], float | None]
+"""Rule and element of each known finding -> its measure, if it has one."""
+
+
+class Selection(NamedTuple):
+    """Selected rules, and waivers beside the comments of the file."""
+
+    rules: frozenset[str]
+    waivers: tuple[Waiver, ...]
+    baseline: Baseline
+
+
+def selection_of(request: InspectRequest) -> Selection:
+    """Return the selected rules, the waivers and the baseline of a file.
+
+    Raises
+    ------
+    UsageError
+        If a pattern matches no rule, or the file of waivers, or the baseline, cannot be read.
+    """
+    file = str(request.path)
+    beside = os.path.join(os.path.dirname(file), BESIDE)
+    place = request.waivers or (beside if os.path.isfile(beside) else None)
+    waivers = waivers_of(Path(place), file) if place else ()
+    known = baseline_of(request.baseline) if request.baseline else {}
+    return Selection(rules_of(request), waivers, known.get(Path(file).as_posix(), {}))
+
+
+def refuse_slips(request: InspectRequest) -> None:
+    """Refuse unknown rules, and files that cannot be read, before any work."""
+    rules_of(request)
+    if request.waivers:
+        waivers_of(Path(request.waivers), "")
+    if request.baseline:
+        baseline_of(request.baseline)
+
+
+def rules_of(request: InspectRequest) -> frozenset[str]:
+    """Return the selected rules.
+
+    Raises
+    ------
+    UnknownNameError
+        If a pattern matches none.
+    """
+
+    def matching(patterns: Sequence[str]) -> set[str]:
+        return {name for name in RULES if any(fnmatchcase(name, pattern) for pattern in patterns)}
+
+    for pattern in (*request.select, *request.ignore):
+        if not matching([pattern]):
+            raise UnknownNameError("rule", pattern, RULES)
+    default = {name for name, rule in RULES.items() if request.strict or not rule.house}
+    return frozenset((matching(request.select) or default) - matching(request.ignore))
+
+
+def waivers_of(place: Path, file: str) -> tuple[Waiver, ...]:
+    """Return the waivers of a TOML file that concern a model.
+
+    Raises
+    ------
+    UsageError
+        If it cannot be read, or an entry is invalid.
+    """
+    text, content = read_document(place, "TOML", tomllib.loads, "--waivers: ")
+    for key in content:
+        if key != "waive":
+            raise UnknownNameError(f"table of {place}", key, ("waive",))
+    entries = content.get("waive", [])
+    entries = entries if isinstance(entries, list) else [entries]
+    lines = [text[: match.start()].count("\n") + 1 for match in HEADER.finditer(text)]
+    waivers = []
+    for number, entry in enumerate(entries):
+        line = lines[number] if number < len(lines) else 1
+        where = f"{place}, line {line}"
+        if not isinstance(entry, dict) or not all(isinstance(v, str) for v in entry.values()):
+            raise UsageError(f"{where}: an entry must be a table of strings")
+        odd = [key for key in entry if key not in KEYS]
+        if odd:
+            raise UnknownNameError("key", odd[0], KEYS)
+        missing = [key for key in KEYS[:2] if not entry.get(key, "").strip()]
+        if missing:
+            raise UsageError(f"{where}: add the missing {missing[0]}")
+        if entry["rule"] not in RULES:
+            raise UnknownNameError("rule", entry["rule"], RULES)
+        names = (Path(file).name, file)
+        if any(fnmatchcase(name, entry.get("file", "*")) for name in names):
+            waivers.append(
+                Waiver(
+                    rule=entry["rule"],
+                    pattern=entry.get("element"),
+                    reason=entry["reason"],
+                    text=json.dumps(entry),
+                    file=os.path.relpath(place, Path(file).parent),
+                    line=line,
+                    required=entry.get("file") in names,
+                )
+            )
+    return tuple(waivers)
+
+
+def baseline_of(name: str) -> dict[str, dict[tuple[str, str], float | None]]:
+    """Return the findings of a document: file -> rule and element -> measure, if any.
+
+    Raises
+    ------
+    UsageError
+        If it cannot be read, or is not a document of ``inspect``.
+    """
+    _, content = read_document(name, "JSON", json.loads, "--baseline: ")
+    baselines: dict[str, dict[tuple[str, str], float | None]] = {}
+    try:
+        for model in content.get("models", [content]):
+            known = baselines.setdefault(Path(model["file"]).as_posix(), {})
+            for one in unwaived(model):
+                key = one["rule"], one["element"]
+                known[key] = max(known.get(key) or 0.0, one["measure"] or 0.0) or None
+    except (KeyError, TypeError, AttributeError):
+        raise UsageError(f"--baseline: {name} is not a document of inspect --json") from None
+    return baselines
+
+
+def unwaived(model: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """Return the findings of an ``inspect`` document that are not waived."""
+    return [one for one in model["findings"] if one["waived"] is None]

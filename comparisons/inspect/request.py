@@ -1,4 +1,4 @@
-"""What `inspect` is asked for: the fields that its function takes, and the options of its verb.
+"""Requests of `inspect`: the fields that its function takes, and the options of its verb.
 
 Nothing heavy is imported here, since help texts are made from it.
 """
@@ -17,7 +17,7 @@ FailOn = Literal["error", "warning", "note", "never"]
 
 @dataclass(frozen=True)
 class InspectRequest:
-    """A model, and what is looked for in it.
+    """Request to inspect a model.
 
     Attributes
     ----------
@@ -26,17 +26,17 @@ class InspectRequest:
     about_rotation : mapping of str to float
         Also find the modes about the steady rotation of a hinge [rad/s].
     modes : bool or None
-        Find modes of models of any size, or of none; by default up to 120 degrees of freedom.
+        Find modes of models of any size, or none; by default up to 120 degrees of freedom.
     strict : bool
-        Look for matters of taste, too: rules of the house.
+        Evaluate rules of the house, too, which are matters of taste.
     select : sequence of str
-        Ask this rule, and no others but those selected; * is a wildcard.
+        Evaluate this rule, and no others but those selected; * is a wildcard.
     ignore : sequence of str
         Leave out this rule; * is a wildcard.
     waivers : str or None
         Waivers with their reasons; by default mbcheck-inspect.toml beside the model, if any.
     baseline : str or None
-        Waive what a document of --json has found.
+        Waive the findings of a document of --json.
     """
 
     path: str | Path
@@ -53,7 +53,7 @@ class InspectRequest:
 
 @dataclass(frozen=True, kw_only=True)
 class InspectRun(InspectRequest):
-    """What the verb is asked for; ``path`` is one of its models after the other.
+    """Request of the verb; ``path`` is one of its models after the other.
 
     Attributes
     ----------
@@ -62,21 +62,21 @@ class InspectRun(InspectRequest):
     full : bool
         Print all tables, and every finding.
     lines : bool
-        Print a line for each finding, as of many files.
+        Print a line for each finding, as for many files.
     whole_models : bool
-        Leave out files that are no MJCF, or that another one includes, as of folders.
+        Leave out files that are not MJCF, or that another one includes, as in folders.
     budget : float or None
-        Stop after this time, and report what was found until then; by default all is done.
+        Stop after this time, and report the findings so far; by default without limit.
     fail_on : {"error", "warning", "note", "never"}
         The least severity that makes exit code 1.
     annotations : bool or None
-        Print annotations for GitHub; by default where GITHUB_ACTIONS is true.
+        Print annotations for GitHub; by default if GITHUB_ACTIONS is true.
     fix : bool
-        Leave out attributes without which the file compiles to the same to the last bit.
+        Remove attributes without which the file compiles to the same model, to the last bit.
     dry_run : bool
         With --fix: print the edits, and make none.
     explain : str or None
-        Tell what a rule finds and why; 'all' lists them.
+        Explain a rule; 'all' lists them.
     """
 
     path: str | Path = ""

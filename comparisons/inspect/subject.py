@@ -1,112 +1,38 @@
-"""What rules look at: a model with all that is computed of it, and how they state a finding."""
+"""Input and output of rules: a model with everything computed about it, and findings."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Literal, NamedTuple, SupportsInt
 
 import numpy as np
 
 from ..checks.rules.conditions import Statement
-from ..documents.fields import Number
+from ..documents.fields import HIDDEN, documented
 from .mujoco.closures import ClosedLoop
 from .mujoco.facts import Facts, can_touch, meetings
 from .mujoco.linear import Linear
-from .mujoco.model import Flags, Loaded, Numbers, State
+from .mujoco.model import Flags, Loaded, Numbers
 from .mujoco.source import Element
-from .spectrum import Shape
+from .tuning import NUMERICS
+from .views import StepLimit, View
 
 Severity = Literal["error", "warning", "note"]
 
 SEVERITIES: tuple[Severity, ...] = ("error", "warning", "note")
-"""The worst first."""
+"""Severities, the worst first."""
 
 Needs = Literal["model", "states", "modes", "runs", "findings"]
 
-OSCILLATING = 1.0
-"""Modes whose damping ratio is below this have a period to speak of."""
-
-
-@dataclass(frozen=True)
-class View:
-    """A state, and small motions about it.
-
-    Attributes
-    ----------
-    state : State
-    linear : Linear or None
-    modes : tuple of Shape
-        Loops closed exactly; vectors (nv,).
-    simulated : tuple of Shape
-        All constraints as soft as they are.
-    reason : str or None
-        Why there are no modes.
-    failed : bool
-        True if that is because forces are not finite.
-    steady_hinge : str or None
-        The hinge that turns steadily, and keeps its speed.
-    """
-
-    state: State
-    linear: Linear | None = None
-    modes: tuple[Shape, ...] = ()
-    simulated: tuple[Shape, ...] = ()
-    reason: str | None = None
-    failed: bool = False
-    steady_hinge: str | None = None
-
-
-@dataclass(frozen=True)
-class StepLimit:
-    """The largest stable step of an integrator over all states.
-
-    Attributes
-    ----------
-    integrator : str
-        as MJCF spells it
-    limit : float
-        [s]; null if every step is stable
-    state : str or None
-        state where it is least; null if every step is stable
-    omega : float or None
-        modulus of the mode that sets it [1/s]; null if there is none
-    joint : str or None
-        joint that moves most in that mode; null if there is none
-    of_file : bool
-        whether the file uses this integrator
-    constraint : str or None
-        closure, limit, contact or dry friction that sets it; null if none does
-    softened : float
-        step from which on constraints are softened [s] (refsafe); null if none is
-    """
-
-    integrator: str
-    limit: Number
-    state: str | None
-    omega: float | None
-    joint: str | None
-    of_file: bool
-    constraint: str | None = None
-    softened: Number = math.inf
-
-    @property
-    def place(self) -> str:
-        """What sets it, in words."""
-        return self.constraint or str(self.joint)
-
-    def share_of(self, step: float) -> float:
-        """Return by what share of its limit a step [s] is long; 0 if nothing limits it."""
-        return step / self.limit if self.limit > 0 else math.inf
-
 
 class Hit(NamedTuple):
-    """What a rule finds: where, a sentence with its numbers, and what to do.
+    """A finding of a rule: element and its name, a sentence with numbers, and a remedy.
 
-    ``attribute`` is the one of the element that is meant, if it is one. ``fix`` is empty where
-    that of the rule says all. ``measure`` tells how bad it is, the larger the worse.
+    ``attribute`` is the wrong attribute of the element, if it is one. ``fix`` is empty
+    where that of the rule suffices. ``measure`` is the larger the worse.
     """
 
     element: Element | None
@@ -118,50 +44,49 @@ class Hit(NamedTuple):
 
 
 @dataclass(frozen=True)
-class InspectedModel:
-    """A model, and all that is computed of it.
+class InspectedModel(Facts):
+    """A model, and everything computed about it.
 
     Attributes
     ----------
     loaded : Loaded
-    facts : Facts
     strict : bool
-        Whether the rules of the house count, too.
+        True if rules of the house count, too.
     views : tuple of View
-        States with their modes; empty until they are computed, as what follows.
+        States with their modes; empty until they are computed, as all that follows.
     steps : tuple of StepLimit
-        Of each integrator; empty without modes.
-    closures : tuple of Closure
-        Stiffest first.
+        largest stable step of each integrator; empty without modes
+    closures : tuple of ClosedLoop
+        closures of loops in each state, the stiffest first
     """
 
-    loaded: Loaded
-    facts: Facts
-    strict: bool
-    views: tuple[View, ...] = ()
+    loaded: Loaded = field(metadata=HIDDEN)
+    strict: bool = field(metadata=HIDDEN)
+    views: tuple[View, ...] = field(default=(), metadata=HIDDEN)
     steps: tuple[StepLimit, ...] = ()
     closures: tuple[ClosedLoop, ...] = ()
 
     @property
+    @documented
     def shortest_period(self) -> float | None:
-        """Of all modes as simulated [s]; None if nothing oscillates."""
+        """Shortest period of all modes as simulated [s]; null if nothing oscillates."""
         rates = [
             mode.rate.imag
             for one in self.views
             for mode in one.simulated
-            if mode.rate.imag > 0 and (mode.damping_ratio or 0.0) < OSCILLATING
+            if mode.rate.imag > 0 and (mode.damping_ratio or 0.0) < NUMERICS.max_damping_ratio
         ]
         return 2 * math.pi / max(rates) if rates else None
 
     @cached_property
     def can_touch(self) -> np.ndarray:
-        """Which geoms (ngeom,) can touch another."""
-        return can_touch(self.loaded, self.facts.options.contact)
+        """Geoms (ngeom,) that can touch another one."""
+        return can_touch(self.loaded, self.options.contact)
 
     @cached_property
     def meetings(self) -> dict[tuple[int, int], int]:
-        """How often two geoms of one mechanism lie in each other as its joints move."""
-        possible = self.facts.options.contact and bool(np.any(self.can_touch))
+        """Number of random positions in which two geoms of one mechanism overlap."""
+        possible = self.options.contact and bool(np.any(self.can_touch))
         return meetings(self.loaded) if possible else {}
 
     @property
@@ -171,16 +96,25 @@ class InspectedModel:
 
     @property
     def timestep(self) -> float:
-        """Of the file [s]."""
-        return self.facts.options.timestep
+        """Timestep of the file [s]."""
+        return self.options.timestep
+
+    @property
+    def linear_views(self) -> list[tuple[View, Linear]]:
+        """States that have small motions, and these."""
+        return [(one, one.linear) for one in self.views if one.linear is not None]
 
     @property
     def limits_of_file(self) -> list[StepLimit]:
-        """The stability limit of the file's own integrator, if it has one that is known."""
+        """Largest stable step of the file's integrator, if it is known."""
         return [one for one in self.steps if one.of_file and 0 < one.limit < math.inf]
 
+    def size_of(self, closure: ClosedLoop) -> float:
+        """Return the unit of a closure's opening: the size of the model [m], or 1 rad."""
+        return self.size if closure.kind in ("connect", "weld") else 1.0
+
     def hit(self, kind: str, number: SupportsInt, message: str, **more: Any) -> Hit:
-        """Return a finding about an object; ``more`` are further fields of it."""
+        """Return a finding about an object, with further fields of `Hit`."""
         element = self.loaded.places.get((kind, int(number)))
         name = element.address if element else f"{kind}:{self.loaded.name(kind, number)}"
         return Hit(element, name, message, **more)
@@ -201,7 +135,7 @@ class InspectedModel:
         where : array (n,)
         message : str, or callable from an index of that array
         of : array (n,), optional
-            The number of the object of each index.
+            Number of the object of each index.
         attribute : str, optional
             See `Hit`.
         """
@@ -211,48 +145,48 @@ class InspectedModel:
 
     @cached_property
     def sections(self) -> dict[str, Element]:
-        """The last section of each name, and of each name in it, as ``option/flag``."""
+        """Last section of each name, and of each name in it, as ``option/flag``."""
         tops = self.loaded.source.root.children
         parts = {f"{top.tag}/{part.tag}": part for top in tops for part in top.children}
         return {top.tag: top for top in tops} | parts
 
     def about(self, *paths: str, message: str, **more: Any) -> Hit:
-        """Return a finding about the first of these sections that the file has, or about it."""
+        """Return a finding about the first of these sections that the file has."""
         element = next((self.sections[path] for path in paths if path in self.sections), None)
         return Hit(element, paths[0].rpartition("/")[2], message, **more)
 
     def state(self, statement: Statement | None, *paths: str) -> Iterator[Hit]:
-        """Yield what a rule says about one of these sections, if it says anything."""
+        """Yield the statement of a rule about one of these sections, if there is any."""
         if statement is not None:
             yield self.about(*paths, message=statement.message, fix=statement.fix)
 
     def setting(self, key: str) -> str:
-        """Return an attribute of the compiler's, the last that stands in the file; or nothing."""
+        """Return the last value of an attribute of the compiler; empty if there is none."""
         elements = self.loaded.source.tagged("compiler")
         return next((e.attributes[key] for e in elements[::-1] if key in e.attributes), "")
 
 
 @dataclass(frozen=True)
 class ModelRule:
-    """A rule: what is said of it, and how its mistakes are found.
+    """A rule: its texts, and the function that finds its mistakes.
 
     Attributes
     ----------
     severity : {"error", "warning", "note"}
     meaning : str
-        In few words.
+        Short name of the mistake.
     why : str
-        Why it matters.
+        Reason why it matters.
     fix : str
-        What to do.
+        Remedy.
     find : callable
-        From a model to the findings; those of a rule that needs the others' are made of these.
+        From a model to the findings; rules that need those of others are evaluated with them.
     needs : {"model", "states", "modes", "runs", "findings"}
-        What is computed before it is asked: nothing beside the model as it is compiled, its states
-        with the loads of their loops, small motions about these (`--no-modes` leaves such rules
-        out), short runs, or the findings of all other rules.
+        Input computed first: nothing but the compiled model, its states with the loads of
+        their loops, small motions about these (`--no-modes` leaves such rules out), short runs, or
+        the findings of all other rules.
     house : bool
-        Whether it is a matter of taste, which is looked for only if asked for.
+        True for a matter of taste, which ``--strict`` or ``--select`` includes.
     """
 
     severity: Severity

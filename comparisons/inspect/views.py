@@ -1,32 +1,298 @@
-"""Small motions of a model in the states of its file, and the steps that they allow."""
+"""Modes of small motions about the states of a model, and the largest stable steps."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
+from typing import Literal, NamedTuple
 
 import numpy as np
+from scipy.linalg import eig
+from scipy.optimize import least_squares
 
-from ...reference.errors import UsageError
+from ...reference.amplification import (
+    AMPLIFICATION,
+    ComplexArray,
+    Vibrations,
+    amplification_factors,
+    first_order,
+    largest_stable_step,
+    rates,
+    surpluses,
+    vibrations,
+)
+from ...reference.errors import UnknownNameError, UsageError
+from ...reference.linear import rigid_and_elastic
 from ...reference.scene import Array
+from ..documents.fields import Number
 from .mujoco.facts import integrator, integrators
-from .mujoco.linear import linearise
+from .mujoco.linear import Linear, LinearMotion, LinearProbe, linearise
 from .mujoco.model import OPENED, Flags, Loaded, NotFiniteError, State
-from .mujoco.steady import steady_rotation
-from .spectrum import SCHEMES, SHORT, WHOLE_UP_TO, Shape, longest_step, shapes
-from .subject import StepLimit, View
+from .tuning import EFFORT, NUMERICS
 
-MOST_DOFS = 120
-"""With more degrees of freedom, modes are computed only if asked for."""
-
-MOST_STATES = 8
-"""States whose modes are computed."""
+SCHEMES = {
+    "Euler": "semi_implicit_euler",
+    "implicit": "semi_implicit_euler",
+    "implicitfast": "semi_implicit_euler",
+    "RK4": "RK44",
+    "discrete": "semi_implicit_euler",
+}
+"""Integrator of MuJoCo -> published scheme, given the parts that it treats implicitly."""
 
 RK4_REAL = 2.785293563405282
-"""Up to this times its time constant RK4 keeps a decay bounded."""
+"""End of the stability interval of RK4 on the negative real axis."""
+
+Kind = Literal["rigid", "oscillating", "decaying", "unstable"]
+
+
+class Shape(NamedTuple):
+    """A mode: eigenvalue [1/s], vector (nv,), kind, and the coordinate with most kinetic energy.
+
+    A complex pair of eigenvalues is one mode.
+    """
+
+    rate: complex
+    vector: ComplexArray
+    kind: Kind
+    dof: int
+
+    @property
+    def omega(self) -> float:
+        """Modulus of the eigenvalue [rad/s]."""
+        return abs(self.rate)
+
+    @property
+    def damping_ratio(self) -> float | None:
+        """``-re / omega``; None for a rigid mode."""
+        return None if self.kind == "rigid" else float(-self.rate.real / self.omega) + 0.0
+
+
+def shapes(directions: Array, mass: Array, damping: Array, stiffness: Array) -> tuple[Shape, ...]:
+    """Return the modes of ``M a + C v + K q = 0`` within some directions, ascending in modulus.
+
+    Directions that neither spring nor damper resists are rigid modes; they are split off first,
+    because their double eigenvalue 0 would keep half its digits only.
+
+    Parameters
+    ----------
+    directions : array (n, k)
+    mass, damping, stiffness : array (n, n)
+        Only the mass need be symmetric.
+    """
+    if not directions.shape[1]:
+        return ()
+    m, c, k = (directions.T @ matrix @ directions for matrix in (mass, damping, stiffness))
+    root = 1 / np.sqrt(np.diag(m))
+    m, c, k = (matrix * np.outer(root, root) for matrix in (m, c, k))
+    c = c * (np.linalg.norm(c) > NUMERICS.slowest)
+    k = k * (np.linalg.norm(k) > NUMERICS.slowest**2)
+    free, elastic = rigid_and_elastic(m, c, k, NUMERICS.free)
+    pairs = [(0j, direction.astype(complex)) for direction in free.T]
+    m, c, k = (elastic.T @ matrix @ elastic for matrix in (m, c, k))
+    if n := len(m):
+        values, vectors = eig(first_order(Vibrations(m, c, k, c)))
+        upper, top = values.imag >= 0, np.max(np.abs(values))
+        values[np.abs(values) < NUMERICS.zero_rate * top] = 0  # round-off of the largest
+        for part in (values.real, values.imag):
+            part[np.abs(part) < NUMERICS.free * top] = 0
+        pairs += [
+            (rate, elastic @ vector)
+            for rate, vector in zip(values[upper].tolist(), vectors[:n, upper].T, strict=True)
+        ]
+    modes = []
+    for rate, inner in pairs:
+        vector = directions @ (root * inner)
+        dof = int(np.argmax(np.abs(vector) * np.sqrt(np.diag(mass))))
+        modes.append(Shape(rate, vector, kind_of_rate(rate), dof))
+    return tuple(sorted(modes, key=lambda mode: (mode.omega, mode.rate.imag)))
+
+
+def kind_of_rate(rate: complex) -> Kind:
+    """Return the kind of a mode with an eigenvalue."""
+    if rate == 0:
+        return "rigid"
+    if rate.real > NUMERICS.zero_rate * abs(rate):
+        return "unstable"
+    return "oscillating" if rate.imag else "decaying"
+
+
+# Largest stable steps -------------------------------------------------------------------------
+
+
+def longest_step(
+    integrator: str,
+    at: Callable[[float], LinearMotion],
+    modes: Sequence[Shape],
+    raised_from: float = np.inf,
+    full_up_to: int = NUMERICS.full_matrix_dofs,
+) -> tuple[float, Shape | None]:
+    """Return the longest step [s] that keeps small motions bounded, and the mode that sets it.
+
+    Up to a number of degrees of freedom the matrix of a step decides, above it each mode alone,
+    which is exact where damping does not couple modes. The mode is None if all steps are stable.
+
+    Parameters
+    ----------
+    integrator : str
+    at : callable
+        From a step to the motions, which depend on it beyond ``raised_from`` [s].
+    modes : sequence of Shape
+        Modes for short steps.
+    """
+    if not any(mode.omega for mode in modes):
+        return np.inf, None
+    motion = at(NUMERICS.short_step)
+    scheme, full = SCHEMES[integrator], len(motion.mass) <= full_up_to
+
+    def reduced(motion: LinearMotion) -> LinearMotion:
+        return scaled(motion) if full else modal(motion, modes)
+
+    short = reduced(motion)
+    fixed = vibrations(*short[:4]) if full and not np.any(short.late_stiffness) else None
+    undamped = short.vibrations(0.0)
+    horizon = NUMERICS.horizon_radians / float(np.max(np.abs(rates(undamped))))
+
+    def reduced_at(step: float) -> LinearMotion:
+        return reduced(at(step)) if step > raised_from else short
+
+    def vibrations_at(step: float) -> tuple[Vibrations, ComplexArray]:
+        of = reduced_at(step)
+        late = fixed if fixed and of is short else of.vibrations(step)
+        return late, rates(of.vibrations(0.0))
+
+    limit = largest_stable_step(
+        scheme, undamped, horizon, at=vibrations_at,
+        folds=NUMERICS.growth_folds, scan=NUMERICS.scanned_steps,
+    )  # fmt: skip
+    if not 0 < limit < np.inf:
+        return limit, None
+    step = 1.001 * limit
+    beyond = reduced_at(step)
+
+    def excess(factors: ComplexArray, of: LinearMotion) -> Array:
+        return surpluses(factors, rates(of.vibrations(0.0)), step, horizon, NUMERICS.growth_folds)
+
+    if full:
+        values, vectors = np.linalg.eig(AMPLIFICATION[scheme](beyond.vibrations(step), step))
+        worst = np.argmax(excess(values, beyond))
+        return limit, most_similar(vectors[: len(beyond.mass), worst], motion, modes)
+    single = [LinearMotion(*(part[i : i + 1] for part in beyond)) for i in range(len(modes))]
+    factors = (amplification_factors(scheme, x.vibrations(step), step) for x in single)
+    most = [np.max(excess(f, x)) for f, x in zip(factors, single, strict=True)]
+    return limit, modes[int(np.argmax(most))]
+
+
+def scaled(motion: LinearMotion) -> LinearMotion:
+    """Return the same motions with unit inertias."""
+    root = 1 / np.sqrt(np.diag(motion.mass))
+    return LinearMotion(*(matrix * np.outer(root, root) for matrix in motion))
+
+
+def modal(motion: LinearMotion, modes: Sequence[Shape]) -> LinearMotion:
+    """Return each mode as a separate motion, arrays (k, 1, 1), by Rayleigh's quotients."""
+    vectors = np.array([mode.vector for mode in modes]).T
+    with np.errstate(all="ignore"):
+        parts = [
+            np.sum(vectors.conj() * (matrix @ vectors), axis=0).real[:, None, None]
+            for matrix in motion
+        ]
+    moves = np.array([mode.kind != "rigid" for mode in modes])[:, None, None]
+    return LinearMotion(np.ones_like(parts[0]), *(moves * part / parts[0] for part in parts[1:]))
+
+
+def most_similar(vector: ComplexArray, motion: LinearMotion, modes: Sequence[Shape]) -> Shape:
+    """Return the mode nearest to a vector (n,) of motions with unit inertias."""
+    root = np.sqrt(np.diag(motion.mass))
+    shares = [
+        abs(np.vdot(root * mode.vector, vector)) / np.linalg.norm(root * mode.vector)
+        for mode in modes
+    ]
+    least = NUMERICS.similar_shape * max(shares)
+    near = [mode for mode, share in zip(modes, shares, strict=True) if share > least]
+    return max(near, key=lambda mode: mode.omega)
+
+
+# States ---------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class View:
+    """A state, and small motions about it.
+
+    Attributes
+    ----------
+    state : State
+    linear : Linear or None
+    modes : tuple of Shape
+        Modes with loops closed exactly.
+    simulated : tuple of Shape
+        Modes with all constraints as soft as MuJoCo has them.
+    reason : str or None
+        Reason why there are no modes.
+    failed : bool
+        True if the reason is that forces are not finite.
+    steady_hinge : str or None
+        Hinge that turns steadily.
+    """
+
+    state: State
+    linear: Linear | None = None
+    modes: tuple[Shape, ...] = ()
+    simulated: tuple[Shape, ...] = ()
+    reason: str | None = None
+    failed: bool = False
+    steady_hinge: str | None = None
+
+    @property
+    def moving_dofs(self) -> Flags:
+        """Degrees of freedom (nv,) of small motions: a steady hinge keeps its speed."""
+        return np.asarray((self.state.velocity == 0) | (self.steady_hinge is None))
+
+
+@dataclass(frozen=True)
+class StepLimit:
+    """Largest stable step of an integrator over all states.
+
+    Attributes
+    ----------
+    integrator : str
+        integrator, as MJCF spells it
+    limit : float
+        largest stable step [s]; null if every step is stable
+    state : str or None
+        state with the smallest limit; null if every step is stable
+    omega : float or None
+        modulus of the eigenvalue of the mode that sets the limit [1/s]; null if there is none
+    joint : str or None
+        joint with most kinetic energy in that mode; null if there is none
+    of_file : bool
+        true for the integrator of the file
+    constraint : str or None
+        closure, limit, contact or dry friction that sets the limit; null if none does
+    softened : float
+        step from which on MuJoCo softens constraints [s] (refsafe); null if it softens none
+    """
+
+    integrator: str
+    limit: Number
+    state: str | None
+    omega: float | None
+    joint: str | None
+    of_file: bool
+    constraint: str | None = None
+    softened: Number = math.inf
+
+    @property
+    def place(self) -> str:
+        """Name of the constraint or joint that sets the limit."""
+        return self.constraint or str(self.joint)
+
+    def share_of(self, step: float) -> float:
+        """Return a step [s] as a share of the limit; 0 if nothing limits it."""
+        return step / self.limit if self.limit > 0 else math.inf
 
 
 def state_views(
@@ -39,69 +305,58 @@ def state_views(
     UsageError
         If there is no such rotation.
     """
-    reasons = [why_no_modes(loaded, state, modes) for state in loaded.states[:MOST_STATES]]
-    reasons += [f"modes are found of the first {MOST_STATES} states"] * len(loaded.states)
+    most, about_rotation = EFFORT.max_states, about_rotation or {}
+    reasons = [why_no_modes(loaded, state, modes) for state in loaded.states[:most]]
+    reasons += [f"modes are computed for the first {most} states only"] * len(loaded.states)
     views = [
-        view(loaded, state) if reason is None else View(state, reason=reason)
+        view_of(loaded, state) if reason is None else View(state, reason=reason)
         for state, reason in zip(loaded.states, reasons, strict=False)
     ]
-    about_rotation = about_rotation or {}
     if len(about_rotation) > 1:
         raise UsageError("one hinge can turn steadily, not several")
     views += [
-        view(loaded, steady_rotation(loaded, joint, speed), joint)
+        view_of(loaded, steady_rotation(loaded, joint, speed), joint)
         for joint, speed in about_rotation.items()
     ]
     return tuple(views)
 
 
-def view(loaded: Loaded, state: State, steady_hinge: str | None = None) -> View:
-    """Return a state with its modes, or why it has none."""
+def view_of(loaded: Loaded, state: State, steady_hinge: str | None = None) -> View:
+    """Return a state with its modes, or the reason why it has none."""
     try:
         linear = linearise(loaded, state)
     except NotFiniteError as error:
         return View(state, reason=str(error), failed=True)
     except np.linalg.LinAlgError as error:
-        return View(state, reason=f"the mass matrix cannot be solved with ({error})", failed=True)
+        return View(state, reason=f"the mass matrix is singular ({error})", failed=True)
     if linear.closed and np.any(state.velocity):
         return View(state, reason="closed loops move: their small motions are not constant")
-    moving = np.eye(loaded.model.nv)[:, moving_dofs(View(state, steady_hinge=steady_hinge))]
+    bare = View(state, linear, steady_hinge=steady_hinge)
+    moving = np.eye(loaded.model.nv)[:, bare.moving_dofs]
     free = linear.free if steady_hinge is None else moving
-    modes = modes_within(free, linear.mass, linear.damping, linear.stiffness)
-    step = float(loaded.model.opt.timestep)
-    mass, damping, stiffness, *_ = linear.simulated.motion(integrator(loaded), step)
+    modes = shapes(free, linear.mass, linear.parts.damping, linear.parts.stiffness)
+    motion = linear.motion(integrator(loaded), float(loaded.model.opt.timestep))
     soft = len(linear.rows.weight) or linear.closed
-    simulated = modes_within(moving, mass, damping, stiffness) if soft else modes
-    return View(state, linear, modes, simulated, steady_hinge=steady_hinge)
+    return replace(bare, modes=modes, simulated=shapes(moving, *motion[:3]) if soft else modes)
 
 
 def why_no_modes(loaded: Loaded, state: State, wanted: bool | None) -> str | None:
-    """Return why modes of a state are not computed, if they are not."""
+    """Return the reason why modes of a state are not computed, if they are not."""
     nv, ball = loaded.model.nv, loaded.of_kind("jnt_type", "free", "ball")
-    if nv == 0:
-        return "nothing can move"
-    if wanted is False:
-        return "not asked for"
-    if wanted is None and nv > MOST_DOFS:
-        return f"{nv} degrees of freedom (--modes finds them)"
-    if loaded.model.nflex and nv > MOST_DOFS:
-        return "a flex of that many degrees of freedom"
-    ends = np.append(loaded.model.jnt_dofadr, nv)[1:][ball]
-    if any(np.any(state.velocity[end - 3 : end]) for end in ends):
-        return "a ball or free joint turns: its small motions are not constant"
-    return None
-
-
-def modes_within(
-    directions: Array, mass: Array, damping: Array, stiffness: Array
-) -> tuple[Shape, ...]:
-    """Return the modes of motions that are sums of directions (n, k)."""
-    inner = (directions.T @ matrix @ directions for matrix in (mass, damping, stiffness))
-    return tuple(mode._replace(vector=directions @ mode.vector) for mode in shapes(*inner))
+    ends, many = np.append(loaded.model.jnt_dofadr, nv)[1:][ball], nv > EFFORT.max_dofs
+    turns = any(np.any(state.velocity[end - 3 : end]) for end in ends)
+    reasons = {
+        "nothing can move": nv == 0,
+        "switched off by --no-modes": wanted is False,
+        f"{nv} degrees of freedom (--modes finds them)": wanted is None and many,
+        f"a flex with {nv} degrees of freedom": loaded.model.nflex and many,
+        "a ball or free joint turns: its small motions are not constant": turns,
+    }
+    return next((words for words, applies in reasons.items() if applies), None)
 
 
 def step_limits(loaded: Loaded, views: Sequence[View]) -> tuple[StepLimit, ...]:
-    """Return the largest stable step of each integrator, and where it is least."""
+    """Return the largest stable step of each integrator, and the state that limits it most."""
     states = [one for one in views if one.linear is not None]
     known: dict[tuple[object, ...], tuple[float, Shape | None]] = {}
     return tuple(
@@ -122,52 +377,110 @@ def step_limit_of(
     ----------
     loaded : Loaded
     name : str
-        Of the integrator.
+        Name of the integrator.
     views : sequence of View
     known : dict, optional
-        Steps that were found for integrators that take the same late; it is added to.
+        Limits of integrators that treat the same parts implicitly; it is added to.
     """
     known = {} if known is None else known
-    own = name == integrator(loaded)
-    best = StepLimit(name, math.inf, None, None, None, own)
+    best = StepLimit(name, math.inf, None, None, None, name == integrator(loaded))
+    softened = math.inf
     for one, sliding in product(views, (False, True)):
         assert one.linear is not None
-        simulated = one.linear.simulated
-        if sliding and not np.any(simulated.rows.dry):
-            continue  # where dry friction holds nothing, it is the same
-        at, raised = partial(simulated.motion, name, sliding=sliding), simulated.raised_from(name)
-        motion, modes = at(SHORT), one.simulated
+        raised = one.linear.raised_from(name)
+        softened = min(softened, raised)
+        if sliding and not np.any(one.linear.rows.dry):
+            continue  # without friction that sticks both are the same
+        at = partial(one.linear.motion, name, sliding=sliding)
+        motion, modes = at(NUMERICS.short_step), one.simulated
         key = (SCHEMES[name], id(one), sliding, raised, *(part.tobytes() for part in motion[3:]))
-        if sliding or (raised < np.inf and len(motion.mass) > WHOLE_UP_TO):
-            moves = np.eye(len(motion.mass))[:, moving_dofs(one)]
-            modes = modes_within(moves, motion.mass, motion.damping, motion.stiffness)
+        if sliding or (raised < np.inf and len(motion.mass) > NUMERICS.full_matrix_dofs):
+            modes = shapes(np.eye(len(motion.mass))[:, one.moving_dofs], *motion[:3])
         if key not in known:
             known[key] = longest_step(name, at, modes, raised)
         limit, mode = known[key]
         if limit < best.limit:
-            best = StepLimit(name, limit, one.state.name, None, None, own)
-            if mode is not None:
-                row = simulated.setting_row(mode.vector, mode.omega, sliding)
-                joint = loaded.joint_names[mode.place(simulated.mass)]
-                best = replace(best, omega=mode.omega, joint=joint, constraint=row)
-    best = min(best, activation_limit(loaded, name, own), key=lambda limit: limit.limit)
-    raised_from = [one.linear.simulated.raised_from(name) for one in views if one.linear]
-    return replace(best, softened=min(raised_from, default=math.inf))
+            row = mode and one.linear.setting_row(mode.vector, mode.omega, sliding)
+            omega, joint = (mode.omega, loaded.joint_names[mode.dof]) if mode else (None, None)
+            best = StepLimit(name, limit, one.state.name, omega, joint, best.of_file, row)
+    m, filters = loaded.model, loaded.of_kind("actuator_dyntype", "filter")
+    constants = np.where(filters & (m.actuator_dynprm[:, 0] > 0), m.actuator_dynprm[:, 0], np.inf)
+    constant = float(np.min(constants, initial=np.inf))
+    limit = constant * (RK4_REAL if SCHEMES[name] == "RK44" else 2.0)
+    if limit < best.limit:  # a filter of an actuator, which is stable up to 2 T by Euler's steps
+        joint = f"activation of {loaded.name('actuator', np.argmin(constants))}"
+        best = StepLimit(name, limit, OPENED, 1 / constant, joint, best.of_file)
+    return replace(best, softened=softened)
 
 
-def moving_dofs(view: View) -> Flags:
-    """Return which degrees of freedom (nv,) small motions have: a steady hinge keeps its speed."""
-    return np.asarray((view.state.velocity == 0) | (view.steady_hinge is None))
+# Steady rotations -----------------------------------------------------------------------------
 
 
-def activation_limit(loaded: Loaded, name: str, own: bool) -> StepLimit:
-    """Return the largest step at which filters of actuators are stable: 2 T for Euler's steps."""
-    m = loaded.model
-    filters = loaded.of_kind("actuator_dyntype", "filter") & (m.actuator_dynprm[:, 0] > 0)
-    if not np.any(filters):
-        return StepLimit(name, math.inf, None, None, None, own)
-    number = int(np.argmin(np.where(filters, m.actuator_dynprm[:, 0], np.inf)))
-    constant = float(m.actuator_dynprm[number, 0])
-    times = RK4_REAL if SCHEMES[name] == "RK44" else 2.0
-    state, place = OPENED, f"activation of {loaded.name('actuator', number)}"
-    return StepLimit(name, times * constant, state, 1 / constant, place, own)
+def steady_rotation(loaded: Loaded, joint: str, speed: float | str) -> State:
+    """Find the steady motion in which a hinge turns and all other joints keep their positions.
+
+    The search starts from the first keyframe, or `qpos0`, and uses the method of Levenberg and
+    Marquardt, which does not move bodies that float freely; the hinge keeps its speed.
+
+    Raises
+    ------
+    UsageError
+        If there is no such hinge, or no such motion.
+    """
+    m, names = loaded.model, [loaded.name("joint", i) for i in range(loaded.model.njnt)]
+    if joint not in names:
+        raise UnknownNameError("joint", joint, names)
+    if not loaded.of_kind("jnt_type", "hinge")[names.index(joint)]:
+        raise UsageError(f"{joint} is not a hinge: give a hinge, which alone can turn steadily")
+    if isinstance(speed, str) or not np.isfinite(speed):
+        raise UsageError(f"the speed of {joint} must be a finite number [rad/s], not {speed}")
+    axes, dof = np.eye(m.nv), int(m.jnt_dofadr[names.index(joint)])
+    turn, others = axes[dof], np.delete(axes, dof, axis=1)
+    first = loaded.states[min(1, len(loaded.states) - 1)]
+    name = f"{joint} at {speed:g} rad/s"
+    state = first._replace(keys=(name,), velocity=turn * speed)
+    probe = LinearProbe(loaded, state)
+
+    def moved(x: Array, angle: float = 0.0) -> Array:
+        return probe.displaced(probe.scale * (others @ x) + angle * turn)
+
+    def unbalanced(x: Array, angle: float = 0.0) -> float:
+        left, size = unbalanced_forces(probe, moved(x, angle))
+        return float(np.max(np.abs(left / size) @ others, initial=0.0))
+
+    x, exact = np.zeros(others.shape[1]), dict.fromkeys(("xtol", "ftol", "gtol"), 1e-15)
+    _, size = unbalanced_forces(probe, moved(x))
+    if x.size:
+        x = least_squares(
+            lambda x: (unbalanced_forces(probe, moved(x))[0] / size) @ others,
+            x,
+            "3-point",
+            method="lm",
+            **exact,
+        ).x
+    excess = unbalanced(x)
+    if not excess <= NUMERICS.balanced:
+        raise UsageError(
+            f"no steady motion was found with {name}: a share of {excess:.2g} of the forces is "
+            "unbalanced; start nearer to it, with a keyframe"
+        )
+    for angle in NUMERICS.steady_angles:
+        change = unbalanced(x, angle)
+        if change > NUMERICS.steady:
+            raise UsageError(
+                f"a rotation of {joint} is not steady: after {angle:g} rad a share of {change:.2g} "
+                "of the forces is unbalanced (gravity across the axis has this effect)"
+            )
+    return state._replace(position=moved(x))
+
+
+def unbalanced_forces(probe: LinearProbe, position: Array) -> tuple[Array, Array]:
+    """Return the unbalanced forces (nv,) in a steady motion, and the size of the acting ones."""
+    velocity = probe.state.velocity
+    probe.put(position, velocity)
+    inertia, passive, actuator, _ = probe.forces(np.zeros_like(velocity))
+    if probe.data.ne:
+        raise UsageError("a model with closed loops does not rotate steadily")
+    size = np.abs(inertia) + np.abs(passive) + np.abs(actuator)
+    size += np.diag(probe.mass()) * max(1.0, float(np.max(velocity**2)))
+    return inertia - passive - actuator, size

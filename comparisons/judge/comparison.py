@@ -1,4 +1,4 @@
-"""A trajectory beside its reference, as far as it can be judged, and the error that is granted."""
+"""A trajectory compared with its reference as far as it can be judged, and the granted error."""
 
 from __future__ import annotations
 
@@ -46,43 +46,43 @@ ROUNDED = 1e-9
 """Relative distance within which a horizon is a whole number of steps."""
 
 SLACK = 0.5
-"""By how much the error's slope over the step may differ from the order, to be scaled by it."""
+"""Distance of the error's slope over the step from the order up to which the error is scaled."""
 
-LOOKED_AT = 256
-"""About so many times of a run at which its error is looked at."""
+ERROR_MARKS = 256
+"""Approximate number of times at which the error of a run is evaluated."""
 
 GRID = 256
-"""Times, beside those of the trajectory, at which the reference is looked at."""
+"""Number of times at which the reference is evaluated besides those of the trajectory."""
 
 LONGEST = 10.0
 """A trajectory may be so many times as long as its case; a longer one is a slip of units."""
 
 ON_START = 1e-9
-"""Distance, in the span of a trajectory, within which its first row stands at the start."""
+"""Distance, relative to the span of a trajectory, within which its first row is the start."""
 
 
 MOST_ROUNDED = 1e-3
 """No rounding of printed numbers above this share of a quantity's size is granted."""
 
 SHIFTED = 2000
-"""Samples by which it is judged whether times are off."""
+"""Number of samples by which a shift of times is estimated."""
 
 NOTICEABLE = 1e-4
-"""Share of a quantity's size below which an error is not looked into: so much makes a file that is
-written with few digits."""
+"""Share of a quantity's size below which no mistake is sought: a file with few digits has such
+errors."""
 
 
 @dataclass(frozen=True)
 class FileComparison(Comparison):
-    """A trajectory beside its reference, as far as it can be judged.
+    """A trajectory compared with its reference, as far as it can be judged.
 
     Attributes
     ----------
     case : Case
     growth : float
-        Of an initial error.
+        Growth factor of an initial error.
     printed : array (k,)
-        Errors that are granted for the digits of the file.
+        Granted errors by the digits of the file.
     notes : tuple of str
     """
 
@@ -129,7 +129,7 @@ def compare(
             )
         return min(count, most)
 
-    seen = judged_until(horizon, len(times), "errors grow too fast to be told from the method's")
+    seen = judged_until(horizon, len(times), "initial errors grow too fast")
     scheme = Scheme.of(basis, horizon, most_steps) if "order" in basis else None
     marks = start + scheme.marks if scheme else np.empty(0)
     grid = start + horizon * np.arange(GRID + 1) / GRID
@@ -185,7 +185,7 @@ def refuse_outside(times: Array, case: Case) -> None:
         )
 
 
-# What a method of some order makes of a case
+# The error of a method of some order
 
 
 class Problem(NamedTuple):
@@ -199,7 +199,7 @@ class Problem(NamedTuple):
 
 @dataclass(frozen=True)
 class Scheme:
-    """What tells the error of a method of some order: a published scheme, run with its step.
+    """Estimate of the error of a method of some order: a published scheme with its step.
 
     Where a body turns fast, no less is granted than a method makes in Cartesian coordinates.
 
@@ -207,10 +207,10 @@ class Scheme:
     ----------
     order : int
     step, coarse : float
-        Step asked for, and the one that is run [s]: as many times as large as keeps the number
-        of steps at `most_steps`, a power of two; the error is scaled by the order.
+        Given step, and simulated step [s]: larger by the power of two that keeps the number of
+        steps below `most_steps`; the error is scaled by the order.
     numbers : array of int
-        Steps at which it is looked at.
+        Numbers of the steps at which the error is evaluated.
     most_steps : int
     """
 
@@ -227,12 +227,12 @@ class Scheme:
         count = math.ceil(horizon / step * (1 - ROUNDED))
         coarse = step * 2.0 ** max(0, math.ceil(math.log2(count / most_steps)))
         last = math.ceil(horizon / coarse * (1 - ROUNDED))
-        numbers = np.unique([*sample_numbers(horizon, coarse, LOOKED_AT), last]).astype(int)
+        numbers = np.unique([*sample_numbers(horizon, coarse, ERROR_MARKS), last]).astype(int)
         return cls(int(basis["order"]), step, coarse, numbers[numbers <= last], most_steps)
 
     @property
     def marks(self) -> Array:
-        """Times after the start at which it is looked at [s]."""
+        """Times after the start at which the error is evaluated [s]."""
         return np.asarray(self.coarse * self.numbers)
 
     def errors(self, problem: Problem) -> tuple[Array, float]:
@@ -241,13 +241,12 @@ class Scheme:
         Raises
         ------
         UsageError
-            If no explicit scheme can tell.
+            If no explicit scheme can predict them.
         """
         if problem.equations.scene.stiff:
             raise UsageError(
-                f"the reference of {problem.case.scene} has modes far faster than what is looked "
-                "at: no explicit scheme tells what a method of some order makes there; give a "
-                "tolerance"
+                f"the reference of {problem.case.scene} has modes far faster than its observables: "
+                "no explicit scheme predicts the error of a method there; give a tolerance"
             )
         size = problem.truth.size[:, None]
         relative = np.zeros((len(problem.names), len(self.numbers)))
@@ -311,7 +310,7 @@ def fastest(problem: Problem) -> float:
 
 
 def likely_mistakes(compared: FileComparison) -> list[str]:
-    """Return in words what would explain the errors: times, places, units, signs, the start."""
+    """Return the likely mistakes in words: times, names, units, signs, the start."""
     scene, right = get_scene(compared.case.scene), compared.right
     every = slice(None, None, max(1, compared.seen // SHIFTED))
     seen = Observed(scene, compared.names, compared.values, right.values, right.size[:, None])
@@ -331,7 +330,7 @@ def likely_mistakes(compared: FileComparison) -> list[str]:
 
 
 def started_elsewhere(compared: FileComparison, among: list[str]) -> str:
-    """Return where the first row differs from the initial state, if it stands there."""
+    """Return the difference of the first row from the initial state, if it is at the start."""
     if compared.right.times[0] > compared.case.start_time + ON_START * compared.span:
         return ""
     firsts = zip(

@@ -33,7 +33,7 @@ from .comparison import (
 from .recording import Recording, recording
 
 FILE = "file"
-"""What stands for the method in ids."""
+"""Placeholder of the method in ids."""
 
 DRAWN = 800
 """Samples of a trajectory that are kept for pictures."""
@@ -41,7 +41,7 @@ DRAWN = 800
 
 @dataclass(frozen=True)
 class LargestError:
-    """By how much one observable is off, where that is most.
+    """The largest error of one observable.
 
     Attributes
     ----------
@@ -50,17 +50,17 @@ class LargestError:
     unit : str
         of the numbers but `time` and `relative`
     time : float
-        where the error is largest [s]
+        time of the largest error [s]
     value : float
-        of the file, there
+        value of the file at that time
     reference : float
-        true value, there
+        true value at that time
     error : float
         largest error
     size : float
         largest value of the reference; 1 where that stays 0
     bound : float
-        on the reference's own error
+        bound on the error of the reference
     """
 
     quantity: str
@@ -81,7 +81,7 @@ class LargestError:
 
 @dataclass(frozen=True)
 class Judgement:
-    """What a trajectory is worth.
+    """The verdict on a trajectory.
 
     Attributes
     ----------
@@ -100,14 +100,14 @@ class Judgement:
     until : float
         time of the last of these [s]
     growth : float
-        of an initial error until then [1]
+        growth factor of an initial error until then [1]
     tolerance : mapping of str to float
-        what tolerances follow from: `relative`, the share of each observable's size [1], or `order`
-        and `step` [s] of the method; empty where nothing was to be judged
+        basis of the tolerances: `relative`, the share of each observable's size [1], or `order` and
+        `step` [s] of the method; empty if nothing was judged
     errors : tuple of LargestError
-        one for each column that was compared; none of one that is not finite
+        one for each compared column with finite values
     notes : tuple of str
-        what was seen beside the numbers: columns that were not compared, what looks like a slip
+        columns that were not compared, and likely mistakes
     results : tuple of Result
         as in `check`, `model` being `file` and `engine` the file's name; none without a tolerance
     """
@@ -136,7 +136,7 @@ class Judgement:
 
     @property
     def exit_code(self) -> int:
-        """0 if all is well or nothing was to be judged, 1 for any deviation or error."""
+        """0 if all is well or nothing was judged, 1 for any deviation or error."""
         return Report(self.results, self.versions).exit_code if self.tolerance else 0
 
     def as_json(self) -> dict[str, Any]:
@@ -146,7 +146,7 @@ class Judgement:
 
 @dataclass(frozen=True)
 class JudgeRequest:
-    """A trajectory, what it is a run of, and how far it may be off.
+    """A trajectory, its case, and its tolerance.
 
     Attributes
     ----------
@@ -154,7 +154,7 @@ class JudgeRequest:
         CSV with the columns t [s] and observables; in Python also columns by name. Times need not
         lie on any grid.
     case : str
-        What it is a run of.
+        Case of which it is a run.
     parameters : mapping of str to float or str
         Change a parameter from its default, SI units.
     state : mapping of str to float
@@ -162,8 +162,8 @@ class JudgeRequest:
     tolerance : float or None
         Largest error, as a share of an observable's largest value.
     order : int or None
-        Order of the method, from which tolerances follow with --step: what a published scheme of
-        that order makes on the exact equations, with a margin.
+        Order of the method, from which tolerances follow with --step: the error of a published
+        scheme of that order on the exact equations, with a margin.
     step : float or None
         Fixed step [s].
     profile : {"strict", "default", "loose"}
@@ -244,7 +244,7 @@ def judge_trajectory(asked: JudgeRequest) -> Judgement:
 def wanted_tolerance(
     tolerance: float | None, order: int | None, step: float | None
 ) -> dict[str, float]:
-    """Return what tolerances are to follow from; empty if nothing is to be judged.
+    """Return the basis of tolerances; empty if nothing is judged.
 
     Raises
     ------
@@ -301,7 +301,7 @@ def case_of(name: str, parameters: Mapping[str, Any], state: Mapping[str, float]
 
 
 def comparable(file: Recording, case: Case) -> tuple[tuple[str, ...], list[str]]:
-    """Return which columns can be compared, and notes on those that cannot.
+    """Return the columns that can be compared, and notes on the others.
 
     Raises
     ------
@@ -332,7 +332,7 @@ def same_unit(unit: str) -> str:
 
 
 def first_not_finite(comparison: FileComparison, row: int) -> str:
-    """Return where an observable is not finite, in words; empty if it is."""
+    """Return the first time at which an observable is not finite, in words; empty if none."""
     places = np.flatnonzero(~np.isfinite(comparison.values[row]))
     if not places.size:
         return ""
@@ -341,7 +341,7 @@ def first_not_finite(comparison: FileComparison, row: int) -> str:
 
 
 def largest_error(finding: Finding, size: float, bound: float) -> LargestError:
-    """Return where an observable is off most, by the finding on it."""
+    """Return the largest error of an observable from the finding on it."""
     series = finding.series
     assert series is not None
     return LargestError(
@@ -360,7 +360,7 @@ def largest_error(finding: Finding, size: float, bound: float) -> LargestError:
 
 
 def findings_of(comparison: FileComparison, basis: Mapping[str, float]) -> Sequence[Finding]:
-    """Return the error of each observable with its tolerance, and where that comes from."""
+    """Return the error of each observable with its tolerance, and the basis of that."""
     right, room = comparison.right, ""
     if "order" in basis:
         published = " and ".join(SCHEMES_OF[int(basis["order"])])
@@ -379,8 +379,8 @@ def findings_of(comparison: FileComparison, basis: Mapping[str, float]) -> Seque
             words = f"tolerance {basis.get('relative', 1.0):.3g} x {with_unit(size, unit)}"
         return (
             f"worst at t = {right.times[worst]:.4g} s; {comparison.seen} samples over "
-            f"{comparison.span:.4g} s, in which errors grow by {comparison.growth:.3g}; relative "
-            f"error {error / size:.2g}; {words}"
+            f"{comparison.span:.4g} s, errors grow by a factor of {comparison.growth:.3g} in it; "
+            f"relative error {error / size:.2g}; {words}"
         )
 
     findings = comparison.observables(describe, over_time=True)

@@ -1,4 +1,4 @@
-"""A trajectory that was computed elsewhere: a file of named columns, read and made sure of."""
+"""A trajectory that was computed elsewhere: a file of named columns, read and checked."""
 
 from __future__ import annotations
 
@@ -23,19 +23,19 @@ TIME = ("t", "time")
 SECONDS = ("s", "sec", "seconds", "")
 
 DELIMITERS = {",": "commas", ";": "semicolons", "\t": "tabs"}
-"""In the order in which a header is searched for them; without any, blanks separate."""
+"""Separators in the order in which a header is searched for them; by default blanks."""
 
 UNIT = re.compile(r"(?P<name>.*?)\s*[\[(]\s*(?P<unit>[^\])]*?)\s*[\])]")
 """A column's name with its unit: ``theta [rad]`` or ``theta (rad)``."""
 
-LOOKED_AT = 400
-"""Rows by which it is judged with how many digits a file is written."""
+DIGIT_ROWS = 400
+"""Number of rows by which the digits of a file are counted."""
 
 LONGEST_NAME = 500
-"""Characters of a column's name, above which a file is none of columns."""
+"""Longest name of a column; a longer one shows that a file has no columns."""
 
 FULL = 15
-"""So many significant digits, or more, count as all of them."""
+"""So many significant digits, or more, count as full precision."""
 
 
 @dataclass(frozen=True)
@@ -45,13 +45,13 @@ class Recording:
     Attributes
     ----------
     name : str
-        Of the file, without its folder and ending.
+        Name of the file, without its folder and ending.
     times : array (n_t,)
         Increasing [s].
     columns : mapping of str to array (n_t,)
         May hold NaN.
     units : mapping of str to str
-        Of the columns that tell theirs.
+        Units of those columns that have one.
     """
 
     name: str
@@ -76,7 +76,7 @@ class Recording:
 
 def written(values: Array) -> tuple[int, int]:
     """Return with how many decimals and significant digits values (n_t,) are written."""
-    some = values[:: max(1, len(values) // LOOKED_AT)]
+    some = values[:: max(1, len(values) // DIGIT_ROWS)]
     words = [f"{value!r}" for value in some[np.isfinite(some)].tolist()]
     parts = [word.partition("e") for word in words]
     decimals = [len(m.partition(".")[2].rstrip("0")) - int(e or 0) for m, _, e in parts]
@@ -155,7 +155,7 @@ def from_file(name: str) -> Recording:
 def header(lines: Sequence[str], where: str) -> tuple[int, list[str], str | None]:
     """Return the number of the line that names the columns, the names, and what separates them.
 
-    It is the first line that is no comment or, where that is numbers, the comment before it.
+    It is the first line without a comment or, if that has numbers, the comment before it.
 
     Raises
     ------
@@ -193,7 +193,7 @@ def cells_of(line: str, delimiter: str | None) -> list[str]:
 
 
 def is_number(word: str) -> bool:
-    """Return whether a word is one."""
+    """Return True if a word is a number."""
     try:
         float(word)
     except ValueError:
@@ -241,7 +241,7 @@ def numbers(
 
 
 def named(heads: Sequence[str], where: str) -> tuple[list[str], dict[str, str], str]:
-    """Return the names of columns, units of those that tell theirs, and the name of the times.
+    """Return the names of columns, the units of those that have one, and the name of the times.
 
     Raises
     ------

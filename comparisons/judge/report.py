@@ -15,7 +15,7 @@ from .judge import Judgement
 HARMLESS = 1e3
 """Growth up to which an error is not taken for that of a start."""
 
-CHAOS = "what looks like a fault late in the run may be a small error that has grown."
+CHAOS = "late errors may be small initial errors that have grown."
 
 
 def as_report(judgement: Judgement, command: str | None = None) -> Report:
@@ -32,7 +32,7 @@ def as_report(judgement: Judgement, command: str | None = None) -> Report:
 
 
 def print_judgement(console: Console, judgement: Judgement, quiet: bool = False) -> None:
-    """Print errors, what they are compared with, and what was noticed; or the last line alone."""
+    """Print errors, tolerances and notes; or the last line alone."""
     if not quiet:
         print_sections(console, [judgement_section(judgement)])
     if judgement.tolerance:
@@ -62,7 +62,7 @@ def judgement_section(judgement: Judgement) -> Section:
         [
             f"{judgement.judged} of {judgement.samples} samples judged, to t = "
             f"{number(judgement.until, 6)} s; an initial error grows by "
-            f"{number(judgement.growth)} until then: {growth}",
+            f"a factor of {number(judgement.growth)} until then: {growth}",
             *(f"Note: {note}" for note in judgement.notes),
             *(
                 f"{result.verdict}: {result.quantity}: {result.reason}"

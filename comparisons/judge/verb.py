@@ -9,13 +9,15 @@ import click
 
 from ...reference.errors import UsageError
 from ..reports.files import Destination, refuse_conflicts
-from ..terminal.budget import QUERY, budget_option, budgeted
 from ..terminal.options import with_options_of
-from ..terminal.page_options import HTML, write_page
 from ..terminal.program import (
+    HTML,
     JSON,
     JUNIT,
+    QUERY,
     QUIET,
+    budget_option,
+    budgeted,
     console,
     examples,
     json_text,
@@ -51,7 +53,7 @@ def judge_verb(
     is standard input. Errors are those against the reference of the case, at the times of the
     file. Exit codes are those of `check`; without a tolerance nothing is judged.
     """
-    from ..reports.run.sections import run_junit
+    from ..reports.run.page import write_reports
     from . import report
 
     refuse_conflicts(json_file, junit_file, html_file)
@@ -65,10 +67,7 @@ def judge_verb(
     outcome = report.as_report(judgement, repeating(**asked))
     if json_file:
         json_file.write(json_text(judgement.as_json()))
-    if junit_file:
-        junit_file.write(run_junit(outcome))
-    if html_file:
-        write_page(html_file, outcome)
+    write_reports(outcome, junit=junit_file, html=html_file)
     report.print_judgement(console(json_file, junit_file), judgement, quiet)
     return judgement.exit_code
 

@@ -1,4 +1,4 @@
-"""Comparing two maps: where they agree, what is taken for what, how far boundaries lie apart."""
+"""Comparison of two maps: agreement, exchanged classes, distances of boundaries."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class MapComparison:
     Attributes
     ----------
     variable : str
-        what is compared
+        the variable of both maps
     unit : str
         its unit; 1 for classes
     classes : tuple of str

@@ -28,7 +28,7 @@ Grid = tuple[Array, Array]
 
 
 def axis_label(result: Map, name: str) -> str:
-    """Return what an axis is called, with its unit."""
+    """Return the label of an axis, with its unit."""
     return named(name, units(result.settings["scene"], name))
 
 

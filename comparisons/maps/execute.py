@@ -1,4 +1,4 @@
-"""Where blocks are computed: in this process, in others, or on a Dask cluster.
+"""Executors of blocks: this process, other processes, or a Dask cluster.
 
 An executor is a function ``(function, items) -> iterator of (number of the item, result)``,
 in the order in which results arrive. The results do not depend on which one it is.

@@ -1,4 +1,4 @@
-"""What a map is asked for: its axes, its quantity, who computes it; and one block of it."""
+"""Request of a map: axes, quantity, engine; and one block of it."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Axis(ParameterRange):
 
 
 def quantities(scene: str) -> Mapping[str, Quantity]:
-    """Return what can be mapped of a scene, by name; a scene may have nothing.
+    """Return the quantities of a scene's maps, by name; a scene may have none.
 
     Raises
     ------
@@ -74,7 +74,7 @@ def quantities(scene: str) -> Mapping[str, Quantity]:
 
 
 def axis_names(scene: str) -> Mapping[str, AxisName]:
-    """Return what may stand on an axis beside the scene's parameters."""
+    """Return the names of axes other than the scene's parameters."""
     return scene_data(scene, "maps", "AXES", {})
 
 
@@ -118,21 +118,21 @@ class Request(MethodQuery):
 
     @property
     def mapped(self) -> Quantity:
-        """What is mapped."""
+        """The mapped quantity."""
         return quantities(self.scene)[self.quantity]
 
     def as_dict(self) -> dict[str, Any]:
-        """Return it as plain values, with the versions of what it is computed with."""
+        """Return it as plain values, with the versions of the engine and libraries."""
         settings = {**asdict(self), "versions": versions([self.engine])}
         if self.backend == HEYOKA:
             settings["versions"][HEYOKA] = version(HEYOKA)
-        else:  # maps of NumPy do not depend on what else might have been asked for
+        else:  # maps of NumPy do not depend on the choice
             del settings["backend"]
         return settings
 
 
 def resolved(asked: Request) -> Request:
-    """Check what is asked for, and fill in what is left open: model, method and block.
+    """Check a request, and choose model, method and block where these are left open.
 
     Raises
     ------

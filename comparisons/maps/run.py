@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import nullcontext
 from functools import partial
@@ -13,7 +12,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 from ...reference.cost import keep_budget
 from ...reference.errors import UsageError
@@ -36,10 +34,6 @@ class RefinementOptions(NamedTuple):
         Points that take about as long as a single one, computed together.
     shares : int
         Blocks of a pass of refinement, at least where it has many points.
-    look_back : int
-        Passes from whose places the direction of a boundary is taken.
-    look_ahead : int
-        Cells that are computed ahead of it, at most.
     often : float
         Time [s] between two times at which an unfinished map is written.
     rarely : float
@@ -49,8 +43,6 @@ class RefinementOptions(NamedTuple):
     coarse_cells: int = 32
     few: int = 512
     shares: int = 4
-    look_back: int = 4
-    look_ahead: int = 16
     often: float = 2.0
     rarely: float = 20.0
 
@@ -63,7 +55,7 @@ Progress = Callable[[int, int], None]
 
 
 def compute(
-    asked: Request,
+    request: Request,
     *,
     workers: int = 1,
     dask: str | None = None,
@@ -75,8 +67,8 @@ def compute(
 
     Parameters
     ----------
-    asked : Request
-        From `resolved`.
+    request : Request
+        Result of `resolved`.
     workers : int
         Processes; 1 stays in this one. The map does not depend on it, nor on ``dask``.
     dask : str, optional
@@ -84,13 +76,13 @@ def compute(
     unfinished : Path, optional
         File that keeps the map while it is not complete.
     resume : bool
-        Go on with what is in ``unfinished``.
+        Continue the map in ``unfinished``.
     progress : callable ``(points done, points in all)``
 
     Raises
     ------
     UsageError
-        If ``unfinished`` is another map, or one that is not to be resumed.
+        If ``unfinished`` is another map, or ``resume`` is False.
     MbcheckError
         If workers keep dying.
     """
@@ -98,11 +90,11 @@ def compute(
         raise UsageError(f"the number of workers must be 1 or more, not {workers}")
     if dask is not None and workers > 1:
         raise UsageError("--workers and --dask contradict each other")
-    grid = Grid(asked, progress, unfinished, resume)
+    grid = Grid(request, progress, unfinished, resume)
     lent = on_cluster(dask) if dask is not None else nullcontext(on_this_machine(workers))
     try:
         with lent as execute:
-            for places in refined(grid) if asked.refine else [everywhere(asked)]:
+            for places in refined(grid) if request.refine else [everywhere(request)]:
                 grid.fill(places, execute)
     finally:  # at its end, too: the map itself may not be written
         grid.save()
@@ -138,8 +130,8 @@ def compute_map(
     UsageError
         If a name is unknown, a value impossible, or the engine cannot do it.
     """
-    asked = Request(scene, quantity, Axis(*x), Axis(*y), **options)
-    return compute(resolved(asked), workers=workers, dask=dask)
+    request = Request(scene, quantity, Axis(*x), Axis(*y), **options)
+    return compute(resolved(request), workers=workers, dask=dask)
 
 
 class Grid:
@@ -147,7 +139,7 @@ class Grid:
 
     Attributes
     ----------
-    asked : Request
+    request : Request
     progress : callable
     unfinished : Path or None
         File that keeps the map meanwhile.
@@ -159,20 +151,20 @@ class Grid:
     """
 
     def __init__(
-        self, asked: Request, progress: Progress, unfinished: Path | None, resume: bool
+        self, request: Request, progress: Progress, unfinished: Path | None, resume: bool
     ) -> None:
-        self.asked, self.progress, self.unfinished = asked, progress, unfinished
+        self.request, self.progress, self.unfinished = request, progress, unfinished
         self.variables: dict[str, Any] = {
-            name: np.full(asked.shape, NO_VALUE, np.int8)
+            name: np.full(request.shape, NO_VALUE, np.int8)
             if item.classes or name == "robust"
-            else np.full(asked.shape, np.nan)
-            for name, item in asked.mapped.variables.items()
+            else np.full(request.shape, np.nan)
+            for name, item in request.mapped.variables.items()
         }
-        self.computed = np.zeros(asked.shape, dtype=bool)
+        self.computed = np.zeros(request.shape, dtype=bool)
         self.problems: list[tuple[float, float, str]] = []
         self.done = self.total = 0
         self.saved, self.pause, self.is_new = monotonic(), OPTIONS.often, False
-        self.settings = json.loads(json.dumps(asked.as_dict()))
+        self.settings = json.loads(json.dumps(request.as_dict()))
         self.before = self.read_unfinished(resume)
 
     def read_unfinished(self, resume: bool) -> Map | None:
@@ -181,7 +173,7 @@ class Grid:
         Raises
         ------
         UsageError
-            If it is not to be resumed, or of another map.
+            If it must not be resumed, or is of another map.
         """
         if self.unfinished is None or not self.unfinished.exists():
             return None
@@ -208,17 +200,17 @@ class Grid:
     def map(self) -> Map:
         """Return the map as far as it is computed."""
         return Map(
-            self.asked.x,
-            self.asked.y,
+            self.request.x,
+            self.request.y,
             self.variables,
-            about=dict(self.asked.mapped.variables),
+            about=dict(self.request.mapped.variables),
             computed=self.computed,
             settings=self.settings,
             problems=tuple(sorted(self.problems)),
         )
 
     def save(self) -> None:
-        """Write what is computed to the file of the unfinished map, if it lacks any of it."""
+        """Write the computed points to the file of the unfinished map, if it lacks any."""
         if self.unfinished is None or not self.is_new:
             return
         begin = monotonic()
@@ -229,8 +221,8 @@ class Grid:
     def fill(self, places: Places, execute: Executor) -> None:
         """Compute places (k, 2), columns and rows, or take them from what was kept."""
         self.total += len(places)
-        missing, size = [], self.asked.block or len(places)
-        if self.asked.refine:  # to be shared, however many there are to share it
+        missing, size = [], self.request.block or len(places)
+        if self.request.refine:  # to be shared, however many there are to share it
             size = min(size, max(OPTIONS.few, -(-len(places) // OPTIONS.shares)))
         for block in split(places, size):
             column, row = block.T
@@ -239,9 +231,9 @@ class Grid:
                 self.place(block, QuantityValues(values))
             else:
                 missing.append(block)
-        if len(missing) == 1 and self.asked.engine == REFERENCE:
+        if len(missing) == 1 and self.request.engine == REFERENCE:
             execute = in_turn  # to begin a process takes longer than what it would share
-        for i, block_values in execute(partial(evaluate, self.asked), missing):
+        for i, block_values in execute(partial(evaluate, self.request), missing):
             self.place(missing[i], block_values)
             self.is_new = True
             if monotonic() - self.saved > self.pause:
@@ -254,16 +246,16 @@ class Grid:
         for name, values in self.variables.items():
             values[row, column] = result.values[name]
         for i, words in result.problems.items():
-            x, y = self.asked.x.values[column[i]], self.asked.y.values[row[i]]
+            x, y = self.request.x.values[column[i]], self.request.y.values[row[i]]
             self.problems.append((float(x), float(y), words))
         self.computed[row, column] = True
         self.done += len(block)
         self.progress(self.done, self.total)
 
 
-def everywhere(asked: Request, spacing: int = 1) -> Places:
+def everywhere(request: Request, spacing: int = 1) -> Places:
     """Return all places (n, 2) of a map, or those of a lattice on it."""
-    rows, columns = (lattice(count, spacing) for count in asked.shape)
+    rows, columns = (lattice(count, spacing) for count in request.shape)
     return np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
 
 
@@ -293,52 +285,24 @@ def refined(grid: Grid) -> Iterator[Places]:
     """Yield places to compute, having seen what the last ones are.
 
     A coarse lattice first. Then, with half its spacing each time, until it is the whole grid:
-    what is not computed is taken from the nearest point that is; where corners of a cell have
+    points not computed take the values of the nearest computed one; where corners of a cell have
     different classes, those that are not computed are computed, until none is left. So the
     boundary is followed where it leads, and what lies far from it is never computed; an island
-    that fits between the points of the coarse lattice is missed. Few points at the ends of
-    boundaries that go on are computed together with those where they lead to if they are straight,
-    unless an engine computes them, which takes each point its own time.
+    that fits between the points of the coarse lattice is missed.
     """
-    asked = grid.asked
-    key = next(name for name, item in asked.mapped.variables.items() if item.classes)
-    count = min(asked.shape) - 1
+    request = grid.request
+    key = next(name for name, item in request.mapped.variables.items() if item.classes)
+    count = min(request.shape) - 1
     cells = max(1, min(OPTIONS.coarse_cells, count / 4))
     spacing = 1 << max(0, int(np.floor(np.log2(count / cells))))
-    yield everywhere(asked, spacing)
+    yield everywhere(request, spacing)
     while True:
         spread(grid, spacing)
         if spacing == 1:
             return
         spacing //= 2
-        before = deque[Places](maxlen=OPTIONS.look_back)
         while (places := uncertain(grid.variables[key], grid.computed, spacing)).size:
-            follows = len(before) == OPTIONS.look_back and asked.engine == REFERENCE
-            far = straight_on(before[0], places, asked.shape, spacing) if follows else places[:0]
-            before.append(places)
-            far = far[~grid.computed[far[:, 1], far[:, 0]]]
-            places = np.unique(np.concatenate([places, far]), axis=0)
             yield places
-
-
-def straight_on(before: Places, places: Places, shape: tuple[int, int], spacing: int) -> Places:
-    """Return the places (k, 2) of a lattice where few ones lead to, and their neighbours.
-
-    Each goes on in the direction from the nearest one of an earlier pass.
-    """
-    cells = min(OPTIONS.look_ahead, OPTIONS.few // (3 * len(places)))
-    lines = [lattice(count, spacing) for count in reversed(shape)]
-    old, new = (
-        np.stack([np.searchsorted(*pair) for pair in zip(lines, some.T, strict=True)], axis=1)
-        for some in (before, places)
-    )
-    far, nearest = KDTree(old).query(new, p=np.inf)
-    ahead = (new - old[nearest]) / np.maximum(far, 1)[:, None]
-    line = np.rint(new[:, None] + ahead[:, None] * np.arange(1, cells + 1)[:, None]).astype(int)
-    about = line[..., None, :] + np.array(list(np.ndindex(3, 3))) - 1
-    wanted = np.unique(about.reshape(-1, 2), axis=0)
-    inside = np.all((wanted >= 0) & (wanted < [len(one) for one in lines]), axis=1)
-    return np.stack([one[i] for one, i in zip(lines, wanted[inside].T, strict=True)], axis=1)
 
 
 def lattice(count: int, spacing: int) -> Places:
@@ -347,10 +311,10 @@ def lattice(count: int, spacing: int) -> Places:
 
 
 def spread(grid: Grid, spacing: int) -> None:
-    """Give each place that is not computed the values of the nearest point of a lattice."""
+    """Give each place not yet computed the values of the nearest point of a lattice."""
     near_row, near_column = (
         known[np.argmin(abs(np.arange(count)[:, None] - known), axis=1)]
-        for count in grid.asked.shape
+        for count in grid.request.shape
         for known in [lattice(count, spacing)]
     )
     for values in grid.variables.values():

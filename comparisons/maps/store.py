@@ -32,7 +32,7 @@ from .request import Axis, axis_names
 COMPUTED = Variable("1", "1 where computed, 0 where taken from the nearest computed point")
 
 BLANK = b"0" * 64
-"""What stands in a map for its digest, which is of all its bytes, as it is computed."""
+"""Placeholder of the digest while that of all bytes of a map is computed."""
 
 DIGEST = re.compile(rb"digest\0\0\0\0\0\x02\0\0\0\x40([0-9a-f]{64})")
 """The attribute with the digest, as NetCDF writes it."""
@@ -41,7 +41,7 @@ BROKEN = (
     AssertionError, AttributeError, EOFError, IndexError, KeyError, MemoryError, OverflowError,
     RecursionError, TypeError, ValueError, struct.error,
 )  # fmt: skip
-"""What SciPy raises for a file that is none of its own."""
+"""Exceptions that SciPy raises for a file of another format."""
 
 
 def sha256(*parts: bytes) -> str:
@@ -78,7 +78,7 @@ class Map:
 
     @property
     def main_variable(self) -> str:
-        """Return the name of the variable that is drawn and compared."""
+        """Return the name of the variable for pictures and comparisons."""
         return next(iter(self.about))
 
     @property

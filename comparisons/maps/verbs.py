@@ -9,11 +9,12 @@ import numpy as np
 
 from ...reference.cost import within
 from ..reports.files import Destination, refuse_conflicts
-from ..terminal.budget import MAP, budget_option
 from ..terminal.options import COUNT, with_options_of
 from ..terminal.program import (
     JSON,
+    MAP,
     PLOT,
+    budget_option,
     console,
     destination,
     examples,
@@ -31,10 +32,10 @@ if TYPE_CHECKING:
 @click.command(
     "map",
     epilog=examples(
-        "mbcheck map hula_hoop --quantity floquet -o floquet.nc --plot floquet.png \\",
-        "    --x force_frequency=1:10:30 --y force_amplitude=5:150:30",
-        "mbcheck map speed_regulator --quantity regime --engine mujoco --refine -o regime.nc \\",
-        "    --x damping=0.5:6:17 --y torque=0.02:1.2:17",
+        "mbcheck map hula_hoop --quantity floquet -o floquet.nc --plot floquet.png "
+        "--x force_frequency=1:10:30 --y force_amplitude=5:150:30",
+        "mbcheck map speed_regulator --quantity regime --engine mujoco --refine -o regime.nc "
+        "--x damping=0.5:6:17 --y torque=0.02:1.2:17",
     ),
 )
 @with_options_of(Request)
@@ -44,7 +45,7 @@ if TYPE_CHECKING:
     required=True,
     callback=destination,
     metavar="FILE.nc",
-    help="The NetCDF file to write; FILE.nc.unfinished keeps what is computed meanwhile.",
+    help="The NetCDF file to write; FILE.nc.unfinished keeps finished blocks meanwhile.",
 )
 @PLOT
 @click.option("--resume", is_flag=True, help="Go on with what an interrupted run has kept.")
@@ -54,7 +55,7 @@ if TYPE_CHECKING:
 @click.option(
     "--boundary",
     metavar="FILE.json",
-    help="Curves of mbcheck boundary: drawn over the map, and held against its classes.",
+    help="Curves of mbcheck boundary: drawn over the map, and compared with its classes.",
 )
 def map_(
     output: Destination,
@@ -100,7 +101,7 @@ def map_(
 
 def print_map(console: Any, result: Any) -> None:
     """Print what a map shows in a few lines."""
-    from ..reports.text import print_line, print_table, print_wrapped
+    from ..reports.text import print_line, print_table
     from ..reports.words import number, with_unit
     from .compare import called
 
@@ -124,7 +125,7 @@ def print_map(console: Any, result: Any) -> None:
         )
     if result.problems:
         x, y, words = result.problems[0]
-        print_wrapped(
+        print_line(
             console,
             f"no value at {len(result.problems)} points; the first, at "
             f"{result.x.name}={number(x, 6)} {result.y.name}={number(y, 6)}: {words}",

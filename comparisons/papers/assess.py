@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from string import Formatter
 from typing import Any, TypeVar
@@ -21,6 +21,7 @@ from .ledger import (
     Condition,
     LedgerRow,
     Numbers,
+    RowThreshold,
     half_unit,
 )
 from .session import Session
@@ -29,48 +30,13 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True)
-class RowThreshold:
-    """A condition on a number, and how far the number is from its limit.
-
-    Attributes
-    ----------
-    verdict : str
-        the verdict whose conditions it is among
-    quantity : str
-        what is judged
-    relation : str
-        <, <=, >, >=, == or `rounds to`: to the limit
-    limit : float or None
-        limit; null if it is a word or a truth value
-    value : float or None
-        our number, of several the one nearest to breaking the condition; null as above
-    distance : float or None
-        from the limit, on the side that holds where positive; null as above
-    holds : bool
-        whether the condition holds
-    ours : bool
-        whether the limit is ours, neither printed nor derived: within 5 % of it the verdict is
-        `open`
-    """
-
-    verdict: str
-    quantity: str
-    relation: str
-    limit: float | None
-    value: float | None
-    distance: float | None
-    holds: bool
-    ours: bool
-
-
-@dataclass(frozen=True)
 class Assessment:
-    """What became of a row.
+    """Verdict on a row, and the numbers that it rests on.
 
     Attributes
     ----------
     verdict : str
-        what became of it; `error` where we failed, empty for a reading
+        the verdict; `error` where we failed, empty for a reading
     reason : str
         why
     reference : str
@@ -112,11 +78,9 @@ class Template(Formatter):
             nested = any(isinstance(item, Mapping) or np.ndim(item) for item in value)
             separator = "; " if nested else ", "
             return separator.join(self.format_field(item, format_spec) for item in value)
-        if isinstance(value, str):
-            return value
         if isinstance(value, bool | np.bool_) and not format_spec:
             return "yes" if value else "no"
-        return str(format(value, format_spec))
+        return value if isinstance(value, str) else str(format(value, format_spec))
 
 
 def fill(template: str, numbers: Numbers) -> str:
@@ -126,44 +90,7 @@ def fill(template: str, numbers: Numbers) -> str:
     ...      {"speed": [1.0, 2.0], "shares": {"rest": 0.25}, "falls": True})
     '1.0, 2.0 rad/s; rest 25%; yes'
     """
-    return Template().vformat(template, (), numbers)
-
-
-def assess(row: LedgerRow, session: Session) -> Assessment:
-    """Return what becomes of a row, its verdict the expected one if it has no conditions.
-
-    Raises
-    ------
-    EngineError
-        If an engine failed whose numbers the verdict depends on.
-    """
-    if row.is_text:
-        return Assessment(row.verdict, row.reason, row.reference, {}, tuple(row.candidates.items()))
-    return assessed(row, *measure(row, session))
-
-
-def assessed(row: LedgerRow, numbers: Numbers, engines: Mapping[str, Numbers | str]) -> Assessment:
-    """Return what the numbers of the reference and the engines make of a row."""
-    return Assessment(
-        verdict_of(row, numbers, engines) if row.judgement else row.verdict,
-        reason_of(row, numbers),
-        fill(row.reference, numbers).strip(),
-        {
-            name: own if isinstance(own, str) else fill(row.engines or row.reference, own).strip()
-            for name, own in engines.items()
-        },
-        tuple((way, fill(result, numbers)) for way, result in row.candidates.items()),
-        tuple(thresholds(row, numbers)),
-        values_of(row, numbers, engines),
-        {
-            who: values
-            for who, template, own in (
-                (REFERENCE, row.reason + row.reference, numbers),
-                *((name, row.engines or row.reference, own) for name, own in engines.items()),
-            )
-            if not isinstance(own, str) and (values := numbers_in(template, own))
-        },
-    )
+    return Template().vformat(template, (), numbers).strip()
 
 
 def numbers_in(template: str, numbers: Numbers) -> dict[str, Any]:
@@ -184,31 +111,44 @@ def numbers_in(template: str, numbers: Numbers) -> dict[str, Any]:
     return {name: one.tolist() for name, one in plain.items()}
 
 
-def thresholds(row: LedgerRow, numbers: Numbers) -> Iterator[RowThreshold]:
-    """Yield what the reference's numbers are judged by, and how far they are from it."""
-    for verdict, conditions in row.judgement.items():
-        for item in conditions:
-            value, limit, distance = item.compared(numbers, row.printed) or (None, None, None)
-            holds = item.holds(numbers, row.printed)
-            yield RowThreshold(
-                verdict, item.name, item.relation, limit, value, distance, holds, item.ours
-            )
+def assess(row: LedgerRow, session: Session) -> Assessment:
+    """Assess a row; without conditions its verdict is the expected one.
 
-
-def values_of(
-    row: LedgerRow, numbers: Numbers, engines: Mapping[str, Numbers | str]
-) -> Mapping[str, float]:
-    """Return our numbers for a printed one, by the reference and by each engine."""
-    if row.quantity is None:
-        return {}
+    Raises
+    ------
+    EngineError
+        If an engine failed whose numbers the verdict depends on.
+    """
+    if row.is_text:
+        return Assessment(row.verdict, row.reason, row.reference, {}, tuple(row.candidates.items()))
+    numbers, engines = measure(row, session)
     able = {name: own for name, own in engines.items() if not isinstance(own, str)}
-    return {name: float(own["value"]) for name, own in ({REFERENCE: numbers} | able).items()}
+    template = row.engines or row.reference
+    sources = [(REFERENCE, row.reason + row.reference, numbers)]
+    sources += [(name, template, own) for name, own in able.items()]
+    return Assessment(
+        verdict_of(row, numbers, engines) if row.judgement else row.verdict,
+        reason_of(row, numbers),
+        fill(row.reference, numbers),
+        {
+            name: own if isinstance(own, str) else fill(template, own)
+            for name, own in engines.items()
+        },
+        tuple((way, fill(result, numbers)) for way, result in row.candidates.items()),
+        tuple(
+            condition.compare(numbers, row.printed, verdict)
+            for verdict, conditions in row.judgement.items()
+            for condition in conditions
+        ),
+        {name: float(own["value"]) for name, _, own in sources if row.quantity},
+        {name: used for name, text, own in sources if (used := numbers_in(text, own))},
+    )
 
 
 def measure(row: LedgerRow, session: Session) -> tuple[Numbers, Mapping[str, Numbers | str]]:
     """Return the numbers of a row by the reference and by each engine.
 
-    An engine that fails or cannot tell has words in place of numbers.
+    An engine that fails or does not compute them has words in place of numbers.
     """
     unit = {"unit": row.printed.partition(" ")[2]}
     numbers: dict[str, Any] = dict(unit)
@@ -216,18 +156,23 @@ def measure(row: LedgerRow, session: Session) -> tuple[Numbers, Mapping[str, Num
         numbers |= call(session) if call is not None else {}
     engines: dict[str, Numbers | str] = {}
     if row.each is not None:
-        numbers |= named(row.each(session, REFERENCE))
+        numbers |= by_name(row.each(session, REFERENCE))
         for name in session.engines:
             try:
                 own = row.each(session, name)
             except EngineError as error:
                 own = str(error)
-            engines[name] = own if isinstance(own, str) else unit | named(own)
+            engines[name] = own if isinstance(own, str) else unit | by_name(own)
     return numbers, engines
 
 
+def by_name(measured: Any) -> dict[str, Any]:
+    """Return measured numbers by name; a bare one is called ``value``."""
+    return dict(measured) if isinstance(measured, Mapping) else {"value": measured}
+
+
 def attempt(call: Callable[[], T]) -> tuple[T | None, str]:
-    """Return what a call returns, and in one line why it failed; the others go on."""
+    """Return the result of a call and no words, or None and the failure in one line."""
     try:
         return call(), ""
     except MbcheckError as error:
@@ -236,27 +181,21 @@ def attempt(call: Callable[[], T]) -> tuple[T | None, str]:
         return None, describe(error, "")
 
 
-def named(measured: Any) -> dict[str, Any]:
-    """Return measured numbers by name; a bare one is called ``value``."""
-    return dict(measured) if isinstance(measured, Mapping) else {"value": measured}
-
-
 def verdict_of(row: LedgerRow, numbers: Numbers, engines: Mapping[str, Numbers | str]) -> str:
     """Return the first verdict whose conditions hold, or else that the row is not reproduced.
 
-    It is open if it is another one when the limits that we chose, and that are close, are met
-    than when they are not.
+    It is open if the verdict changes with the outcome of conditions whose limits are ours and
+    close to the number.
     """
 
     def satisfied(condition: Condition, close: bool | None) -> bool:
         for own in engines.values() if condition.everyone else ():
             if isinstance(own, str):
                 raise EngineError("failed", own)
-            if not condition.holds(own, row.printed):
+            if not condition.compare(own, row.printed).holds:
                 return False
-        if close is not None and condition.is_close(numbers, row.printed):
-            return close
-        return condition.holds(numbers, row.printed)
+        threshold = condition.compare(numbers, row.printed)
+        return threshold.holds if close is None or not threshold.is_close else close
 
     def verdict(close: bool | None) -> str:
         for name, conditions in row.judgement.items():
@@ -268,7 +207,7 @@ def verdict_of(row: LedgerRow, numbers: Numbers, engines: Mapping[str, Numbers |
 
 
 def reason_of(row: LedgerRow, numbers: Numbers) -> str:
-    """Return why a row has its verdict; of a printed number how far ours is off."""
+    """Return the reason for a row's verdict, and how far a printed number is off."""
     reason = fill(row.reason, numbers)
     conditions = sum(row.judgement.values(), ())
     if not any(item.limit == PRINTED and item.name == "value" for item in conditions):

@@ -8,10 +8,12 @@ docs/architecture.md says where to change what; a row and its keys::
     claim = "Synchronous speed."
     verdict = "reproduced"
     printed = "153.8 rad/s"
-    each = {call = "cases.speed_of", case = "case_1"}
+    each = {call = "speed_of", case = "case_1"}
     reproduced_if = ["value rounds to printed", "drift < 1e-6, everyone, ours"]
 
-A measure is a function of the folder's modules, with the arguments that follow ``call``, if any.
+A measure is a function of the folder's ``measures.py``, with arguments after ``call``, if any.
+Without a ``kind`` a row with candidates is a reading, one with an erratum a misprint, and any other
+a claim; it is slow if engines are measured too.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cache, partial
 from importlib import import_module
 from itertools import pairwise
@@ -56,24 +58,25 @@ CONDITIONS = {
 """Key of a row -> the verdict that it has if all these conditions hold, in order of preference."""
 
 DEFAULTS: Mapping[str, Mapping[str, Any]] = {
-    "number": {"reference": "{value:.5g} {unit}"},
+    "number": {"reference": "{value:.5g} {unit}", "verdict": REPRODUCED},
+    "claim": {"verdict": REPRODUCED},
     "misprint": {"verdict": CORRECTED},
     "reading": {"verdict": READ},
 }
-"""What rows of a kind have if they say nothing else."""
+"""Kind of row -> values of the keys that it omits."""
 
 DEFAULT_CONDITIONS: Mapping[str, Mapping[str, Any]] = {
     "number": {"reproduced_if": ["value rounds to printed"]},
     "misprint": {"corrected_if": ["corrected < 1e-12", "as_printed > 1e-3"]},
 }
-"""Conditions of rows of a kind that have none."""
+"""Kind of row -> its conditions if it gives none."""
 
 CONDITION = re.compile(r"(\S+) (<=|>=|<|>|==|rounds to) (.+?)(, everyone)?(, ours)?")
 
 
 @dataclass(frozen=True)
 class PaperData:
-    """What a paper's file holds.
+    """The content of a paper's file.
 
     Attributes
     ----------
@@ -91,16 +94,20 @@ class PaperData:
     verdict: str = ""
 
 
+REFUSALS = (LookupError, ValueError, TypeError, AttributeError, ImportError)
+"""Errors that a mistake in a paper's file causes."""
+
+
 @cache
 def read_paper(scene: str) -> PaperData:
-    """Return what is recorded of a scene's paper; nothing of one that has no file.
+    """Return the record of a scene's paper, empty if the scene has no such file.
 
     Raises
     ------
     UnknownNameError
         If there is no such scene.
     MbcheckError
-        If the file is not as it should be: it names row and field.
+        If the file is invalid: it names row and field.
     """
     if scene not in SCENES:
         raise UnknownNameError("scene", scene, SCENES)
@@ -111,10 +118,15 @@ def read_paper(scene: str) -> PaperData:
     try:
         data = tomllib.loads(text)
         shared = data.pop("definitions", {})
+        figures = [
+            {"number": int(number), **one, "caption": one["caption"].format(**shared)}
+            for number, one in data["figures"].items()
+        ]
+        causes = [{"name": name, **one} for name, one in data["causes"].items()]
         rows = [read_row(scene, name, row, shared) for name, row in data["rows"].items()]
-        checked = converted(scene, {**data, "rows": ()}, PaperData)
-        return PaperData(**{**vars(checked), "rows": tuple(rows)})
-    except (LookupError, ValueError, TypeError, AttributeError, ImportError) as error:
+        others = {**data, "figures": figures, "causes": causes, "rows": ()}
+        return replace(converted(scene, others, PaperData), rows=tuple(rows))
+    except REFUSALS as error:
         raise MbcheckError(f"{file}: {error}") from error
 
 
@@ -123,54 +135,49 @@ def scenes_with_ledger() -> tuple[str, ...]:
     return tuple(scene for scene in SCENES if read_paper(scene).rows)
 
 
-def equations_of(scene: str, name: str) -> Identities:
-    """Return the equations of a row."""
-    every = (row.equations for row in read_paper(scene).rows if row.name == name)
-    return next(one for one in every if one is not None)
-
-
 def read_row(
     scene: str, name: str, data: Mapping[str, Any], shared: Mapping[str, str]
 ) -> LedgerRow:
     """Return a row of a paper from its table in the file."""
     try:
-        kind = data.get("kind", "claim")
-        judges = (
-            {}
-            if condition_keys(data) or data.get("verdict") == NOT_TESTABLE
-            else DEFAULT_CONDITIONS
+        implied = (
+            "reading" if "candidates" in data else "misprint" if "erratum" in data else "claim"
         )
-        defaults = {**DEFAULTS.get(kind, {}), **judges.get(kind, {})}
-        row = {"kind": kind, "name": name} | defaults | dict(data)
+        kind = data.get("kind", implied)
+        own = {"kind": kind, "name": name, "slow": "each" in data}
+        row = {**own, **DEFAULTS.get(kind, {}), **data}
+        if not CONDITIONS.keys() & data.keys() and row["verdict"] != NOT_TESTABLE:
+            row |= DEFAULT_CONDITIONS.get(kind, {})
         row["judgement"] = {
-            CONDITIONS[key]: [vars(read_condition(text)) for text in row.pop(key)]
-            for key in condition_keys(row)
+            verdict: [vars(read_condition(text)) for text in row.pop(key)]
+            for key, verdict in CONDITIONS.items()
+            if key in row
         }
         if "equations" in row:
             row["equations"] = read_equations(scene, row["equations"], shared)
             if "erratum" in row:
-                pairs = pairwise(sides(row["equations"]["text"]))
-                wrong = [(own, other) for (_, own), (left, other) in pairs if left == "printed"]
-                texts = ["; ".join(own) for own in zip(*wrong, strict=True)]
-                forms = dict(zip(("corrected", "printed"), texts, strict=False))
-                row = {"printed": forms.pop("printed", ""), **row}
-                row["erratum"] = {**forms, **row["erratum"]}
+                row = add_forms(row)
         return converted(scene, row, LedgerRow)
-    except (LookupError, ValueError, TypeError, AttributeError, ImportError) as error:
+    except REFUSALS as error:
         raise ValueError(f"row {name}: {error}") from error
 
 
-def condition_keys(row: Mapping[str, Any]) -> list[str]:
-    """Return the keys of a row's conditions, in order of preference."""
-    return [key for key in CONDITIONS if key in row]
+def add_forms(row: dict[str, Any]) -> dict[str, Any]:
+    """Return a row of a misprint with its forms, printed and corrected, from its equations."""
+    pairs = pairwise(sides(row["equations"]["text"]))
+    wrong = [(own, other) for (_, own), (left, other) in pairs if left == "printed"]
+    texts = ["; ".join(own) for own in zip(*wrong, strict=True)]
+    forms = dict(zip(("corrected", "printed"), texts, strict=False))
+    row = {"printed": forms.pop("printed", ""), **row}
+    return {**row, "erratum": {**forms, **row["erratum"]}}
 
 
 def read_equations(
     scene: str, data: Mapping[str, Any], shared: Mapping[str, str]
 ) -> dict[str, Any]:
-    """Return a table of equations with what several rows have: definitions, and values.
+    """Return a table of equations with the definitions and values that several rows share.
 
-    Each of the definitions is a text, or the name of one that is shared; among the values
+    Each of the definitions is a text, or the name of a shared one; among the values
     ``from`` names a table in a module, which has others.
     """
     definitions = (shared.get(text, text) for text in data.get("definitions", ()))
@@ -196,18 +203,14 @@ def read_condition(text: str) -> Condition:
     return Condition(name, relation, limit, bool(everyone), bool(ours))
 
 
-def converted(scene: str, data: Mapping[str, Any], kind: Any) -> Any:
-    """Return a record of a kind; measures are looked up in the modules of the scene's folder."""
-    check_keys(data, kind)
-
-    def decode(_: Any, value: Any) -> Any:
-        return measure(scene, value)
-
-    return msgspec.convert(data, kind, dec_hook=decode)
-
-
 RECORDS = {"erratum": Erratum, "equations": Identities, "figures": PaperFigure, "causes": Cause}
-"""What stands under these keys."""
+"""Key -> kind of the records under it."""
+
+
+def converted(scene: str, data: Mapping[str, Any], kind: Any) -> Any:
+    """Return a record of a kind; measures are found by their names."""
+    check_keys(data, kind)
+    return msgspec.convert(data, kind, dec_hook=lambda _, value: measure(scene, value))
 
 
 def check_keys(data: Mapping[str, Any], kind: Any) -> None:
@@ -222,14 +225,14 @@ def check_keys(data: Mapping[str, Any], kind: Any) -> None:
 
 
 def measure(scene: str, named: str | Mapping[str, Any]) -> Any:
-    """Return what a name means in the modules of a scene's folder, its arguments filled in.
+    """Return the object of this name in the measures of a scene, its arguments filled in.
 
-    ``derivation.second_order``, or ``{call = "regions.share_of_class", name = "blue_o"}``; an
-    argument may be a function, ``{call = "results.peak"}``.
+    ``second_order``, or ``{call = "share_of_class", name = "blue_o"}``; another module is named
+    before a point, ``figures.figure_2``; an argument may be a function, ``{call = "peak"}``.
     """
     if isinstance(named, str):
         module, _, name = named.rpartition(".")
-        return getattr(import_module(f"{__package__}.{scene}.{module}"), name)
+        return getattr(import_module(f"{__package__}.{scene}.{module or 'measures'}"), name)
     function = measure(scene, named["call"])
     arguments = {name: argument(scene, value) for name, value in named.items() if name != "call"}
     return partial(function, **arguments) if arguments else function

@@ -1,4 +1,4 @@
-"""What the papers' figures share: differences from the reference, and legends."""
+"""Differences from the reference, and legends, for all papers' figures."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..reports.drawing import INK, engine_line
 
 
 def draw_gap(panel: Any, engine: str, x: Array, gap: Array, **how: Any) -> None:
-    """Draw how far an engine is from the reference, on a logarithmic axis."""
+    """Draw the distance of an engine from the reference, on a logarithmic axis."""
     engine_line(panel, engine, x, np.where(gap > 0, gap, np.nan), **how)
     panel.set_yscale("log")
 

@@ -47,15 +47,13 @@ def join_lines(*texts: str) -> str:
     return "\n".join(dedent(text).strip() for text in texts)
 
 
-def whole_lines(text: str) -> list[str]:
-    """Return the lines of a text, those that are indented further joined to the one before."""
-    return re.sub(r"\n+", "\n", re.sub(r"\n +", " ", dedent(text).strip())).splitlines()
-
-
 def sides(text: str) -> list[tuple[str, str]]:
-    """Return the left- and right-hand sides of the equations in a text."""
-    pairs = (line.partition(" = ") for line in whole_lines(text))
-    return [(left, right) for left, _, right in pairs]
+    """Return the left- and right-hand sides of the equations in a text.
+
+    A line with a deeper indentation continues the one before.
+    """
+    lines = re.sub(r"\n+", "\n", re.sub(r"\n +", " ", dedent(text).strip())).splitlines()
+    return [(left, right) for left, _, right in (line.partition(" = ") for line in lines)]
 
 
 @dataclass(frozen=True)

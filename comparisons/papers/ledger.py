@@ -1,8 +1,7 @@
-"""The ledger of a paper as data: figures, and rows that state what is printed or claimed."""
+"""The ledger of a paper as data: figures, and rows for its printed numbers and its claims."""
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
@@ -15,27 +14,27 @@ from .session import Session
 
 REPRODUCED = "reproduced"
 UNCONVERGED = "reproduced, unconverged"
-"""By the paper's own truncation; what it converges to is another number."""
+"""The paper's truncation gives the printed number; the converged number is another one."""
 CORRECTED = "reproduced with a corrected equation"
 NOT_REPRODUCED = "not reproduced"
 DEPENDS = "depends on what is not printed"
 OPEN = "open"
-"""Hangs on a limit that is ours, by less than `MARGIN` of it."""
+"""Our number is within `MARGIN` of a limit that we chose."""
 NOT_TESTABLE = "not testable"
 ERROR = "error"
-"""Of a row that could not be judged: a fault of ours or of an engine, not of the paper."""
+"""The row could not be judged: a fault of ours or of an engine, not of the paper."""
 READ = ""
-"""Of a reading, which is judged by nobody and not counted."""
+"""A reading of the text has no verdict and is not counted."""
 
 VERDICTS = (REPRODUCED, UNCONVERGED, CORRECTED, NOT_REPRODUCED, DEPENDS, OPEN, NOT_TESTABLE)
 
 MARGIN = 0.05
-"""Share of a limit that we chose within which it decides nothing."""
+"""A number within this share of a limit that we chose decides nothing."""
 
 KINDS = ("number", "claim", "misprint", "reading")
 
 Numbers = Mapping[str, Any]
-"""What a measure returns by name: numbers, arrays of them, or a word such as a class."""
+"""Results of a measure by name: numbers, arrays of them, or a word such as a class."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +50,7 @@ class PaperFigure:
     caption : str
         What is drawn and with which choices, where the text leaves them open; how the engines
         compare.
-    draw : callable ``(Session) -> matplotlib PaperFigure``
+    draw : callable ``(Session) -> matplotlib Figure``
     """
 
     number: int
@@ -61,7 +60,7 @@ class PaperFigure:
 
 
 def half_unit(printed: str) -> float:
-    """Return half a unit of the last digit of a printed number: what rounding may hide.
+    """Return half a unit of the last digit of a printed number, which rounding may hide.
 
     >>> half_unit("3.10")
     0.005
@@ -71,20 +70,46 @@ def half_unit(printed: str) -> float:
     return float(Decimal(1).scaleb(exponent)) / 2
 
 
-def rounds_to(value: Any, printed: str) -> bool:
-    """Return whether a number, or each of several, rounds to a printed one."""
-    off = np.abs(value - float(printed.split()[0]))
-    return bool(np.all(off <= half_unit(printed) * (1 + 1e-9)))
+@dataclass(frozen=True)
+class RowThreshold:
+    """A condition on a number, and how far the number is from its limit.
 
+    Attributes
+    ----------
+    verdict : str
+        the verdict whose conditions it is among
+    quantity : str
+        name of the judged number
+    relation : str
+        <, <=, >, >=, == or `rounds to`: to the limit
+    limit : float or None
+        limit; null if it is a word or a truth value
+    value : float or None
+        our number, of several the one nearest to breaking the condition; null as above
+    distance : float or None
+        from the limit, on the side that holds where positive; null as above
+    holds : bool
+        whether the condition holds
+    ours : bool
+        whether the limit is ours, neither printed nor derived: within 5 % of it the verdict is
+        `open`
+    """
 
-RELATIONS: Mapping[str, Callable[[Any, Any], Any]] = {
-    "<": operator.lt,
-    "<=": operator.le,
-    ">": operator.gt,
-    ">=": operator.ge,
-    "==": operator.eq,
-    "rounds to": rounds_to,
-}
+    verdict: str
+    quantity: str
+    relation: str
+    limit: float | None
+    value: float | None
+    distance: float | None
+    holds: bool
+    ours: bool
+
+    @property
+    def is_close(self) -> bool:
+        """True if the limit is ours, and too close to the number to decide by."""
+        if not self.ours or self.limit is None or self.distance is None:
+            return False
+        return abs(self.distance) <= MARGIN * abs(self.limit)
 
 
 PRINTED = "printed"
@@ -97,9 +122,9 @@ class Condition:
     Attributes
     ----------
     name : str
-        Of the number.
+        Name of the number.
     relation : str
-        One of `RELATIONS`.
+        <, <=, >, >=, == or ``rounds to``.
     limit : float or str
         A number, a word, or `PRINTED`, which stands for the row's printed number.
     everyone : bool
@@ -114,32 +139,21 @@ class Condition:
     everyone: bool = False
     ours: bool = False
 
-    def holds(self, numbers: Numbers, printed: str = "") -> bool:
-        """Return whether it is satisfied; NaN satisfies nothing."""
-        limit = printed if self.limit == PRINTED else self.limit
-        return bool(np.all(RELATIONS[self.relation](np.asarray(numbers[self.name]), limit)))
-
-    def compared(self, numbers: Numbers, printed: str = "") -> tuple[float, float, float] | None:
-        """Return the number, the limit, and the distance to it, on its right side if positive.
-
-        Of several the one that is nearest to breaking the condition, or breaks it most. Words
-        and truth values have none.
-        """
-        values = np.asarray(numbers[self.name])
+    def compare(self, numbers: Numbers, printed: str = "", verdict: str = "") -> RowThreshold:
+        """Compare the number with the limit; NaN satisfies nothing."""
+        values = np.ravel(numbers[self.name])
         limit = printed.split()[0] if self.limit == PRINTED else self.limit
+        about = (verdict, self.name, self.relation)
         if values.dtype.kind not in "fiu" or isinstance(limit, bool):
-            return None
+            return RowThreshold(*about, None, None, None, bool(np.all(values == limit)), self.ours)
         bound = float(limit)
-        sides = {"<": bound - values, ">": values - bound}
         room = half_unit(printed) if self.relation == "rounds to" else 0.0
-        distances = np.ravel(sides.get(self.relation[0], room - np.abs(values - bound)))
+        sides = {"<": bound - values, ">": values - bound}
+        distances = sides.get(self.relation[0], room - np.abs(values - bound))
         worst = int(np.argmin(distances))
-        return float(np.ravel(values)[worst]), bound, float(distances[worst])
-
-    def is_close(self, numbers: Numbers, printed: str = "") -> bool:
-        """Return whether the limit is ours, and too close to the number to decide by."""
-        triple = self.compared(numbers, printed) if self.ours else None
-        return triple is not None and abs(triple[2]) <= MARGIN * abs(triple[1])
+        distance = float(distances[worst])
+        holds = distance > 0 if self.relation in "<>" else distance >= -1e-9 * room
+        return RowThreshold(*about, bound, float(values[worst]), distance, holds, self.ours)
 
 
 Judgement = Mapping[str, tuple[Condition, ...]]
@@ -149,7 +163,7 @@ Judgement = Mapping[str, tuple[Condition, ...]]
 
 @dataclass(frozen=True)
 class Erratum:
-    """A misprint, as its authors would want it told; where and what it is, the row says.
+    """A misprint, as its authors would want it stated; its place and content are the row's.
 
     Attributes
     ----------
@@ -162,7 +176,7 @@ class Erratum:
     copy : str
         why our copy of the text may be at fault, if it may
     equations : tuple of str
-        what is to be changed: equations, a table, a place in the text
+        the places to correct: equations, a table, a place in the text
     kind : str
         a fault of `print`, of `reasoning`, or of `wording` or a symbol
     """
@@ -177,14 +191,14 @@ class Erratum:
 
 @dataclass(frozen=True)
 class Cause:
-    """What several rows of a paper have in common that do not hold as printed.
+    """The common cause of several rows of a paper that do not hold as printed.
 
     Attributes
     ----------
     name : str
         unique in its scene
     summary : str
-        what it is
+        the cause in one sentence
     rows : tuple of str
         names of the rows that share it
     """
@@ -227,17 +241,17 @@ class LedgerRow:
     name : str
         Unique in its scene: ``case_1_speed``.
     section : str
-        Where it stands: ``5.2, case 1``, ``equation (21)``, ``figure 3``.
+        Place in the paper: ``5.2, case 1``, ``equation (21)``, ``figure 3``.
     claim : str
-        What the paper says, in our own words.
+        The paper's statement, in our own words.
     verdict : str
-        The one that is expected, of `VERDICTS`; `READ` of a reading.
+        The expected one, of `VERDICTS`; `READ` of a reading.
     reason : str
         Template of the line that says why, with numbers.
     numbers : callable ``(Session) -> Numbers``, optional
-        What the reference alone measures.
+        Measure of the reference alone.
     each : callable ``(Session, str) -> Numbers or number``, optional
-        What the reference and every engine measure; a bare number is called ``value``.
+        Measure of the reference and of every engine; a bare number is called ``value``.
     reference, engines : str
         Templates of our value by the reference and by an engine, with units; that of the engines
         is the reference's by default.
@@ -245,9 +259,9 @@ class LedgerRow:
     printed : str
         The value as printed, with its unit; empty for a claim in words.
     candidates : mapping of str to str
-        Of a reading that the text leaves open: each candidate, and what it gives.
+        Each way to read what the text leaves open, and its result.
     erratum : Erratum, optional
-        Of a misprint.
+        The correction of a misprint.
     slow : bool
         Takes more than two seconds.
     equations : Identities, optional
@@ -273,7 +287,7 @@ class LedgerRow:
 
     @property
     def quantity(self) -> Printed | None:
-        """Return the printed number, if the row is judged by one."""
+        """The printed number, if the row is judged by one."""
         conditions = (item for verdict in self.judgement.values() for item in verdict)
         if not any(item.limit == PRINTED for item in conditions):
             return None
@@ -282,5 +296,5 @@ class LedgerRow:
 
     @property
     def is_text(self) -> bool:
-        """Return whether nothing is computed."""
+        """True if nothing is computed."""
         return self.numbers is None and self.each is None and self.equations is None

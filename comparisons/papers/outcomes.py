@@ -1,4 +1,4 @@
-"""What of a paper was drawn and judged, and how it was made: the document `reproduce`."""
+"""The document `reproduce`: the figures and rows of papers, and the runs that made them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ...reference import SCENES
 from ..documents import document
 from .assess import Assessment
 from .claims import read_paper
-from .ledger import ERROR, Cause, Erratum, LedgerRow, Printed
+from .ledger import ERROR, Cause, Erratum, LedgerRow, PaperFigure, Printed
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Made:
 
     @property
     def way(self) -> tuple[Mapping[str, str], bool]:
-        """Return what must be the same for an interrupted run to go on."""
+        """The settings that must be the same for an interrupted run to go on."""
         return self.versions, self.full
 
 
@@ -48,9 +48,9 @@ class FigureEntry:
     number : int
         as in the paper
     title : str
-        what it shows
+        subject of the figure
     caption : str
-        what is drawn, with which choices
+        the curves that are drawn, with which choices
     error : str or None
         why it was not drawn, or null
     run : int
@@ -68,9 +68,14 @@ class FigureEntry:
     seconds: float
 
     @property
-    def failed(self) -> bool:
-        """Return True if it could not be drawn."""
-        return bool(self.error)
+    def failure(self) -> str:
+        """The reason why it could not be drawn, with its name; empty if it was."""
+        return f"figure {self.number} of {self.scene}: {self.error}" if self.error else ""
+
+    @classmethod
+    def of(cls, scene: str, figure: PaperFigure, error: str | None, **how: Any) -> FigureEntry:
+        """Return the entry of a figure, with how it was made."""
+        return cls(scene, figure.number, figure.title, figure.caption, error, **how)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,9 +90,9 @@ class RowEntry(Assessment):
         a printed `number`, a `claim` in words, a `misprint`, a `reading` of what the text leaves
         open
     section : str
-        where it stands in the paper
+        place in the paper
     claim : str
-        what it says, in our words
+        the paper's statement, in our words
     printed : str
         printed value; empty for a claim in words
     cause : str
@@ -115,20 +120,17 @@ class RowEntry(Assessment):
     seconds: float
 
     @property
-    def failed(self) -> bool:
-        """Return True if it could not be judged."""
-        return self.verdict == ERROR
+    def failure(self) -> str:
+        """The reason why it could not be judged, with its name; empty if it was."""
+        return f"{self.scene} {self.name}: {self.reason}" if self.verdict == ERROR else ""
 
     @classmethod
     def of(cls, scene: str, row: LedgerRow, assessment: Assessment, **how: Any) -> RowEntry:
         """Return the entry of a row, with how it was made."""
         shared = (cause.name for cause in read_paper(scene).causes if row.name in cause.rows)
-        own = {name: getattr(row, name) for name in OF_ROW}
+        names = ("name", "kind", "section", "claim", "printed", "erratum", "quantity")
+        own = {name: getattr(row, name) for name in names}
         return cls(scene=scene, cause=next(shared, ""), **own, **vars(assessment), **how)
-
-
-OF_ROW = ("name", "kind", "section", "claim", "printed", "erratum", "quantity")
-"""What an entry has of its row."""
 
 
 @dataclass(frozen=True)
@@ -169,12 +171,12 @@ class Findings:
 
     @property
     def entries(self) -> list[FigureEntry | RowEntry]:
-        """Return the figures, and then the rows."""
+        """The figures, and then the rows."""
         return [*self.figures, *self.rows]
 
     @property
     def scenes(self) -> list[str]:
-        """Return the scenes of all that is there, in the order of the list of scenes."""
+        """The scenes of all entries, in the order of the list of scenes."""
         there = {item.scene for item in self.entries}
         return [scene for scene in SCENES if scene in there]
 
@@ -188,19 +190,16 @@ class Findings:
 
     @property
     def failures(self) -> list[str]:
-        """Return what could not be drawn or assessed."""
-        return [
-            f"figure {item.number} of {item.scene}: {item.error}"
-            for item in self.figures
-            if item.failed
-        ] + [f"{item.scene} {item.name}: {item.reason}" for item in self.rows if item.failed]
+        """The figures and rows that failed, each with its reason."""
+        return [item.failure for item in self.entries if item.failure]
 
     def verdicts(self, scene: str) -> Counter[str]:
         """Return the number of rows of a scene with each verdict; readings have none."""
         return Counter(item.verdict for item in self.rows_of(scene) if item.verdict)
 
     def causes_by_verdict(self, scene: str) -> Counter[str]:
-        """Return the number of causes of each verdict; a row alone is its own."""
+        """Return the number of causes of each verdict; a row that shares none counts as one."""
         rows = [item for item in self.rows_of(scene) if item.verdict]
-        different = {(item.verdict, item.cause or item.name) for item in rows}
-        return Counter(verdict for verdict, _ in different)
+        return Counter(
+            verdict for verdict, _ in {(item.verdict, item.cause or item.name) for item in rows}
+        )

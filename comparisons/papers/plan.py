@@ -1,7 +1,7 @@
 """Rows of the ledgers as checks of the one list, ``validation/<scene>/<row>``.
 
 A row passes if its verdict is the expected one; what has changed since is a deviation. Rows are
-about papers, not engines, so that they run when they are asked for.
+about papers, not engines, and run only on request.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ import numpy as np
 
 from ...reference.errors import UnknownNameError
 from ..checks.suite import Task, matches, narrowed
-from ..checks.verdict import Result, Subject, Verdict
+from ..checks.verdict import Result, Subject
 from ..engines.registry import REFERENCE, resolve_selection
-from .assess import Assessment, assessed, attempt, measure
+from .assess import assess, attempt
 from .claims import read_paper
-from .ledger import KINDS, Condition, LedgerRow, Numbers
+from .ledger import KINDS, LedgerRow, RowThreshold
 from .reproduce import for_scene
 from .session import Session
 
 UNJUDGED = "no conditions judge it: a text, or what the paper leaves open"
-"""Why a row is skipped."""
+"""Reason for which a row is skipped."""
 
 
 def plan(
@@ -80,7 +80,7 @@ class RowCheck(Task):
     quantities : tuple of str
         The name of the row.
     engines : tuple of str
-        Those that take part beside the reference.
+        Engines that take part besides the reference.
     """
 
     scene: str
@@ -96,18 +96,18 @@ class RowCheck(Task):
 
     @property
     def subject(self) -> Subject:
-        """What the result is about."""
+        """Subject of the result."""
         prefix = f"validation/{self.scene}"
         return Subject(prefix, "validation", self.engine, self.scene, kind=self.kind)
 
     @property
     def group(self) -> tuple[str, str, str]:
-        """What it shares with other rows of the paper: their runs and maps."""
+        """Group of the rows of a paper, which share runs and maps."""
         return "", self.scene, "validation"
 
     @property
     def takes_long(self) -> bool:
-        """Whether it is a slow row."""
+        """True for a slow row."""
         return self.row.slow
 
     @property
@@ -117,22 +117,22 @@ class RowCheck(Task):
 
     def run(self, profile: str) -> list[Result]:
         """Return the row's result; rows have no tolerances that a profile could scale."""
-        if not self.row.judgement:
+        row = self.row
+        if not row.judgement:
             return self.skipped(UNJUDGED)
         begin = perf_counter()
-        outcome, failure = attempt(lambda: self.assess(shared_session(self.engines)))
-        if outcome is None:
+        assessment, failure = attempt(lambda: assess(row, shared_session(self.engines)))
+        if assessment is None:
             return self.failed(failure)
-        assessment, value, limit = outcome
+        value, limit = judged_number(assessment.thresholds[0])
         if not np.isfinite(value):
             return self.failed(f"{value} cannot be judged: {assessment.reason}")
-        changed = assessment.verdict != self.row.verdict
-        verdict: Verdict = "deviation" if changed else "pass"
-        before = f"was {self.row.verdict}, is " if changed else ""
+        changed = assessment.verdict != row.verdict
+        before = f"was {row.verdict}, is " if changed else ""
         return [
             self.subject.result(
-                self.row.name,
-                verdict,
+                row.name,
+                "deviation" if changed else "pass",
                 ": ".join(filter(None, (before + assessment.verdict, assessment.reason))),
                 value=value,
                 reference=limit,
@@ -142,18 +142,12 @@ class RowCheck(Task):
             )
         ]
 
-    def assess(self, session: Session) -> tuple[Assessment, float, float]:
-        """Return what became of the row, the number that it is judged by first, and its limit."""
-        numbers, engines = measure(self.row, session)
-        assessment = assessed(self.row, numbers, engines)
-        first = next(iter(self.row.judgement.values()))[0]
-        return assessment, *judged_number(first, numbers, self.row.printed)
 
+def judged_number(threshold: RowThreshold) -> tuple[float, float]:
+    """Return the number that a condition judges, and its limit.
 
-def judged_number(condition: Condition, numbers: Numbers, printed: str) -> tuple[float, float]:
-    """Return the number of a condition that comes nearest to breaking it, and its limit.
-
-    Of a word or a truth value it is whether the condition holds: 1 or 0, with the limit 1.
+    A word or a truth value gives 1 or 0, whether the condition holds, with the limit 1.
     """
-    triple = condition.compared(numbers, printed)
-    return triple[:2] if triple else (float(condition.holds(numbers, printed)), 1.0)
+    if threshold.value is None or threshold.limit is None:
+        return float(threshold.holds), 1.0
+    return threshold.value, threshold.limit

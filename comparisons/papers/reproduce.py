@@ -1,23 +1,177 @@
-"""Running the ledger: figures drawn and rows assessed, what is finished kept in the folder."""
+"""Running the ledger: figures drawn, rows assessed, and both kept in the folder once finished."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
+import json
+import logging
+import shutil
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 from datetime import date
 from pathlib import Path
+from time import perf_counter
 from typing import Annotated
 
+import msgspec
+
+from ...reference import SCENES
 from ...reference.errors import UnknownNameError, UsageError
 from ..documents.fields import JOBS, OptionMark, takes_fields_of
 from ..engines.registry import available, get_engine
 from ..queries.environment import own_commit, versions
-from ..reports.drawing import import_pyplot
+from ..reports.drawing import import_pyplot, save_and_close
+from ..reports.files import write_whole
+from .assess import Assessment, assess, attempt
 from .claims import PaperData, read_paper, scenes_with_ledger
-from .folder import Folder, Papers
-from .outcomes import Findings, Made
+from .ledger import ERROR, LedgerRow, PaperFigure
+from .outcomes import CauseEntry, FigureEntry, Findings, Made, RowEntry
 from .session import Session
+
+FINDINGS, FIGURES = "findings.json", "figures"
+"""The ``reproduce`` document of docs/json.md, which the pages show; the folder of pictures."""
+WORK = ".mbcheck"
+"""Folder of maps that an interrupted run goes on with."""
+SUFFIXES = ("png", "svg")
+DOTS_PER_INCH = 229
+"""Resolution of pictures, which are then 1,600 points wide."""
+
+LOG = logging.getLogger(__name__)
+
+Papers = Mapping[str, PaperData]
+"""Papers, or a selection of their figures and rows, by scene."""
+
+
+class Folder:
+    """The contents of an output folder, and what takes its place there.
+
+    Attributes
+    ----------
+    file, figures, work : Path
+        The document, the folder of pictures, and that of maps.
+    runs : list of Made
+        How things were made; the first is how this run makes what it adds.
+    entries : dict by (scene, number of a figure or name of a row)
+    """
+
+    def __init__(self, out: Path, made: Made) -> None:
+        self.file, self.figures, self.work = out / FINDINGS, out / FIGURES, out / WORK
+        self.runs = [made]
+        self.entries: dict[tuple[str, int | str], FigureEntry | RowEntry] = {}
+        try:
+            for path in (self.figures, self.work):
+                path.mkdir(parents=True, exist_ok=True)
+            self._refresh_work()
+            text = self.file.read_bytes() if self.file.exists() else b""
+        except OSError as error:
+            raise UsageError(f"--out: cannot write {str(out)!r}: {error.strerror}") from None
+        try:
+            if text:
+                self._take(msgspec.json.decode(text, type=Findings))
+        except (msgspec.MsgspecError, LookupError, ValueError, RecursionError):
+            LOG.warning("Warning: %s is damaged, or another document: replaced", self.file)
+
+    def _refresh_work(self) -> None:
+        """Remove the maps of other versions, and remember which these are."""
+        stamp, now = self.work / "versions.json", json.dumps(self.runs[0].versions)
+        if not stamp.exists() or stamp.read_text("utf-8", "replace") != now:
+            shutil.rmtree(self.work)
+            self.work.mkdir()
+            stamp.write_text(now, "utf-8")
+
+    def _take(self, document: Findings) -> None:
+        """Take the entries of a document whose figures and rows the papers still have."""
+        self.runs += [one for one in document.runs if one not in self.runs]
+        for item in document.entries:
+            paper = read_paper(item.scene) if item.scene in SCENES else PaperData()
+            how = {"run": self.runs.index(document.runs[item.run]), "seconds": item.seconds}
+            if isinstance(item, FigureEntry):
+                for figure in paper.figures:
+                    if figure.number == item.number:
+                        self.add(FigureEntry.of(item.scene, figure, item.error, **how))
+                continue
+            for row in paper.rows:
+                if row.name == item.name:
+                    parts = {one.name: getattr(item, one.name) for one in fields(Assessment)}
+                    whole = assess(row, Session()) if row.is_text else Assessment(**parts)
+                    self.add(RowEntry.of(item.scene, row, whole, **how))
+
+    def add(self, entry: FigureEntry | RowEntry) -> None:
+        """Add an entry, in the place of an earlier one of the same figure or row."""
+        key = entry.number if isinstance(entry, FigureEntry) else entry.name
+        self.entries[entry.scene, key] = entry
+
+    def forget_maps(self, scene: str) -> None:
+        """Remove the maps of a scene, so that they are computed again."""
+        for path in self.work.glob(f"{scene}_*"):
+            if path.is_dir():
+                shutil.rmtree(path, ignore_errors=True)
+            else:
+                path.unlink()
+
+    @property
+    def contents(self) -> Findings:
+        """All entries, in the order of the papers."""
+        there = {scene for scene, _ in self.entries}
+        return self.selection({scene: read_paper(scene) for scene in SCENES if scene in there})
+
+    def selection(self, papers: Papers) -> Findings:
+        """Return the entries of some figures and rows."""
+        keys: list[tuple[str, int | str]] = []
+        for scene, paper in papers.items():
+            keys += [(scene, one.number) for one in paper.figures]
+            keys += [(scene, row.name) for row in paper.rows]
+        there = [self.entries[key] for key in keys if key in self.entries]
+        figures = [item for item in there if isinstance(item, FigureEntry)]
+        rows = [item for item in there if isinstance(item, RowEntry)]
+        used = list(dict.fromkeys([item.run for item in figures] + [item.run for item in rows]))
+        made = self.runs[0]
+        return Findings(
+            made.versions,
+            made.full,
+            tuple(replace(item, run=used.index(item.run)) for item in figures),
+            tuple(replace(item, run=used.index(item.run)) for item in rows),
+            tuple(
+                CauseEntry(**vars(cause), scene=scene)
+                for scene in papers
+                for cause in read_paper(scene).causes
+            ),
+            tuple(self.runs[i] for i in used),
+        )
+
+    def pictures(self, scene: str, figure: PaperFigure) -> list[Path]:
+        """Return the files of a figure."""
+        return [self.figures / f"{scene}_{figure.number}.{suffix}" for suffix in SUFFIXES]
+
+    def has(self, scene: str, item: PaperFigure | LedgerRow) -> bool:
+        """Return True if an item is finished that would be made in the same way again."""
+        name = item.number if isinstance(item, PaperFigure) else item.name
+        entry = self.entries.get((scene, name))
+        if entry is None or entry.failure or self.runs[entry.run].way != self.runs[0].way:
+            return False
+        paths = self.pictures(scene, item) if isinstance(item, PaperFigure) else []
+        return all(path.exists() for path in paths)
+
+    def make(self, scene: str, session: Session, item: PaperFigure | LedgerRow) -> None:
+        """Draw a figure or assess a row, and write the document."""
+        begin = perf_counter()
+        entry: FigureEntry | RowEntry
+        if isinstance(item, PaperFigure):
+            drawn, failure = attempt(lambda: item.draw(session))
+            if not failure:
+                save_and_close(drawn, *self.pictures(scene, item), dots=DOTS_PER_INCH)
+            entry = FigureEntry.of(scene, item, failure or None, run=0, seconds=0.0)
+        else:
+            assessment, failure = attempt(lambda: assess(item, session))
+            whole = assessment or Assessment(ERROR, failure)
+            entry = RowEntry.of(scene, item, whole, run=0, seconds=0.0)
+        self.add(replace(entry, seconds=round(perf_counter() - begin, 2)))
+        text = json.dumps(self.contents.as_json(), ensure_ascii=False, separators=(",", ":"))
+        lines = text.replace('},{"scene"', '},\n{"scene"')  # a figure or a row each
+        write_whole(self.file, f"{lines}\n".encode())
+
+
+# The verb ------------------------------------------------------------------------------------
+
 
 Progress = Callable[[int, int, str], None]
 
@@ -57,11 +211,11 @@ class ReproduceRequest:
 
 
 @takes_fields_of(ReproduceRequest)
-def reproduce(asked: ReproduceRequest) -> Findings:
+def reproduce(request: ReproduceRequest) -> Findings:
     """Draw the figures of papers and judge the rows of their ledgers; takes a `ReproduceRequest`.
 
-    What is found takes its place in the folder, beside what other calls have found there. Only
-    a call for whole papers computes maps again that are there.
+    The findings are added to those of other calls in the folder. Only a call for whole papers
+    computes maps again that are there.
 
     Raises
     ------
@@ -69,25 +223,32 @@ def reproduce(asked: ReproduceRequest) -> Findings:
         If a name or a figure is unknown, the folder cannot be written, or matplotlib is not
         installed.
     """
-    figure, rows, resume, workers = asked.figure, asked.rows, asked.resume, asked.workers
     import_pyplot()
-    papers = selected(asked.scenes or scenes_with_ledger(), figure, rows)
-    made = Made(versions(available()), asked.full, date.today().isoformat(), own_commit())
-    folder = Folder(Path(asked.out), made)
-    total = sum(len(paper.figures) + len(paper.rows) for paper in papers.values())
-    count = Count(total, asked.progress)
-    session = Session(available(), asked.full, workers, folder.work, count.within)
+    papers = selected(request.scenes or scenes_with_ledger(), request.figure, request.rows)
+    made = Made(versions(available()), request.full, date.today().isoformat(), own_commit())
+    folder = Folder(Path(request.out), made)
+    items: list[tuple[str, PaperFigure | LedgerRow]] = []
+    items += [(scene, one) for scene, paper in papers.items() for one in paper.figures]
+    items += [(scene, row) for scene, paper in papers.items() for row in paper.rows]
+    names = [
+        f"{scene} figure {one.number}" if isinstance(one, PaperFigure) else f"{scene} {one.name}"
+        for scene, one in items
+    ]
+    done = 0
+
+    def tell_map(name: str, finished: int, total: int) -> None:
+        request.progress(done, len(names), f"{names[done]}: map {name} {finished}/{total}")
+
+    session = Session(available(), request.full, request.workers, folder.work, tell_map)
     sessions = {scene: for_scene(session, scene) for scene in papers}
-    for scene in () if resume or rows or figure is not None else papers:
+    is_part = request.resume or request.rows or request.figure is not None
+    for scene in () if is_part else papers:
         folder.forget_maps(scene)
-    for scene, paper in papers.items():
-        for item in paper.figures:
-            with count.one(f"{scene} figure {item.number}"):
-                folder.draw(scene, sessions[scene], item, resume)
-    for scene, paper in papers.items():
-        for row in paper.rows:
-            with count.one(f"{scene} {row.name}"):
-                folder.assess(scene, sessions[scene], row, resume)
+    for done, (scene, item) in enumerate(items):
+        request.progress(done, len(names), names[done])
+        if not (request.resume and folder.has(scene, item)):
+            folder.make(scene, sessions[scene], item)
+        request.progress(done + 1, len(names), names[done])
     return folder.selection(papers)
 
 
@@ -97,7 +258,7 @@ def contents(out: str | Path) -> Findings:
 
 
 def selected(scenes: Sequence[str], figure: int | None, rows: Collection[str]) -> Papers:
-    """Return the figures and rows that are asked for; all of the scenes by default.
+    """Return the selected figures and rows; all of the scenes by default.
 
     Raises
     ------
@@ -108,7 +269,7 @@ def selected(scenes: Sequence[str], figure: int | None, rows: Collection[str]) -
     for scene, paper in papers.items():
         if not paper.rows:
             own = ", ".join(scenes_with_ledger())
-            raise UsageError(f"{scene} has no paper that is reproduced; these have one: {own}")
+            raise UsageError(f"{scene} has no paper to reproduce; these have one: {own}")
     numbers = sorted({item.number for paper in papers.values() for item in paper.figures})
     if figure is not None and figure not in numbers:
         raise UsageError(f"there is no figure {figure}; there are {', '.join(map(str, numbers))}")
@@ -131,26 +292,3 @@ def for_scene(session: Session, scene: str) -> Session:
     """Return the session with those engines alone that have a model of a scene."""
     engines = tuple(name for name in session.engines if get_engine(name).models(scene))
     return replace(session, engines=engines)
-
-
-@dataclass
-class Count:
-    """How much is done."""
-
-    total: int
-    progress: Progress
-    done: int = 0
-    what: str = ""
-
-    @contextmanager
-    def one(self, what: str) -> Iterator[None]:
-        """Tell what is next, and that it is done."""
-        self.what = what
-        self.progress(self.done, self.total, what)
-        yield
-        self.done += 1
-        self.progress(self.done, self.total, self.what)
-
-    def within(self, name: str, done: int, total: int) -> None:
-        """Tell how far the map is that the current item waits for."""
-        self.progress(self.done, self.total, f"{self.what}: map {name} {done}/{total}")

@@ -1,4 +1,4 @@
-"""What figures and rows are computed with: engines, maps, and what was computed before."""
+"""The engines, sizes and earlier results that figures and rows are computed with."""
 
 from __future__ import annotations
 
@@ -7,16 +7,18 @@ import logging
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import wraps
 from hashlib import sha256
+from inspect import signature
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from ...reference.errors import UsageError
-from ..engines.registry import REFERENCE
 from ..maps.request import Axis, Request, resolved
 from ..maps.run import compute
 from ..maps.store import Map, read
 
+P = ParamSpec("P")
 T = TypeVar("T")
 
 LOG = logging.getLogger(__name__)
@@ -29,15 +31,15 @@ class Session:
     Attributes
     ----------
     engines : tuple of str
-        Engines beside the reference that can be imported here.
+        Engines besides the reference that can be imported here.
     full : bool
         Maps and runs at full size.
     workers : int
-        Processes that maps are computed in.
+        Number of processes that compute maps.
     folder : Path or None
         Where maps are kept, so that an interrupted run goes on with them.
     progress : callable ``(name, done, total)``
-        Told how far a map is.
+        Called as the points of a map are finished.
     points : int, optional
         Points along the axes of the papers' maps, in place of their own numbers.
     engine_points : int, optional
@@ -45,7 +47,7 @@ class Session:
     seconds : float, optional
         Duration of runs from rest [s], in place of their own.
     cache : dict
-        What was computed before, by key.
+        Earlier results, by key.
     """
 
     engines: tuple[str, ...] = ()
@@ -59,16 +61,11 @@ class Session:
     cache: dict[Any, Any] = field(default_factory=dict)
 
     def once(self, key: Any, produce: Callable[[], T]) -> T:
-        """Return what `produce` returns, called only the first time that a key is asked for."""
+        """Return the value of `produce`, called only the first time that a key is used."""
         if key not in self.cache:
             self.cache[key] = produce()
         value: T = self.cache[key]
         return value
-
-    @property
-    def everyone(self) -> tuple[str, ...]:
-        """Return the reference and the engines."""
-        return (REFERENCE, *self.engines)
 
     def map(
         self,
@@ -76,12 +73,12 @@ class Session:
         quantity: str,
         x: tuple[str, float, float, int],
         y: tuple[str, float, float, int],
-        **asked_for: Any,
+        **settings: Any,
     ) -> Map:
-        """Return a map, computed once; what is asked for is that of `request`."""
-        asked = resolved(Request(scene, quantity, Axis(*x), Axis(*y), **asked_for))
-        settings = json.dumps(asked.as_dict(), sort_keys=True)
-        return self.once(settings, lambda: self._map(asked, settings))
+        """Return a map, computed once; the settings are those of a map's `Request`."""
+        request = resolved(Request(scene, quantity, Axis(*x), Axis(*y), **settings))
+        key = json.dumps(request.as_dict(), sort_keys=True)
+        return self.once(key, lambda: self._map(request, key))
 
     def stored_map(self, file: Path, settings: str) -> Map | None:
         """Return a map from its file if there is one, and it is intact and that of the settings."""
@@ -94,10 +91,10 @@ class Session:
         LOG.warning("Warning: %s is damaged, or another map: computed again", file)
         return None
 
-    def _map(self, asked: Any, settings: str) -> Map:
-        """Read a map if it is there, or else compute it."""
-        name = f"{asked.scene} {asked.quantity} {asked.engine} {asked.model}"
-        unfinished = None
+    def _map(self, request: Any, settings: str) -> Map:
+        """Read a map from the folder, or else compute it."""
+        name = f"{request.scene} {request.quantity} {request.engine} {request.model}"
+        file = unfinished = None
         if self.folder is not None:
             key = sha256(settings.encode()).hexdigest()[:12]
             file = self.folder / f"{name.replace(' ', '_')}_{key}.nc"
@@ -105,13 +102,31 @@ class Session:
                 return stored
             unfinished = file.with_suffix(".unfinished")
         computed = compute(
-            asked,
+            request,
             workers=self.workers,
             unfinished=unfinished,
             resume=True,
             progress=lambda done, total: self.progress(name, done, total),
         )
-        if unfinished is not None:
+        if file and unfinished:
             computed.save(file)
             unfinished.unlink(missing_ok=True)
         return computed
+
+
+def once(function: Callable[Concatenate[Session, P], T]) -> Callable[Concatenate[Session, P], T]:
+    """Let a function of a session compute its value once for the same arguments.
+
+    The key in the session's cache is the function's name, after that of its paper, and all its
+    arguments: ``("hula_hoop.example_orbit", "reference")``.
+    """
+    scene, parameters = function.__module__.split(".")[-2], signature(function)
+
+    @wraps(function)
+    def remembered(session: Session, /, *args: P.args, **more: P.kwargs) -> T:
+        bound = parameters.bind(session, *args, **more)
+        bound.apply_defaults()
+        key = (f"{scene}.{function.__name__}", *bound.args[1:])
+        return session.once(key, lambda: function(session, *args, **more))
+
+    return remembered

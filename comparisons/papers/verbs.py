@@ -36,45 +36,44 @@ if TYPE_CHECKING:
 )
 @with_options_of(ReproduceRequest)
 @JSON
-def reproduce_papers(json_file: Destination | None, **asked: Any) -> int:
+def reproduce_papers(json_file: Destination | None, **options: Any) -> int:
     """Draw the figures of the papers again, and judge what they print and claim.
 
-    By the reference and by every engine that is installed. Exit code 0 whatever the verdicts
+    By the reference and by every installed engine. Exit code 0 whatever the verdicts
     on the papers are, 1 if something could not be drawn or judged.
     """
     from . import pages
 
-    out = Path(asked["out"])
+    out = Path(options["out"])
     with progress_bar(True, "figures and rows") as advance:
-        result = reproduce(**asked, progress=advance)
+        result = reproduce(**options, progress=advance)
     pages.write_pages(contents(out), out)
     if json_file:
         json_file.write(json_text(result.as_json()))
     if not to_stdout(json_file):
-        print_reproduction(result, out, bool(asked["rows"]))
+        print_reproduction(result, out, bool(options["rows"]))
     for words in result.failures:
         complain(words, FAILED)
     return FAILED if result.failures else 0
 
 
 def print_reproduction(result: Findings, out: Path, each: bool) -> None:
-    """Print what became of each row, or how many have which verdict, and where the pages are."""
+    """Print each row's result, or the number of rows with each verdict, and where the pages are."""
     from ..engines.registry import REFERENCE
     from ..reports.text import print_line
     from .ledger import VERDICTS
 
-    def show(text: str) -> None:
-        print_line(console(), text)
-
+    lines = []
     for row in result.rows if each else ():
         ours = {REFERENCE: row.reference, **row.engines}
         values = "; ".join(f"{name} {value}" for name, value in ours.items() if value)
-        show(f"{row.scene} {row.name}: {row.verdict or 'a reading'}")
         printed = f"printed {row.printed}" if row.printed else ""
-        for words in filter(None, ("; ".join(filter(None, (printed, values))), row.reason)):
-            show(f"  {words}")
+        lines.append(f"{row.scene} {row.name}: {row.verdict or 'a reading'}")
+        about = ("; ".join(filter(None, (printed, values))), row.reason)
+        lines += [f"  {words}" for words in about if words]
     for scene in () if each else result.scenes:
         number, figures = result.verdicts(scene), len(result.figures_of(scene))
         words = ", ".join(f"{number[name]} {name}" for name in VERDICTS if number[name])
-        show(f"{scene}: {figures} figure{'s' * (figures != 1)}; {words or 'no rows'}")
-    show(f"see {out / 'index.html'}")
+        lines.append(f"{scene}: {figures} figure{'s' * (figures != 1)}; {words or 'no rows'}")
+    for line in (*lines, f"see {out / 'index.html'}"):
+        print_line(console(), line)

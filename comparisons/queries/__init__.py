@@ -1,1 +1,1 @@
-"""What a user asks of mbcheck, as functions: a request in, a result out."""
+"""Queries of users as functions: a request in, a result out."""

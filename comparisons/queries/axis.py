@@ -1,4 +1,4 @@
-"""What an axis over a parameter is, of a map or of a window."""
+"""Axes over parameters, of maps and windows."""
 
 from __future__ import annotations
 
@@ -63,12 +63,12 @@ def refuse_axes(
     Parameters
     ----------
     what : str
-        For messages: of what they are the axes.
+        The map or window of these axes, for messages.
     x, y : ParameterRange
     names : sequence of str
         Known parameters.
     fixed : collection of str
-        Parameters that are set otherwise.
+        Parameters with a value given elsewhere.
 
     Raises
     ------
@@ -80,4 +80,4 @@ def refuse_axes(
         if axis.name not in names:
             raise UnknownNameError(f"axis of {what}", axis.name, names)
         if axis.name in fixed:
-            raise UsageError(f"{axis.name} is on an axis, and so cannot be set as well")
+            raise UsageError(f"{axis.name} is on an axis, and cannot be set as well")

@@ -1,4 +1,4 @@
-"""What a result was computed with: versions of packages and engines, and the machine."""
+"""Environment of a result: versions of packages and engines, and the machine."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def own_commit() -> str:
 
 
 def environment() -> dict[str, str]:
-    """Return the machine and what computes on it, on which rounding may depend."""
+    """Return the machine and its Python, on which round-off may depend."""
     return {
         "python": platform.python_version(),
         "system": platform.system(),

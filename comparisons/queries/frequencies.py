@@ -114,7 +114,7 @@ def reference_modes(
     lowest = bounded_modes(matrices, errors, steady)
     if not setup.scene.quaternions:
         return lowest
-    plain = modes(*matrices, steady)  # the lengths of quaternions, too, are held by nothing
+    plain = modes(*matrices, steady)  # nothing keeps the lengths of quaternions either
     free = sum(mode.damping_ratio is None for mode in plain)
     elastic = len(plain) - free  # rounding makes a pair of modes of a free direction
     return [*plain[:free], *lowest[len(lowest) - elastic :]]
@@ -126,7 +126,7 @@ def continuum_modes(setup: Setup, plane: str, count: int) -> Sequence[Mode]:
     Raises
     ------
     UsageError
-        For an unknown plane, or one that the model does not leave.
+        For an unknown plane, or one in which the model cannot move.
     EngineError
         If the engine failed.
     """
@@ -144,12 +144,12 @@ def continuum_modes(setup: Setup, plane: str, count: int) -> Sequence[Mode]:
     if plane != elements.PLANE:
         raise UsageError(
             f"model {setup.model} of {setup.engine.name} stays in the plane of rotation; {plane} "
-            "frequencies are known of the reference's exact models"
+            "frequencies are those of the reference's exact models: use one of them"
         )
     return call_engine(lambda: elements.engine_modes(setup))[:count]
 
 
 def without_minus_zero(mode: Mode) -> Mode:
-    """Return a mode whose zeros have no sign."""
+    """Return a mode with zeros without sign."""
     ratio = None if mode.damping_ratio is None else mode.damping_ratio + 0.0
     return replace(mode, re=mode.re + 0.0, im=mode.im + 0.0, damping_ratio=ratio)

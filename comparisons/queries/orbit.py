@@ -25,10 +25,10 @@ from .query import Origin, by_state, described, floats, seconds_of_a_step
 from .request import MethodQuery
 
 MOST_PERIODS = 10_000
-"""Periods of the fastest motion in one of the orbit; more take hours, and more than its steps."""
+"""Most periods of the fastest motion in one of the orbit; more would take hours."""
 
 RUNS = 20
-"""Runs over a period, about so many of which find an engine's orbit."""
+"""Approximate number of runs over a period that find an engine's orbit."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class OrbitSpectrum:
 
 @dataclass(frozen=True)
 class OrbitQuantity:
-    """What else the orbit of a scene is measured by.
+    """Another measure of the orbit of a scene.
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ class OrbitReport(Origin):
     step : float or None
         fixed step [s], a whole fraction of the period; null for the reference
     period : float
-        after which the orbit closes [s]
+        period [s]
     period_bound : float or None
         bound on the error of `period` [s]; null for an engine
     state : mapping of str to float
@@ -113,14 +113,14 @@ class OrbitReport(Origin):
     floquet_multipliers : tuple of Multiplier
         eigenvalues of the monodromy matrix, descending in modulus
     harmonics : mapping of str to OrbitSpectrum
-        Fourier series of what is left of each observable without its secular part: mean + sum of
-        amplitude cos(order Omega t + phase), Omega = 2 pi / period
+        Fourier series of each observable without its secular part: mean + sum of amplitude
+        cos(order Omega t + phase), Omega = 2 pi / period
     power : mapping of str to float
         mean power of each non-conservative force [W]; their sum is 0
     power_bound : mapping of str to float, or None
         bound on the error of each `power` [W]; null for an engine
     quantities : mapping of str to OrbitQuantity
-        what else the scene's orbit is measured by, see below
+        further measures of the scene's orbit, see below
     error_bound : mapping of str to float, or None
         bound on the error of `state` [SI]; null for an engine
     """
@@ -154,7 +154,7 @@ class OrbitReport(Origin):
     @property
     @documented
     def stable(self) -> bool:
-        """Whether every multiplier that is not `trivial` lies inside the unit circle."""
+        """True if every multiplier but the `trivial` one lies inside the unit circle."""
         return all(one.trivial or one.modulus < 1 for one in self.floquet_multipliers)
 
     def as_json(self) -> dict[str, Any]:
@@ -182,7 +182,7 @@ def orbit(asked: MethodQuery) -> OrbitReport:
 
 
 def find(query: MethodQuery, bounded: bool = True) -> OrbitReport:
-    """Find the periodic orbit that is asked for; bounds cost about as much again."""
+    """Find a periodic orbit; bounds double the time."""
     setup = query.setup()
     if setup.engine.name == REFERENCE:
         period = float(setup.scene.period(setup.case.parameters))

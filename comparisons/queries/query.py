@@ -1,4 +1,4 @@
-"""What the queries have in common: a scene at a user's parameters, and who computes it."""
+"""Common parts of queries: a scene at a user's parameters, and an engine that computes it."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ from ..engines.setup import Setup, run
 from .environment import versions
 
 TRIAL = 1000
-"""Steps by which it is measured how long an engine takes for one."""
+"""Steps of the trial run that measures the computing time of a step."""
 
 CONSISTENT = 1e-9
-"""How close an initial value that follows from others must be to what follows (SI)."""
+"""Largest distance of a given initial value from the one that follows from the others (SI)."""
 
 
 def user_case(
@@ -71,8 +71,7 @@ def initial_values(
     Raises
     ------
     ParameterError
-        If a value is given that follows otherwise from the others, or is a state that the
-        parameters fix.
+        If a given value contradicts the others, or is a state that the parameters fix.
     UnknownNameError
         If a state is the reference's own.
     """
@@ -89,8 +88,8 @@ def initial_values(
         expected = float(observed[name])
         if not abs(values[name] - expected) <= CONSISTENT * max(1.0, abs(expected)):
             raise ParameterError(
-                f"initial {name} = {values[name]:.9g} {scene.units[name]} contradicts what else is "
-                f"given, from which {name} = {expected:.9g} follows; leave it out"
+                f"initial {name} = {values[name]:.9g} {scene.units[name]} contradicts the other "
+                f"values, from which {name} = {expected:.9g} follows; leave it out"
             )
     return states | fixed
 
@@ -200,7 +199,7 @@ class Origin:
 
 
 def seconds_of_a_step(setup: Setup) -> float:
-    """Return how long an engine takes for one step [s], from some that it takes."""
+    """Return the computing time of a step of an engine [s], from a short trial run."""
     trial = run(setup, setup.case.start_time + np.array([TRIAL * setup.step_size]))
     return trial.seconds / TRIAL
 

@@ -1,4 +1,4 @@
-"""What the queries are asked for: their options, and the fields that their functions take.
+"""Requests of queries: their options, and the fields that their functions take.
 
 Nothing heavy is imported here, since help texts are made from it.
 """
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 MOST_TIMES = 1_000_000
-"""Longer lists of times are refused as a slip of the pen."""
+"""Longer lists of times are refused as a typing error."""
 
 
 def times_from(text: str, flag: str) -> list[float]:
@@ -44,7 +44,7 @@ def times_from(text: str, flag: str) -> list[float]:
         raise UsageError(f"--times {text}: STEP must be positive and STOP not before START")
     intervals = float((stop - start) / step)
     if intervals > MOST_TIMES:
-        raise UsageError(f"--times {text}: that is more than {MOST_TIMES} times")
+        raise UsageError(f"--times {text}: more than {MOST_TIMES} times; choose a larger STEP")
     count = math.floor(intervals * (1 + 1e-12) + 1e-9)
     return [float(start + i * step) for i in range(count + 1)]
 
@@ -66,14 +66,14 @@ def decimal(text: str) -> Decimal:
 
 @dataclass(frozen=True, kw_only=True)
 class ModelQuery:
-    """A scene at a user's parameters, and whose model computes it.
+    """A scene at a user's parameters, and the engine's model that computes it.
 
     Attributes
     ----------
     scene : str
         Name of the scene.
     engine : str
-        Who computes it.
+        Engine that computes it.
     model : str or None
         One of the engine's models of the scene.
     parameters : mapping of str to float or str
@@ -116,7 +116,7 @@ class ModelQuery:
 
 @dataclass(frozen=True, kw_only=True)
 class MethodQuery(ModelQuery):
-    """The same, and how it is integrated.
+    """The same with a method and a step.
 
     Attributes
     ----------
@@ -176,8 +176,8 @@ class SimulateRequest(Query):
     times : sequence of float
         Sample times [s], on the grid of the step; STOP is included.
     observe : sequence of str
-        Also show this output of the scene, see mbcheck list SCENE; 'all' for all that the engine
-        tells.
+        Also show this output of the scene, see mbcheck list SCENE; 'all' for all outputs of the
+        engine.
     """
 
     times: Annotated[Iterable[float], OptionMark("T1,T2,...|START:STOP:STEP", parse=times_from)]

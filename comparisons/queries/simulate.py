@@ -32,10 +32,10 @@ from .request import SimulateRequest
 VIOLATION_UNITS = dict(zip(VIOLATIONS, ("m", "m/s"), strict=True))
 
 SHORTEST_STEP = 1 / 1024
-"""Times that need a step below this share of the default step have no spacing in common."""
+"""Times that need a step below this share of the default step have no common spacing."""
 
 SHORTEST_RUN = 1e-150
-"""Shortest run [s]; no number is left for the squares of the steps of a much shorter one."""
+"""Shortest run [s]; the squares of its steps would be too small for numbers."""
 
 MOST_STEPS = 10**8
 """A default step that needs more steps is refused, since the run would take hours; a step that the
@@ -47,7 +47,7 @@ RATIONAL = 8 * float(np.finfo(float).eps)
 
 @dataclass(frozen=True)
 class Simulation(Origin):
-    """A trajectory, and all that is needed to repeat it.
+    """A trajectory, with the settings that repeat it.
 
     Attributes
     ----------
@@ -57,23 +57,23 @@ class Simulation(Origin):
         sample times [s], increasing
     observables : mapping of str to array (n_t,)
         values at `times`: every state (coordinates and their `_dot`; the internal ones of a
-        continuum, which differ from model to model, only on request), what the scene always
-        observes, what `--observe` asked for, and `position_violation`, `velocity_violation` of an
-        engine's model that closes a loop; null from `lost_from` on
+        continuum, which differ between models, only on request), the usual outputs of the scene,
+        those of `--observe`, and `position_violation`, `velocity_violation` of an engine's model
+        with closed loops; null from `lost_from` on
     units : mapping of str to str
         of the observables
     error_bound : mapping of str to float, or None
         bound on the error of each observable, in its unit, the largest over the times before
         `lost_from`; null for an engine, which states none, and where all is lost
     work : mapping
-        what the run cost: `steps` that the engine counted; `rhs_evaluations` of the forces, null if
+        cost of the run: `steps` that the engine counted; `rhs_evaluations` of the forces, null if
         the engine does not count them; `seconds` of wall time
     cautions : tuple of Caution
-        what rules say of the run from its case, model, method and step alone, also a warning on
-        standard error; empty for the reference
+        warnings of rules from case, model, method and step alone, also on standard error; empty for
+        the reference
     lost_from : float or None
-        first of the times [s] from which on nothing is known of the motion: what rounding and the
-        method leave open has grown to its size; null if there is none
+        first of the times [s] at which the motion is unknown: round-off and the error of the method
+        have grown to its size; null if there is none
     """
 
     method: str
@@ -88,11 +88,11 @@ class Simulation(Origin):
 
     @property
     def lost(self) -> str:
-        """What is lost of the motion, in words; empty if nothing is."""
+        """The loss of the motion to round-off, in words; empty if there is none."""
         if self.lost_from is None:
             return ""
         return (
-            f"lost from t = {self.lost_from:.10g} s: what rounding leaves open has grown to the "
+            f"lost from t = {self.lost_from:.10g} s: round-off has grown to the "
             "size of the motion, and no numbers are given from there on"
         )
 
@@ -120,7 +120,7 @@ def simulate(asked: SimulateRequest) -> Simulation:
 
 
 def wanted_observables(case: Case, observe: Sequence[str]) -> tuple[str, ...]:
-    """Return the scene's observables, and the outputs that are asked for.
+    """Return the scene's observables, and the requested outputs.
 
     Raises
     ------
@@ -173,12 +173,12 @@ def reference_simulation(setup: Setup, times: Array, names: tuple[str, ...]) -> 
 def engine_simulation(
     setup: Setup, times: Array, names: tuple[str, ...], complete: bool
 ) -> Simulation:
-    """Run a case with an engine; ``complete`` asks for all that the engine has, and no more.
+    """Run a case with an engine; ``complete`` accepts any missing observables.
 
     Raises
     ------
     UsageError
-        If times lie off the grid, or the engine does not have an observable that is wanted.
+        If times lie off the grid, or the engine lacks a requested observable.
     EngineError
         If the engine failed.
     """
@@ -186,7 +186,7 @@ def engine_simulation(
     step = step_for(times, setup.default_step) if setup.step is None else setup.step
     setup = setup.with_step(step)
     grid = grid_indices(times, case.start_time, step) * step
-    # an engine's clock tells rounding from a sample beside the grid, so it gets the grid
+    # the guard of clocks distinguishes round-off from times off the grid: engines get the grid
     times = np.where(np.abs(grid - times) <= RATIONAL * times, times, grid)
     beforehand = cautions(setup, float(grid[-1]))
     try:
@@ -198,7 +198,7 @@ def engine_simulation(
     missing = [name for name in names if name not in values]
     if missing and not complete:
         raise UsageError(
-            f"{setup.engine.name} does not tell {', '.join(missing)} of {case.scene}; the "
+            f"{setup.engine.name} does not return {', '.join(missing)} of {case.scene}; the "
             "reference does"
         )
     observables = {name: values[name] for name in (*names, *VIOLATIONS) if name in values}
@@ -257,11 +257,11 @@ def step_for(times: Array, longest: float) -> float:
     Raises
     ------
     UsageError
-        If the times share no spacing that is not far shorter, or steps are too many.
+        If the common spacing of the times is far shorter, or steps are too many.
     """
     if not times[-1] / MOST_STEPS <= longest:
         raise UsageError(
-            f"the fastest motion here asks for steps of {longest:.3g} s, more than "
+            f"the fastest motion here needs steps of {longest:.3g} s, more than "
             f"{MOST_STEPS:.0e} of them; choose other parameters, a shorter run, or give the step"
         )
     spacing = common_spacing(times)

@@ -1,1 +1,1 @@
-"""Documents of results: console, JSON, JUnit, Markdown, GitHub, HTML."""
+"""Reports of results: console, JSON, JUnit, SARIF, Markdown, GitHub, HTML."""

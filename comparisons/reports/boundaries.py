@@ -1,4 +1,4 @@
-"""Curves of the ``boundary`` document: drawn, and held against the classes of a map."""
+"""Curves of the ``boundary`` document: drawn, and compared with the classes of a map."""
 
 from __future__ import annotations
 
@@ -41,16 +41,16 @@ FATES = {
     ("equilibria", "hopf"): "an orbit branches off",
     ("equilibria", "homoclinic"): "the orbit ends on a saddle",
 }
-"""What becomes of what is stable on one side of a curve, by subject and kind."""
+"""Fate at a curve of the motion that one side has stable, by subject and kind."""
 
 DASHES = (0, (4, 1.2))
-"""Of curves of orbits that lack the symmetry over half a period."""
+"""Line style of curves of orbits without symmetry over half a period."""
 
 PIECES = 8
-"""Of a curve between two points."""
+"""Line segments of a curve between two points."""
 
 SPACING, TICK = 0.025, 0.012
-"""Of ticks on a curve, and how long they are, in the width of a picture."""
+"""Spacing and length of ticks on a curve, relative to the width of a picture."""
 
 INSIDE = 1e-7
 """How far points of a map are moved off the edges of the window, where curves end, and off lines
@@ -77,7 +77,7 @@ def read(path: Path, option: str) -> dict[str, Any] | None:
 
 
 def read_beside(name: str, asked: Any) -> dict[str, Any]:
-    """Return a document of the same scene, window and parameters as a map that is asked for."""
+    """Return a document of the same scene, window and parameters as a requested map."""
     document = read(Path(name), "--boundary")
     if document is None:
         raise UsageError(f"--boundary: there is no file {name!r}")
@@ -94,7 +94,7 @@ def read_beside(name: str, asked: Any) -> dict[str, Any]:
     for parameter, value in document["parameters"].items():
         if own.get(parameter, value) != value:
             raise UsageError(
-                f"--boundary: {name!r} is of {parameter} = {value}, the map of {own[parameter]}"
+                f"--boundary: {name!r} has {parameter} = {value}, the map has {own[parameter]}"
             )
     return document
 
@@ -120,7 +120,7 @@ def paths(document: Mapping[str, Any], low: Array, size: Array) -> list[Array]:
 
 
 def kind_in_words(curve: Mapping[str, Any]) -> str:
-    """Return what a curve of a document is of."""
+    """Return the kind of a curve of a document in words."""
     words = str(curve["kind"]).replace("_", " ").replace("neimark s", "Neimark-S")
     shared = curve["of"] == "equilibria" and curve["kind"] in ("fold", "branch_point")
     return f"{words} of equilibria" if shared else words
@@ -152,7 +152,7 @@ def ticks(curve: Mapping[str, Any], path: Array, shape: Array) -> Array:
 
 
 def draw_curves(axes: Any, document: Mapping[str, Any]) -> list[Any]:
-    """Draw the curves of a document; return handles for a legend, which tells what they mean."""
+    """Draw the curves of a document; return handles for a legend with their meanings."""
     from matplotlib.collections import LineCollection
     from matplotlib.lines import Line2D
 
@@ -184,7 +184,7 @@ def draw_curves(axes: Any, document: Mapping[str, Any]) -> list[Any]:
 
 
 def regions(document: Mapping[str, Any], x: Array, y: Array) -> Array:
-    """Return which region between the curves each point (n_y, n_x) of a grid lies in.
+    """Return the number of the region between curves of each point (n_y, n_x) of a grid.
 
     Neighbours lie in one if no curve crosses the line between them.
     """
@@ -211,7 +211,7 @@ def regions(document: Mapping[str, Any], x: Array, y: Array) -> Array:
 
 
 def cross(a: Array, b: Array, c: Array, d: Array) -> Any:
-    """Return whether lines from a to b cross lines from c to d; arrays (..., 2)."""
+    """Return True where lines from a to b cross lines from c to d; arrays (..., 2)."""
 
     def side(start: Array, end: Array, point: Array) -> Array:
         way, off = end - start, point - start

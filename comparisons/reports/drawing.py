@@ -1,4 +1,4 @@
-"""How pictures look: colours, lines and markers that all of them share, and how they are saved."""
+"""Common colours, lines and markers of pictures, and how these are saved."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ INK, FAINT = "#222222", "#BBBBBB"
 
 @dataclass(frozen=True)
 class EngineLook:
-    """How an engine looks in every picture; a marker that is not filled is told apart in grey."""
+    """The look of an engine in every picture; open and filled markers differ in grey print too."""
 
     colour: str
     line: Any
@@ -36,27 +36,27 @@ LOOKS = (
     EngineLook("#009E73", "solid", "^"),
     EngineLook("#CC79A7", (0, (4, 1.5, 1, 1.5)), "D", filled=False),
 )
-"""Of engines by their place: our own, then those that packages offer, then any other."""
+"""Looks of engines in order: built-in ones, those of installed packages, any other."""
 
 
 def look(engine: str) -> EngineLook:
-    """Return how an engine looks."""
+    """Return the look of an engine."""
     engines = [name for name in (*ENGINES, *offered()) if name != REFERENCE]
     place = engines.index(engine) if engine in engines else len(engines)
     return LOOKS[place % len(LOOKS)]
 
 
 PALETTE = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#F0E442", "#000000")
-"""Colours that colour-blind readers tell apart (Okabe and Ito)."""
+"""Colours that colour-blind readers can distinguish (Okabe and Ito)."""
 
 PALE = ("#8CBFDE", "#F3CB78", "#78C8B0", "#E2B4CE", "#E69A66", "#A6D6F2", "#F7F09A", "#8C8C8C")
-"""Of areas under lines in colours of the palette."""
+"""Colours of areas under lines in colours of the palette."""
 
 WIDTH = 7.0
-"""Of a figure [inches]."""
+"""Width of a figure [inches]."""
 
 SHORT = 32
-"""Letters of a label of a legend of which four stand in a row."""
+"""Longest label of a legend with four labels in a row."""
 
 NOTE = {"fontsize": 8, "color": INK}
 
@@ -119,8 +119,8 @@ def class_map(
 ) -> list[Any]:
     """Draw classes (n_y, n_x) as cells of colour; return handles for a legend.
 
-    ``grid`` has the values on either axis, (n_x,) and (n_y,). What is not robust is hatched by a
-    dot, what has no value stays white.
+    ``grid`` has the values on either axis, (n_x,) and (n_y,). Cells that are not robust have a dot,
+    cells without a value stay white.
     """
     from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.patches import Patch

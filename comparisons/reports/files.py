@@ -1,4 +1,4 @@
-"""Where documents go: a file that is written whole or not at all, or standard output."""
+"""Destinations of documents: a file, written whole or not at all, or standard output."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ...reference.errors import MbcheckError, UsageError
 STDOUT = "-"
 
 UNWRITTEN: ContextVar[dict[str, OSError] | None] = ContextVar("UNWRITTEN", default=None)
-"""What could not be written, and why, while `collect_unwritten` is active."""
+"""Failed writes with their errors, while `collect_unwritten` is active."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Destination:
     Attributes
     ----------
     option : str
-        What it was given for, for messages.
+        Option of the destination, for messages.
     name : str
         As the user gave it.
 
@@ -85,9 +85,9 @@ class Destination:
 
 @contextmanager
 def collect_unwritten() -> Iterator[dict[str, OSError]]:
-    """Lend what could not be written meanwhile, and why: it keeps nothing else from being written.
+    """Yield failed writes with their errors, which do not prevent other writes.
 
-    A command tells it at its end.
+    A command reports them at its end.
     """
     unwritten: dict[str, OSError] = {}
     before = UNWRITTEN.set(unwritten)
@@ -98,7 +98,7 @@ def collect_unwritten() -> Iterator[dict[str, OSError]]:
 
 
 def write_or_collect(path: Path | None, data: bytes, failure: str = "") -> bool:
-    """Write what was computed to a file, as `replace` does, or to standard output; return success.
+    """Write bytes to a file, as `replace` does, or to standard output; return True on success.
 
     Parameters
     ----------
@@ -106,12 +106,12 @@ def write_or_collect(path: Path | None, data: bytes, failure: str = "") -> bool:
         None for standard output.
     data : bytes
     failure : str
-        What to say if it cannot be written, if more than that.
+        Beginning of the message of a failed write, if a longer one.
 
     Raises
     ------
     UsageError
-        If it cannot be written, and nothing collects that.
+        If it cannot be written outside `collect_unwritten`.
     """
     try:
         if path is None:
@@ -133,12 +133,12 @@ def write_or_collect(path: Path | None, data: bytes, failure: str = "") -> bool:
 
 
 def discard_output() -> None:
-    """Send what is still to be flushed to standard output nowhere."""
+    """Discard the text that standard output has not flushed."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def replace(path: Path, data: bytes) -> None:
-    """Write a file that is there whole or not at all; through a link, what it points to.
+    """Replace a file whole or not at all; through a link, its target.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What GitHub shows of a run: a summary on its page, and annotations."""
+"""Reports for GitHub: a summary on the page of a run, and annotations."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ STEP_SUMMARY = "GITHUB_STEP_SUMMARY"
 
 
 def append_step_summary(text: str) -> None:
-    """Append to the summary that GitHub shows, where it asks for one; warn if it cannot be."""
+    """Append to the summary that GitHub shows, if it names a file; warn if that fails."""
     name = os.environ.get(STEP_SUMMARY)
     try:
         if name:
@@ -34,21 +34,21 @@ def append_step_summary(text: str) -> None:
 
 @contextmanager
 def annotated(
-    items: Callable[[], Sequence[ReportItem]], asked: bool | None, err: bool
+    items: Callable[[], Sequence[ReportItem]], wanted: bool | None, err: bool
 ) -> Iterator[None]:
-    """Print annotations after what is printed meanwhile, which GitHub is told not to obey.
+    """Print annotations after the text of the context, in which GitHub runs no commands.
 
     Parameters
     ----------
     items : callable
-        Returns what to annotate, when the time has come.
-    asked : bool or None
-        Whether the user wants them; None: where GitHub runs.
+        Returns the items to annotate; called at the end.
+    wanted : bool or None
+        True if the user wants them; None: only on GitHub.
     err : bool
         Print on standard error, as a document goes to standard output. GitHub reads both.
     """
     on_github = os.environ.get("GITHUB_ACTIONS") == "true"
-    if not (on_github if asked is None else asked):
+    if not (on_github if wanted is None else wanted):
         yield
         return
     token = secrets.token_hex(16)
@@ -64,7 +64,7 @@ def annotated(
 def workflow_commands(items: Sequence[ReportItem]) -> list[str]:
     """Return workflow commands of GitHub, no more of each level than it shows.
 
-    The last one of a level tells how many are left out.
+    The last one of a level counts those that are left out.
     """
     lines = []
     for level in LEVELS:

@@ -1,4 +1,4 @@
-"""Pages of HTML and Markdown from the templates beside this module."""
+"""Pages of HTML and Markdown from the templates in this folder."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ Level = Literal["error", "warning", "note"]
 Outcome = Literal["pass", "failure", "error", "skipped"]
 
 LEVELS: tuple[Level, ...] = ("error", "warning", "note")
-"""The severities of what a report points at, the worst first."""
+"""The severities of items, the worst first."""
 
 
 @dataclass(frozen=True)
@@ -25,11 +25,11 @@ class ReportItem:
     rule : str
         The kind of a check, or the rule of `mbcheck inspect`.
     suite : str
-        Items of one suite stand together: scene, engine and kind, or the file that was given.
+        Group of the item: scene, engine and kind, or the given file.
     outcome : {"pass", "failure", "error", "skipped"}
         As test pages of CI services know it.
     severity : {"error", "warning", "note"} or None
-        None if there is nothing to point at: it passed, was skipped or is known.
+        None for results that passed, were skipped or are known.
     message : str
         One line.
     details : tuple of str
@@ -60,7 +60,7 @@ class ReportItem:
 
     @property
     def place(self) -> str:
-        """File and line, as compilers write them; the id of what is in no file."""
+        """File and line, as compilers write them; the id of an item without a file."""
         where = self.file or self.id
         return where if self.line is None else f"{where}:{self.line}"
 

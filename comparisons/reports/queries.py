@@ -14,7 +14,7 @@ from rich.console import Console
 from ..queries.frequencies import Frequencies
 from ..queries.orbit import OrbitReport
 from ..queries.simulate import Simulation
-from .text import print_line, print_table, print_wrapped
+from .text import DIGITS, print_line, print_table
 from .words import assignments, number
 
 FIRST_ORDERS = 4
@@ -39,18 +39,20 @@ def print_origin(console: Console, result: Simulation | OrbitReport) -> None:
 
 def print_parameters(console: Console, parameters: Mapping[str, Any]) -> None:
     """Print parameters."""
-    print_wrapped(console, f"parameters: {assignments(parameters)}")
+    print_line(console, f"parameters: {assignments(parameters)}")
 
 
 def print_simulation(console: Console, result: Simulation) -> None:
     """Print a trajectory: its beginning and end, if it is long.
 
-    On a terminal its observables go to as many tables, one below the other, as that needs.
+    Its observables go to as many tables, one below the other, as the width of the console needs.
     """
     print_origin(console, result)
     heads = [f"{name} [{result.units[name]}]" for name in result.observables]
     width = max(NUMBER_WIDTH, *(len(head) + 2 for head in heads))
-    fit = max(1, (console.width - NUMBER_WIDTH) // width) if console.is_terminal else len(heads)
+    ends = [*result.times[:MOST_ROWS], *result.times[-MOST_ROWS:]]
+    longest = max(len(number(float(time), DIGITS)) for time in ends)
+    fit = max(1, (console.width - longest) // width)
     most = max(LEAST_ROWS, MOST_ROWS // -(-len(heads) // fit))
     for first in range(0, len(heads), fit):
         columns = list(result.observables.values())[first : first + fit]
@@ -63,9 +65,9 @@ def print_simulation(console: Console, result: Simulation) -> None:
         print_table(console, ["t [s]", *heads[first : first + fit]], rows)
     if result.error_bound is not None:
         bounds = (f"{name} {number(value, 2)}" for name, value in result.error_bound.items())
-        print_wrapped(console, f"error bound: {', '.join(bounds)}")
+        print_line(console, f"error bound: {', '.join(bounds)}")
     if result.lost:
-        print_wrapped(console, result.lost)
+        print_line(console, result.lost)
     print_line(
         console,
         f"{result.work['steps']} steps in {number(result.work['seconds'])} s; all digits with "
@@ -111,7 +113,7 @@ def print_frequencies(console: Console, result: Frequencies) -> None:
     kind = result.plane or ("undamped" if result.undamped else "damped")
     print_line(console, f"{result.scene}: {result.engine}, model {result.model}, {kind}")
     print_parameters(console, result.parameters)
-    print_wrapped(console, f"about {result.about}: {assignments(result.state)}")
+    print_line(console, f"about {result.about}: {assignments(result.state)}")
     rows = [[m.omega, m.hertz, m.damping_ratio, m.re, m.im, m.error_bound] for m in result.modes]
     heads = ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "im [1/s]", "error bound"]
     print_table(console, heads, rows)

@@ -16,7 +16,7 @@ from .words import printable
 SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 
 FINGERPRINT = "primaryLocationLineHash"
-"""The name under which GitHub looks for what recognises an item as lines move."""
+"""The name under which GitHub seeks the fingerprint of an item, which stays as lines move."""
 
 
 def sarif(items: Sequence[ReportItem], rules: Mapping[str, tuple[str, str]], version: str) -> str:
@@ -26,7 +26,7 @@ def sarif(items: Sequence[ReportItem], rules: Mapping[str, tuple[str, str]], ver
     ----------
     items : sequence of ReportItem
     rules : mapping of str to (str, str)
-        What each rule finds, and why that matters.
+        Finding of each rule, and why it matters.
     version : str
         Version of mbcheck.
     """
@@ -45,7 +45,7 @@ def sarif(items: Sequence[ReportItem], rules: Mapping[str, tuple[str, str]], ver
 def result_of(item: ReportItem) -> dict[str, Any]:
     """Return an item as a SARIF result.
 
-    GitHub shows only what has a file and a line; an item that is in none has its suite and 1.
+    GitHub shows only items with a file and a line; an item without has its suite and line 1.
     """
     uri = quote(os.fsencode((item.file or printable(item.suite)).replace(os.sep, "/")))
     place = {"artifactLocation": {"uri": uri}, "region": {"startLine": item.line or 1}}

@@ -8,7 +8,16 @@ from typing import Any
 
 from rich.console import Console
 
-from .text import DIGITS, STYLES, Cell, Rows, markdown_table, print_line, print_rows, print_wrapped
+from .text import (
+    DIGITS,
+    STYLES,
+    Cell,
+    Rows,
+    markdown_table,
+    print_command,
+    print_line,
+    print_rows,
+)
 from .words import Markdown, code, number, plain, plural
 
 MOST_ROWS = 50
@@ -34,8 +43,8 @@ class Section:
         Values, or `Cell`.
     lines : sequence of str
         Prose; blanks at the beginning of a line indent it.
-    verbatim : sequence of str
-        Lines that are to be copied: commands, tracebacks.
+    commands : sequence of str
+        Shell commands to copy.
     verdict : str
         The style of the title.
     anchor : str
@@ -43,7 +52,7 @@ class Section:
     digits : int
         Significant digits of the numbers in the table.
     folded : bool
-        Whether HTML shows it only when asked to.
+        Whether HTML folds it away.
     figures : sequence
         Pictures, in HTML.
     """
@@ -52,7 +61,7 @@ class Section:
     heads: Sequence[str] = ()
     rows: Sequence[Sequence[object]] = ()
     lines: Sequence[str] = ()
-    verbatim: Sequence[str] = ()
+    commands: Sequence[str] = ()
     verdict: str = ""
     anchor: str = ""
     digits: int = DIGITS
@@ -64,14 +73,14 @@ def print_sections(console: Console, sections: Iterable[Section]) -> None:
     """Print sections, each followed by an empty line."""
     for section in sections:
         if section.title:
-            print_line(console, section.title, STYLES.get(section.verdict, "bold"))
+            print_line(console, section.title, STYLES.get(section.verdict, "bold"), hanging="  ")
         if section.rows:
             print_rows(console, section.heads, section.rows, section.digits)
         for line in section.lines:
             text = line.lstrip()
-            print_wrapped(console, text, "  " + " " * (len(line) - len(text)))
-        for line in section.verbatim:
-            print_line(console, f"  {line}", "cyan")
+            print_line(console, text, indent="  " + " " * (len(line) - len(text)))
+        for command in section.commands:
+            print_command(console, command)
         console.print()
 
 
@@ -84,7 +93,7 @@ def markdown_sections(title: str, sections: Iterable[Section]) -> str:
         if section.rows:
             parts.append(short_table(section.heads, section.rows))
         lines = [f"{x[: -len(x.lstrip())]}- {plain(x.strip())}" for x in section.lines]
-        lines += [f"- {code(x)}" for x in section.verbatim]
+        lines += [f"- {code(x)}" for x in section.commands]
         left = len(lines) - MOST_LINES
         lines[MOST_LINES:] = [f"- and {plural(left, 'more line')}"] if left > 0 else []
         parts += ["\n".join(lines) + "\n"] if lines else []
@@ -92,7 +101,7 @@ def markdown_sections(title: str, sections: Iterable[Section]) -> str:
 
 
 def short_table(heads: Sequence[str], rows: Rows) -> str:
-    """Return a table of texts from outside; one that is too long is cut, and says so."""
+    """Return a table of texts from outside; a long one is cut, with a note."""
     lines = [[markdown_text(value) for value in row] for row in rows]
     text = markdown_table([plain(head) for head in heads], lines[:MOST_ROWS]) + "\n"
     left = len(lines) - MOST_ROWS

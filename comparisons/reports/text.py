@@ -1,8 +1,7 @@
-"""Lines, prose and the one table: on a terminal, in a log, and as Markdown.
+"""Lines, the one table, and commands: on a terminal, in a log, and as Markdown.
 
-Nothing is ever broken but prose, and that between its words. A table that is too wide for the
-terminal is printed as records, a line for each head and value; where no terminal limits it,
-it is as wide as it needs.
+Nothing is wider than the console, which has 80 columns where no terminal says otherwise. Lines
+break between words only: a word that needs more, such as an id, is alone on its line.
 """
 
 from __future__ import annotations
@@ -12,13 +11,12 @@ import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
-from rich.box import Box
+from rich.align import AlignMethod
 from rich.cells import cell_len
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
-from .words import Markdown, number, printable
+from .words import Markdown, number, printable, shell_lines
 
 STYLES: Mapping[str, str] = {
     "pass": "green",
@@ -44,13 +42,10 @@ class Cell(NamedTuple):
 Rows = Iterable[Sequence[object]]
 
 
-def print_line(console: Console, text: str, style: str = "") -> None:
-    """Print text that is not to be broken: it may be copied, or searched for in a log."""
-    console.print(Text(encodable(text, console), style), soft_wrap=True)
-
-
-def print_wrapped(console: Console, text: str, indent: str = "", hanging: str = "") -> None:
-    """Print prose, broken between words only; lines after the first are indented further."""
+def print_line(
+    console: Console, text: str, style: str = "", indent: str = "", hanging: str = ""
+) -> None:
+    """Print text, broken between words only; lines after the first are indented further."""
     for line in textwrap.wrap(
         encodable(text, console),
         console.width,
@@ -59,7 +54,18 @@ def print_wrapped(console: Console, text: str, indent: str = "", hanging: str = 
         break_long_words=False,
         break_on_hyphens=False,
     ):
-        console.print(Text(line), soft_wrap=True)
+        print_unbroken(console, line, style)
+
+
+def print_unbroken(console: Console, text: str, style: str = "") -> None:
+    """Print one line whatever its width, for programs that read it."""
+    console.print(Text(encodable(text, console), style), soft_wrap=True)
+
+
+def print_command(console: Console, command: str) -> None:
+    """Print a shell command, indented."""
+    for line in shell_lines(f"  {command}", console.width):
+        print_unbroken(console, line, "cyan")
 
 
 def encodable(text: str, console: Console) -> str:
@@ -76,68 +82,75 @@ DIGITS = 10
 """Significant digits of a float, unless a table says otherwise."""
 
 NUMBER = re.compile(r"[-+]?(\d[\d.]*(e[-+]?\d+)?|inf|nan|any|none)?%?")
-"""What stands to the right: numbers, and the dash or nothing in their place."""
+"""Cells that are aligned to the right: numbers, and the dash or nothing in their place."""
 
-UNLIMITED = 10**6
-"""Columns of a log."""
-
-LEAST_PROSE = 20
-"""Columns that prose needs; with fewer, a table becomes records."""
-
-GAPS = (2, 1)
-"""Blanks between columns, the second where the first leaves too little room."""
-
-HEAD_RULE = Box("    \n    \n -- \n    \n    \n    \n    \n    \n", ascii=True)
-"""A line below the heads, and no other."""
+LEAST_PROSE = 14
+"""Columns of text are wrapped to this width, or to half of what they need, and no further."""
 
 
 def print_table(console: Console, heads: Sequence[str], rows: Rows, digits: int = DIGITS) -> None:
-    """Print rows under heads, and an empty line; numbers stand to the right."""
+    """Print rows under heads, and an empty line; numbers are aligned to the right."""
     print_rows(console, heads, rows, digits)
     console.print()
 
 
 def print_rows(console: Console, heads: Sequence[str], rows: Rows, digits: int = DIGITS) -> None:
-    """Print rows under heads; numbers stand to the right, and the last column may be wrapped."""
+    """Print rows under heads; numbers stand to the right.
+
+    Where the console is too narrow cells are wrapped, the widest first; where that does not do, a
+    row becomes a record: a line for each head and value. A row whose first cell alone holds text
+    is a heading of those that follow.
+    """
     lines = [[cell(value, digits, console) for value in row] for row in rows]
-    columns = [[line[i] for line in lines] for i in range(len(heads))]
-    widths = [
-        max(map(cell_len, (head, *map(str, column))))
-        for head, column in zip(heads, columns, strict=True)
+    body = [line for line in lines if not is_heading(line)]
+    columns = [[head, *(line[i].plain for line in body)] for i, head in enumerate(heads)]
+    widths = [max(1, *map(cell_len, column)) for column in columns]
+    least = [
+        max([min(LEAST_PROSE, size // 2), *map(cell_len, " ".join(column).split())])
+        for size, column in zip(widths, columns, strict=True)
     ]
-    right = [all(NUMBER.fullmatch(text.plain) for text in column) for column in columns]
-    words = [word for text in (heads[-1], *map(str, columns[-1])) for word in text.split()]
-    least = widths[-1] if right[-1] else max([LEAST_PROSE, *map(cell_len, words)])
-    width = console.width if console.is_terminal else UNLIMITED
-    for gap in GAPS:
-        left = width - sum(widths[:-1]) - gap * (len(heads) - 1)
-        if left >= min(least, widths[-1]):
+    for gap, sizes in ((2, widths), (1, widths), (2, least), (1, least)):
+        room = console.width - gap * (len(heads) - 1)
+        if sum(sizes) <= room:
             break
     else:
         print_records(console, heads, lines)
         return
-    widths[-1] = min(widths[-1], left)
-    table = Table(box=HEAD_RULE, show_edge=False, pad_edge=False, padding=(0, gap - 1, 0, 0))
-    for head, size, to_the_right in zip(heads, widths, right, strict=True):
-        table.add_column(Text(head), width=size, justify="right" if to_the_right else "left")
-    for line in lines:
-        table.add_row(*line)
-    wide = console.options.update(max_width=UNLIMITED)
-    for segments in console.render_lines(table, wide, pad=False):
-        text = Text.assemble(*((part.text, part.style or "") for part in segments))
-        text.rstrip()
-        console.print(text, soft_wrap=True)
+    while sum(widths) > room:
+        widths[max(range(len(heads)), key=lambda i: (widths[i] > least[i], widths[i]))] -= 1
+    sides: list[AlignMethod] = [
+        "right" if all(map(NUMBER.fullmatch, column[1:])) else "left" for column in columns
+    ]
+    rule = Text("-" * (sum(widths) + gap * (len(heads) - 1)))
+    for line in ([Text(head) for head in heads], [rule], *lines):
+        if len(line) < len(heads) or is_heading(line):
+            print_line(console, line[0].plain, str(line[0].style))
+            continue
+        parts = [text.wrap(console, size) for text, size in zip(line, widths, strict=True)]
+        for i in range(max(map(len, parts))):
+            printed = Text()
+            for part, size, side in zip(parts, widths, sides, strict=True):
+                piece = part[i] if i < len(part) else Text()
+                piece.align(side, size)
+                printed.append_text(piece).append(" " * gap)
+            printed.rstrip()
+            console.print(printed, soft_wrap=True)
+
+
+def is_heading(line: Sequence[Text]) -> bool:
+    """Return True if the first of several cells alone holds text."""
+    return len(line) > 1 and bool(line[0].plain) and not any(text.plain for text in line[1:])
 
 
 def print_records(console: Console, heads: Sequence[str], lines: Sequence[Sequence[Text]]) -> None:
-    """Print a block of lines for each row: the heads, and what stands under them."""
+    """Print a block of lines for each row: the heads, and their values."""
     for number_of_row, line in enumerate(lines):
         if number_of_row:
             console.print()
         for head, text in zip(heads, line, strict=True):
             if text.plain:
                 words = f"{head}: {text.plain}" if head else text.plain
-                print_wrapped(console, words, hanging="  ")
+                print_line(console, words, hanging="  ")
 
 
 def cell(value: object, digits: int, console: Console) -> Text:
@@ -149,7 +162,7 @@ def cell(value: object, digits: int, console: Console) -> Text:
 def matrix_by_kind(cells: Mapping[tuple[str, ...], object]) -> tuple[list[str], list[list[object]]]:
     """Return a table of values by (scene, engine, kind): heads, and rows.
 
-    Kinds stand side by side, engines below their scene.
+    Kinds are columns, engines rows below their scene.
     """
     kinds = list(dict.fromkeys(kind for _, _, kind in cells))
     rows: list[list[object]] = []

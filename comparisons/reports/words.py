@@ -11,10 +11,26 @@ BREAKS = re.compile(r"(?:\s(?<! ))+")
 """Line ends, tabs, and blanks that are none."""
 
 
+SHELL_WORD = re.compile(r" *(?:--?[a-z-]+ (?!-))?(?:'[^']*'|\\.|[^ '])+")
+"""A word of a shell command, or an option with its value; blanks before it included."""
+
+
+def shell_lines(command: str, width: int) -> list[str]:
+    """Return a shell command in lines of at most a width, each but the last with a backslash."""
+    first, *words = SHELL_WORD.findall(command)
+    lines, indent = [first], first[: -len(first.lstrip())] + " " * 3
+    for word in words:
+        if len(lines[-1]) + len(word) + 2 > width:
+            lines[-1] += " \\"
+            lines.append(indent)
+        lines[-1] += word
+    return lines
+
+
 def number(value: object, digits: int = 3, missing: str = "none") -> str:
     """Return a float with so many significant digits, anything else as it is written.
 
-    Zero has no sign, and what is not there is called ``missing``.
+    Zero has no sign, and None is called ``missing``.
     """
     if value is None:
         return missing
@@ -44,9 +60,9 @@ def assignments(values: Mapping[str, Any], digits: int = 10) -> str:
 
 
 def printable(text: str) -> str:
-    """Return text on one line, without control characters, and with escapes for what is not seen.
+    """Return text on one line, without control characters, and with escapes for invisible ones.
 
-    The indentation stays; what engines print must not move the cursor, colour a log, or turn the
+    The indentation stays; text of engines must not move the cursor, colour a log, or reverse the
     direction of writing.
     """
     if text.isprintable():
@@ -56,7 +72,7 @@ def printable(text: str) -> str:
 
 
 class Markdown(str):
-    """Text that is Markdown already, and not to be escaped."""
+    """Text in Markdown, which is not escaped."""
 
 
 def plain(text: str) -> Markdown:

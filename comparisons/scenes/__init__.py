@@ -1,1 +1,1 @@
-"""What features know of one scene, in a folder for each."""
+"""Data of each scene for maps, extremes and trade-offs, in a folder for each."""

@@ -22,12 +22,12 @@ SAFETY = 2.0
 """Bound over difference."""
 
 ROUNDING = 6 * EPS
-"""Of the end of a period, in the sizes of the states, by its steps and by the coefficients."""
+"""Round-off of the end of a period, relative to the sizes of the states."""
 
 
 UNITS, CHANGE = 2.0, 1e-7
-"""Of closed forms: units of rounding of each parameter, and the relative change that tells what
-it does."""
+"""Round-off of each parameter of a closed form, in units, and the relative change by which its
+effect is measured."""
 
 
 def with_bounds(variables: Mapping[str, Variable], *names: str) -> dict[str, Variable]:
@@ -87,7 +87,7 @@ def eigenvalue_bounds(matrices: Array, error: Array) -> Array:
 
 
 def leading_change(matrices: Array, changes: Array) -> Array:
-    """Return what changes (k, n, n) of matrices make of their leading eigenvalues (k,) at most.
+    """Return the largest changes of leading eigenvalues (k,) by changes (k, n, n) of matrices.
 
     To first order, the changes of the entries added up as they are largest.
     """

@@ -1,4 +1,4 @@
-"""What a scene's folder tells the features: tables that it fills, and that are empty elsewhere."""
+"""Tables in a scene's folder, which are empty for other scenes."""
 
 from __future__ import annotations
 

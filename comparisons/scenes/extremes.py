@@ -1,7 +1,7 @@
-"""What a scene may tell of extremes, and the checks that follow from it.
+"""Extremes of a scene, and the checks that follow from them.
 
-Parameters are pushed at a step that suits them and at the usual one; so are starts. Every way to
-fail is provoked that is known of an engine and that a scene can provoke.
+Parameters are pushed at a step that suits them and at the usual one; so are starts. Every known
+failure of an engine is provoked where a scene can.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ class Extreme:
 
     @property
     def alterations(self) -> dict[str, Any]:
-        """What it changes: parameters, initial values, and how far the loop is open."""
+        """Changed parameters and initial values, and the opening of the loop."""
         opened = {f"{name} off by": value for name, value in self.offset.items()}
         return {**self.changes, **(self.state or {}), **opened}
 
@@ -88,7 +88,7 @@ class EngineFailure(Extreme):
     step : float
         [s]
     settings : mapping of str to float or str
-        What the variant does, in words of the engine.
+        Settings of the variant, in words of the engine.
     harmless : bool
         Whether it is right: with these versions and in this scene the failure does not come about.
     """
@@ -101,13 +101,13 @@ class EngineFailure(Extreme):
 
     @property
     def alterations(self) -> dict[str, Any]:
-        """What it changes, the engine's settings too."""
+        """Changed parameters, initial values and settings of the engine."""
         return {**super().alterations, **self.settings}
 
 
 @dataclass(frozen=True)
 class LongMotion:
-    """A motion that is followed for long.
+    """A long motion.
 
     Attributes
     ----------
@@ -130,7 +130,7 @@ class LongMotion:
     most_steps: Mapping[str, int] = field(default_factory=dict)
 
     def of(self, scene: str, periods: int) -> Case:
-        """Return the case, named after what is followed."""
+        """Return the case, named after its kind of motion."""
         case = replace(get_scene(scene).case(self.case), watch=self.kind, placement="")
         if self.segments:
             case = replace(case, parameters=case.parameters.replace(segments=self.segments))
@@ -179,7 +179,7 @@ def extreme_checks(
     Raises
     ------
     UsageError
-        For an unknown name, an engine asked for that is not there, or no check left.
+        For an unknown name, a missing engine, or an empty selection.
     """
     for name in kinds:
         if name not in EXTREMES:
@@ -211,7 +211,7 @@ def check_of(
         quantities=EXTREMES[kind].quantities(setup),
         default_model=setup.model == setup.engine.models(setup.case.scene)[0],
         full_only=setup.case.full_only,
-        why_not=setup.unsupported_reason,
+        unsupported_reason=setup.unsupported_reason,
         step=setup.step,
         variant=variant,
         provoked_by=", ".join(words),
@@ -367,4 +367,4 @@ PLANS: Mapping[str, Callable[[str, str, str], Iterator[Check]]] = {
     "long": long_runs,
     "failures": failures,
 }
-"""By kind."""
+"""Function that yields the checks of each kind."""

@@ -1,4 +1,4 @@
-"""What models of a scene may leave out: pairs of runs, one with it and one without."""
+"""Parts that models of a scene may leave out: pairs of runs, one with the part, one without."""
 
 from __future__ import annotations
 

@@ -2,8 +2,8 @@
 
 A scene says where the search starts and what an orbit is measured by. Of several orbits of a point
 the most stable one counts; points that have none, or no stable one, start from neighbours.
-Two runs tell what is known: a class is robust where both have it, and the error of a number is
-bounded by twice what half the step changes, and by what rounding displaces the orbit.
+Two runs are compared: a class is robust where both have it, and the error of a number is bounded by
+twice the change with half the step, plus the displacement of the orbit by round-off.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ from .quantity import Flow
 Ints = NDArray[np.int_]
 
 Starts = Callable[["OrbitMap", Orbits], Iterable[tuple[Ints, Array]]]
-"""From a map, and the orbits that it knows so far, to points (m,) and states (2 n, m) from which
-they are sought. Yielded one after the other: later ones may depend on what earlier ones led to."""
+"""Function of a map and the orbits known so far that yields points (m,) and states (2 n, m) from
+which their orbits are sought; later ones may depend on the results of earlier ones."""
 
 
 class OrbitMapOptions(NamedTuple):
-    """How orbits are sought, and told apart.
+    """How orbits are sought, and distinguished.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class OrbitNumber(NamedTuple):
     ----------
     value : array (m,)
     profile : array (m, n)
-        What it is made of: a number may agree by chance where its profile does not.
+        Values that it is computed from: a number may agree by chance, its profile does not.
     unit : float or array (m,)
         What a displacement by the size of the states changes it by.
     left_out : float or array (m,)
@@ -97,7 +97,7 @@ class OrbitNumber(NamedTuple):
 
 
 Measure = Callable[["OrbitMap", Ints, Orbits, int], Mapping[str, OrbitNumber]]
-"""From a map, points, their orbits and the divisor of the step to what they are measured by."""
+"""Function of a map, points, orbits and the divisor of the step: the numbers of the orbits."""
 
 
 @dataclass(frozen=True)
@@ -277,7 +277,7 @@ def leading(orbits: Orbits) -> OrbitNumber:
 
 
 def rounding_floors(orbits: Orbits) -> Array:
-    """Return by what rounding displaces orbits (m,), and what is made of them, in their sizes."""
+    """Return bounds (m,) on the displacement of orbits by round-off, in the sizes of the states."""
     with np.errstate(all="ignore"):
         away = rounding_displacement(orbits.monodromy, orbits.closing)
         growth = 1 + np.max(np.sum(np.abs(orbits.monodromy), axis=2), axis=1, initial=0.0)

@@ -1,4 +1,4 @@
-"""What a map can show: quantities, their variables and points, and the motions behind them."""
+"""Quantities of maps, their variables and points, and the motions behind them."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -16,14 +17,14 @@ from ...reference.cost import keep_budget, keep_steps
 from ...reference.errors import EngineError, UsageError
 from ...reference.scene import Array, Case, EquationsOfMotion, Scene, coefficients_at
 from ...reference.solve import HEYOKA, takes_heyoka
-from ...reference.solve.rk8 import FixedSteps
+from ...reference.solve.rk8 import equal_steps
 from ..checks.orbits import engine_paths
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup
 from ..queries.query import choose_engine, choose_method, seconds_of_a_step
 
 NO_VALUE = -1
-"""What stands for the class of a point that has none: the engine failed there."""
+"""Class of a point without one: the engine failed there."""
 
 STEP_COUNTS = np.array(sorted({m << j for j in range(24) for m in (1, 3)}))
 """Numbers of steps that are taken between two samples."""
@@ -84,7 +85,7 @@ class Points:
     backend: str = "numpy"
 
     def __len__(self) -> int:
-        """Return how many points there are."""
+        """Return the number of points."""
         return len(self.places)
 
     def one(self, i: int) -> Any:
@@ -121,12 +122,12 @@ class Points:
 
 @dataclass(frozen=True)
 class QuantityValues:
-    """What a quantity is at some points.
+    """Values of a quantity at some points.
 
     Attributes
     ----------
     values : mapping of str to array (k,)
-        By variable. NaN, or `NO_VALUE` for classes, where there is none.
+        Values of each variable. NaN, or `NO_VALUE` for classes, where there is none.
     problems : mapping of int to str
         Which points an engine failed at, and how.
     """
@@ -149,15 +150,15 @@ class QuantityValues:
 
 @dataclass(frozen=True)
 class Quantity:
-    """What a map can show of a scene.
+    """A quantity of a scene that can be mapped.
 
     Attributes
     ----------
     about : str
         One line for ``mbcheck map --help`` and the docs.
     variables : mapping of str to Variable
-        The first is what is drawn and compared. One named ``robust`` (0 or 1) tells where a
-        perturbation and a halved step leave the class as it is.
+        The first is drawn and compared. ``robust`` is 1 where a perturbation and a halved step
+        leave the class unchanged, else 0.
     evaluate : callable ``(Points) -> QuantityValues``
         Runs in a process of its own; what it returns depends on the points alone.
     models : tuple of str
@@ -273,26 +274,25 @@ class Flow:
         for begin, end in pairwise([0, *np.unique(steps).tolist()]):
             rows = np.flatnonzero(steps >= end)
             share = spacing[rows] / steps[rows]
-            length = (end - begin) * share
-            stepper = self._stepper(coefficients_at(c, which[rows]), states[:, rows], length)
-            legs.append((rows, stepper, begin * share, length, end - begin))
+            stepper = self._stepper(coefficients_at(c, which[rows]), states[:, rows], share)
+            legs.append((rows, stepper, begin * share, share, end - begin))
         path = np.empty((*states.shape, count), dtype=states.dtype)
         with np.errstate(all="ignore"):
             for i in range(count):
-                for rows, stepper, begin, length, number in legs:
+                for rows, stepper, begin, h, number in legs:
                     time = start[rows] + i * spacing[rows] + begin
-                    states[:, rows] = stepper(states[:, rows], time, length, number)
+                    states[:, rows] = stepper(states[:, rows], time, h, number)
                 path[..., i] = states
         return path
 
-    def _stepper(self, c: Any, states: Array, spans: Array) -> Callable[..., Array]:
-        """Return what takes the steps of motions with these coefficients (k,)."""
+    def _stepper(self, c: Any, states: Array, h: Array) -> Callable[..., Array]:
+        """Return `equal_steps` of motions with these coefficients (k,)."""
         heyoka = self.points.backend == HEYOKA and takes_heyoka(HEYOKA)  # a worker may lack it
-        if heyoka and np.isrealobj(spans):
+        if heyoka and np.isrealobj(h):
             from ...reference.solve.compiled import CompiledSteps
 
             return CompiledSteps(self.scene, c, states)
-        return FixedSteps(self.scene.derivative(c), states, spans, spans)
+        return partial(equal_steps, self.scene.derivative(c))
 
     def _simulated(
         self, which: Any, states: Array, start: Any, spacing: Any, count: int, steps: int
@@ -321,7 +321,7 @@ class Flow:
         return path
 
     def values(self, values: Mapping[str, Any]) -> QuantityValues:
-        """Return what a quantity is at the points: nothing where the engine failed."""
+        """Return the values of a quantity at the points: none where the engine failed."""
         return QuantityValues.of(values, self.problems)
 
 

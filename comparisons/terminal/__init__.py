@@ -1,1 +1,1 @@
-"""What the verbs of the command line share: exit codes, options, printing, progress."""
+"""Common parts of the verbs: exit codes, options, printing, progress."""

@@ -1,4 +1,4 @@
-"""What all verbs of the command line share: exit codes, options, printing, progress."""
+"""Common parts of all verbs: exit codes, options, printing, progress."""
 
 from __future__ import annotations
 
@@ -19,14 +19,15 @@ import click
 
 from ...reference.errors import MbcheckError, UsageError
 from ..reports.files import Destination, collect_unwritten, discard_output
-from ..reports.words import printable
+from ..reports.words import printable, shell_lines
+from .options import NUMBER
 
 if TYPE_CHECKING:
     from rich.console import Console
 
 
 FAILED, MISUSED, INTERRUPTED, BROKEN_PIPE = 1, 2, 130, 141
-"""Exit codes beside 0; the last two are those of a program ended by its signal, as is 143, of
+"""Exit codes besides 0; the last two are those of a program ended by a signal, as is 143, of
 SIGTERM."""
 
 LONGEST = 299
@@ -35,8 +36,11 @@ LONGEST = 299
 PAUSE = 10.0
 """Seconds between two lines of progress."""
 
+HELP_WIDTH = 76
+"""Columns of a help text, which click indents."""
+
 LEAST_SHARE = 0.02
-"""Share of the work from which on its rest is estimated."""
+"""Share of the work after which the remaining time is estimated."""
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -68,7 +72,7 @@ class Program(click.Group):
             return 128 + interrupted() if interrupted() else code
 
     def outcome(self, *args: Any, **extra: Any) -> int:
-        """Run a command line; return its exit code, with its error told in one line."""
+        """Run a command line; print its error in one line, and return its exit code."""
         extra.update(prog_name="mbcheck", standalone_mode=False)
         try:
             return int(super().main(*args, **extra) or 0)
@@ -100,10 +104,9 @@ class Program(click.Group):
 
 @contextmanager
 def interrupts() -> Iterator[Callable[[], int]]:
-    """Lend a function that returns the signal by which the program was asked to end, or 0.
+    """Yield a function that returns the signal that interrupts the program, or 0.
 
-    Ctrl-C and SIGTERM both raise a KeyboardInterrupt, which an engine may turn into an error of
-    its own.
+    Ctrl-C and SIGTERM both raise a KeyboardInterrupt, which an engine may catch.
     """
     seen: list[int] = []
 
@@ -149,13 +152,6 @@ def destination(
     return None if name is None else Destination(option.opts[-1], name)
 
 
-def several(name: str, metavar: str, what: str) -> Callable[[Function], Function]:
-    """Return an option that may be repeated."""
-    return click.option(
-        f"--{name}", f"{name}s", multiple=True, metavar=metavar, help=f"{what} (repeatable)."
-    )
-
-
 def into(name: str, what: str) -> Callable[[Function], Function]:
     """Return an option for where to write a document."""
     return click.option(
@@ -163,12 +159,59 @@ def into(name: str, what: str) -> Callable[[Function], Function]:
     )
 
 
+def page_of(
+    context: click.Context, option: click.Parameter, name: str | None
+) -> Destination | None:
+    """Return the page in a folder; refuse at once what cannot be written."""
+    if name is None:
+        return None
+    from ..reports.run.page import page_file
+
+    return page_file(name)
+
+
+HTML = click.option(
+    "--html",
+    "html_file",
+    callback=page_of,
+    metavar="DIR",
+    help="Write a page into a folder: DIR/index.html, with pictures of deviations.",
+)
 JUNIT = into("junit", "Write JUnit XML to a file, or '-'.")
 SARIF = into("sarif", "Write SARIF, for code scanning, to a file or '-'.")
+BADGE = into("badge", "Write a badge for shields.io (endpoint JSON) to a file, or '-'.")
 QUIET = click.option("-q", "--quiet", is_flag=True, help="Print the summary line only.")
-JSON = into("json", "Write JSON to a file; '-' is standard output, and all else then leaves it.")
+JSON = into("json", "Write JSON to a file; '-' is standard output, which then has nothing else.")
 MARKDOWN = into("markdown", "Write the tables as Markdown to a file, or '-'.")
 PLOT = click.option("--plot", callback=destination, metavar="FILE", help="Draw it: .png or .svg.")
+
+
+QUERY, MAP = 600.0, 86400.0
+"""Default budgets of a query and of a map [s]."""
+
+
+def budget_option(seconds: float) -> Callable[[Any], Any]:
+    """Return the option, with its default [s]."""
+    return click.option(
+        "--budget",
+        type=NUMBER,
+        default=seconds,
+        show_default=True,
+        metavar="SECONDS",
+        help="Refuse work with a longer estimated time.",
+    )
+
+
+@contextmanager
+def budgeted(seconds: float, what: str) -> Iterator[None]:
+    """Work within a budget [s], and show progress on a terminal or line by line."""
+    from ...reference.cost import within
+
+    with (
+        progress_bar(True, f"parts of {what}", lines=True) as advance,
+        within(seconds, lambda share, _: advance(round(100 * share), 100)),
+    ):
+        yield
 
 
 def refuse_picture(plot: Destination | None) -> None:
@@ -200,7 +243,7 @@ def console(*destinations: Destination | None) -> Console:
 
 
 def to_stdout(*destinations: Destination | None) -> bool:
-    """Return whether a document goes to standard output."""
+    """Return True if a document goes to standard output."""
     return any(item is not None and item.standard_output for item in destinations)
 
 
@@ -221,7 +264,7 @@ def deliver(
 
 
 def time_left(seconds: float, share: float) -> str:
-    """Return in words how long work goes on of which this share took so long [s]."""
+    """Return the remaining time of work in words, from a share and its time [s]."""
     if share < LEAST_SHARE:
         return ""
     left = max(0.0, seconds * (1 - share) / share)
@@ -230,11 +273,11 @@ def time_left(seconds: float, share: float) -> str:
 
 @contextmanager
 def progress_bar(wanted: bool, what: str, lines: bool = False) -> Iterator[Callable[..., None]]:
-    """Show progress on a terminal; lends a function ``(done, total, what, share)``.
+    """Show progress on a terminal; yields a function ``(done, total, what, share)``.
 
-    Engines run with the descriptors of standard output and error redirected, so the bar
-    has a duplicate of its own. With ``lines`` it is told elsewhere too, every `PAUSE`. The share
-    of the work that is done is that of the number, unless it is known better.
+    Engines run with the descriptors of standard output and error redirected, so the bar has a
+    duplicate. With ``lines`` a log gets a line every `PAUSE`. The share of finished work is
+    ``done / total`` unless it is given.
     """
     begin = monotonic()
     if not (wanted and sys.stderr.isatty()):
@@ -275,7 +318,7 @@ def unseen(done: int, total: int, now: str = "", share: float | None = None) -> 
 
 @contextmanager
 def progress_lines(what: str, begin: float) -> Iterator[Callable[..., None]]:
-    """Tell of progress on standard error, a line at a time and not often."""
+    """Report progress on standard error, a line every `PAUSE`."""
     try:
         own = os.dup(sys.stderr.fileno())
     except (OSError, ValueError):  # it is no file
@@ -298,7 +341,7 @@ def progress_lines(what: str, begin: float) -> Iterator[Callable[..., None]]:
 
 
 def finished(states: Iterable[tuple[int, int, str]], what: str) -> bool:
-    """Follow work that tells ``(done, total, what)`` to its end; return False if interrupted."""
+    """Follow work that yields ``(done, total, what)`` to its end; return False if interrupted."""
     try:
         with progress_bar(True, what) as advance, interrupts() as pressed:
             for state in states:
@@ -310,6 +353,7 @@ def finished(states: Iterable[tuple[int, int, str]], what: str) -> bool:
     return True
 
 
-def examples(*lines: str) -> str:
-    """Return command lines as the last paragraph of a help text, its line breaks kept."""
-    return "\n".join(["\b", "Examples:", *(f"  {line}" for line in lines)])
+def examples(*commands: str) -> str:
+    """Return shell commands as the last paragraph of a help text, its line breaks kept."""
+    lines = [line for one in commands for line in shell_lines(f"  {one}", HELP_WIDTH)]
+    return "\n".join(["\b", "Examples:", *lines])

@@ -1,1 +1,1 @@
-"""What accuracy costs: methods, steps, and all else that limits it."""
+"""Cost of accuracy: methods, steps, and other options that limit errors."""

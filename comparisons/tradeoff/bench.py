@@ -1,10 +1,10 @@
-"""Runs of a user's model: from where, with which controls, and what is measured of them."""
+"""Runs of a user's model: starts, controls, measurements, and converged runs."""
 
 from __future__ import annotations
 
 import copy
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from hashlib import sha256
 from math import inf
@@ -17,56 +17,34 @@ from ...reference.errors import UsageError
 from ...reference.scene import Array
 from ..inspect.mujoco.facts import integrator, integrators
 from ..inspect.mujoco.model import Loaded, State
-from ..inspect.mujoco.trial import edited
+from ..inspect.rules.remedies import edited
 from ..inspect.views import state_views, step_limits
 from ..queries.environment import versions
 from .request import TradeoffRequest
 from .store import RunStore
-
-LONGEST, FINEST = 8, 8
-"""Steps reach from so many times the file's own to its so manyth part."""
-
-CONVERGED = 32
-"""Parts of the file's step that the converged run takes, by the method of order 4."""
-
-SHARE = 0.25
-"""Of half the range of a control that the moving controls use."""
-
-TRIED, PROVED = (0, 1, 2), (3, 4, 5)
-"""Draws of controls by which settings are chosen, and those by which a choice is proved."""
-
-NEAR = 0.1
-"""Share of its range by which a joint stays away from its limits in other starts."""
-
-STRAIN, DRAWS = 1e-6, 20
-"""How far loops may be open, or bodies lie in each other, in these [m, rad]; draws of each."""
-
-FREQUENCIES = (0.3, 1.5)
-"""Between which their oscillations lie [Hz]."""
+from .table import percent
+from .tuning import BENCH
 
 RESOLVED = {"tolerance": 1e-15, "iterations": 200, "ls_iterations": 100}
-"""Options of Newton's solver in the converged run; without a tolerance it goes on at rounding, and
-takes 30 times as long for the same digits."""
-
-CLOSURE = 2.5
-"""Steps that the time constant of a closure has where it is as hard as `refsafe` lets it be."""
-
-AT_ONCE = 16
-"""Steps between two looks at whether the state is lost: a lost one takes long to step."""
+"""Options of Newton's solver in the converged run; without a tolerance it iterates at round-off,
+and takes 30 times as long for the same digits."""
 
 AFTERWARDS = ("mj_fwdPosition", "mj_fwdVelocity", "mj_energyPos", "mj_energyVel")
-"""What brings sites, constraints and energies to the state that a step ends in."""
+"""Functions that update sites, constraints and energies to the state at the end of a step."""
+
+TIME_UP = "the time was up before its converged run"
+"""Reason why a start has no converged run, if there is no other."""
 
 
 class TimeUpError(Exception):
-    """The time is up."""
+    """The time of --budget is up."""
 
 
 class Setting(NamedTuple):
-    """An integrator as MJCF spells it, a step [s], and what else is not as in the file.
+    """An integrator as MJCF spells it, a step [s], and other changes of the file.
 
-    ``iterations`` are the most of the solver, ``closure`` is the longest time constant [s] that a
-    loop may have; None: that of the file.
+    ``iterations`` is the limit of the solver, ``closure`` the longest time constant [s] of a loop;
+    None leaves the value of the file.
     """
 
     integrator: str
@@ -76,29 +54,29 @@ class Setting(NamedTuple):
 
     @property
     def name(self) -> str:
-        """The setting in words."""
+        """Description of the setting."""
         words = [f"{self.integrator} at {1e3 * self.step:.4g} ms"]
         words += [f"closures of {1e3 * self.closure:.4g} ms"] if self.closure else []
         words += [f"{self.iterations} iterations"] if self.iterations else []
         return ", ".join(words)
 
     def alike(self, other: Setting) -> bool:
-        """Return whether another is the same but for the step, and what follows from that."""
+        """Return True if another setting differs in the step alone, and in its consequences."""
         hard = self.closure is None, other.closure is None
         return self[::2] == other[::2] and hard[0] == hard[1]
 
 
 @dataclass(frozen=True)
 class Start:
-    """Where runs start, and their controls.
+    """Initial state and controls of runs.
 
     Attributes
     ----------
     state : State
     draw : int
-        Number of the draw of the controls, which oscillate inside their ranges; 0: they are held.
+        Number of the draw of controls that oscillate inside their ranges; 0: constant controls.
     controls : array (n_periods, n_u)
-        Constant over each period.
+        Controls, constant over each period.
     """
 
     state: State
@@ -107,31 +85,32 @@ class Start:
 
     @property
     def name(self) -> str:
-        """The start in words."""
-        return f"{self.state.name}, controls {f'moving ({self.draw})' if self.draw else 'held'}"
+        """Description of the start."""
+        kind = f"moving controls ({self.draw})" if self.draw else "constant controls"
+        return f"{self.state.name}, {kind}"
 
 
 @dataclass(frozen=True)
 class SampledRun:
-    """A run, sampled after each period; lost rows are not there.
+    """A run, sampled after each period until its state is lost.
 
     Attributes
     ----------
     positions : array (n, n_q)
     points : array (n, n_sites, 3)
-        Of observed sites [m].
+        Positions of observed sites [m].
     energy : array (n,)
-        Kinetic and potential [J].
+        Kinetic and potential energy [J].
     kinetic : float
-        The largest [J].
+        Largest kinetic energy [J].
     violation : float
         Largest residual of an equality (m, rad).
     rows : int
-        Most rows of contacts, limits and friction at once.
+        Largest number of simultaneous rows of contacts, limits and friction.
     failed : float or None
-        When the state was lost [s].
+        Time at which the state was lost [s].
     seconds : float
-        Processor time of the stepping [s/s], which other programs do not lengthen.
+        Processor time of the stepping per simulated second [s/s].
     """
 
     positions: Array
@@ -145,54 +124,49 @@ class SampledRun:
 
 
 class Bench:
-    """A model, set up for runs that may be compared.
+    """A model, prepared for comparable runs.
 
     Attributes
     ----------
     loaded : Loaded
-    asked : TradeoffRequest
+    request : TradeoffRequest
     store : RunStore
-        Keeps what was run.
+        Keeps runs.
     deadline : float
-        On the clock `time.monotonic`.
+        Time limit on the clock `time.monotonic`.
     period : float
         Time [s] over which controls are constant, and after which runs are compared.
     count : int
-        Of periods.
+        Number of periods.
     sites : array of int
-        Sites that are observed.
+        Observed sites.
     observed : bool array (n_v + n_sites,)
-        Which degrees of freedom are observed, and all of these sites.
+        True for observed degrees of freedom, and for all of these sites.
     """
 
-    def __init__(self, loaded: Loaded, asked: TradeoffRequest) -> None:
-        self.loaded, self.asked = loaded, asked
-        self.deadline = monotonic() + asked.budget
-        self.period = LONGEST * float(loaded.model.opt.timestep)
-        if asked.horizon < self.period:
+    def __init__(self, loaded: Loaded, request: TradeoffRequest) -> None:
+        self.loaded, self.request = loaded, request
+        self.deadline = monotonic() + request.budget
+        self.period = BENCH.longest * float(loaded.model.opt.timestep)
+        if request.horizon < self.period:
             raise UsageError(
-                f"--horizon {asked.horizon:g}: runs are compared after each {LONGEST} steps of the "
-                f"file; give {self.period:g} s or more"
+                f"--horizon {request.horizon:g}: runs are compared every {BENCH.longest} steps "
+                f"of the file; give {self.period:g} s or more"
             )
-        self.count = max(1, round(asked.horizon / self.period))
-        self.sites, dofs = observables(loaded, asked.observed)
+        self.count = max(1, round(request.horizon / self.period))
+        self.sites, dofs = observables(loaded, request.observed)
         self.observed = np.append(dofs, np.ones(len(self.sites), dtype=bool))
         self.limits: dict[float | None, dict[str, float]] = {}
         names = ("horizon", "seed", "exact", "observed")
-        about = {name: getattr(asked, name) for name in names} | {"target": asked.target}
+        about = {name: getattr(request, name) for name in names} | {"target": request.target}
         about |= {"MuJoCo": str(loaded.mujoco.__version__), **versions(())}
         digest = sha256(loaded.dumped(loaded.model)).hexdigest()
-        self.store = RunStore(asked.resume, model=digest, **about)
+        self.store = RunStore(request.resume, model=digest, **about)
 
     @property
     def file(self) -> Setting:
-        """The setting of the file."""
+        """Setting of the file."""
         return Setting(integrator(self.loaded), float(self.loaded.model.opt.timestep))
-
-    @property
-    def late(self) -> bool:
-        """Whether the time is up."""
-        return monotonic() > self.deadline
 
     def limit(self, setting: Setting) -> float:
         """Return the largest stable step of small motions [s]; infinite if there is none."""
@@ -206,7 +180,7 @@ class Bench:
         return limit if limit > 0 else inf
 
     def starts(self, draws: Sequence[int]) -> Iterator[Start]:
-        """Yield the states of the file with controls of these draws; 0 is those that are held."""
+        """Yield the states of the file with controls of these draws; 0 is constant controls."""
         model = self.loaded.model
         limited = model.actuator_ctrllimited.astype(bool)
         for state in self.loaded.states:
@@ -222,18 +196,21 @@ class Bench:
     def other_starts(self) -> Iterator[Start]:
         """Yield two starts inside the ranges of joints, one near a limit that a control reaches.
 
-        They are at rest; controls move, or push to the limit. A start in which loops are open, or
-        bodies lie deeper in each other than in the file, is left out.
+        They are at rest; controls move, or push to the limit. Starts in which loops are open, or
+        bodies overlap more than in the file, are left out.
         """
-        m, random = self.loaded.model, np.random.default_rng([self.asked.seed, *PROVED])
+        m, random = (
+            self.loaded.model,
+            np.random.default_rng([self.request.seed, *BENCH.proof_draws]),
+        )
         first = [*self.starts((0,))][:2][-1]
         state, level = first.state._replace(velocity=np.zeros(m.nv)), first.controls[0]
-        limited = (m.jnt_limited != 0) & self.loaded.of_kind("jnt_type", "hinge", "slide")
-        joints, most = np.flatnonzero(limited), max(self.strain(state), STRAIN)
+        limited, near = self.loaded.limited_joints, BENCH.limit_distance
+        joints, most = np.flatnonzero(limited), max(self.strain(state), BENCH.strain)
         ranged = m.actuator_ctrllimited.astype(bool)
-        for draw, name in enumerate(("a start", "another start"), max(PROVED) + 1):
-            for _ in range(DRAWS if len(joints) else 0):
-                shares = random.uniform(NEAR, 1 - NEAR, len(joints))
+        for draw, name in enumerate(("a start", "another start"), max(BENCH.proof_draws) + 1):
+            for _ in range(BENCH.start_draws if len(joints) else 0):
+                shares = random.uniform(near, 1 - near, len(joints))
                 drawn = self.placed(state, f"{name} inside the ranges", joints, shares)
                 if self.strain(drawn) <= most:
                     moved = self.moved(level, ranged, draw)
@@ -246,10 +223,10 @@ class Bench:
             joint, pushing = int(m.actuator_trnid[actuator, 0]), level.copy()
             pushing[actuator] = m.actuator_ctrlrange[actuator, end]
             name = f"{self.loaded.name('joint', joint)} near a limit that its control reaches"
-            near = self.placed(state, name, [joint], NEAR + (1 - 2 * NEAR) * up)
+            start = self.placed(state, name, [joint], near + (1 - 2 * near) * up)
             push = self.acceleration(self.placed(state, "", [joint], up), pushing)
-            if (2 * up - 1) * push[m.jnt_dofadr[joint]] > 0 and self.strain(near) <= most:
-                yield Start(near, 0, np.tile(pushing, (self.count, 1)))
+            if (2 * up - 1) * push[m.jnt_dofadr[joint]] > 0 and self.strain(start) <= most:
+                yield Start(start, 0, np.tile(pushing, (self.count, 1)))
                 return
 
     def placed(self, state: State, name: str, joints: Any, shares: Any) -> State:
@@ -276,37 +253,37 @@ class Bench:
 
     def moved(self, level: Array, limited: Any, draw: int) -> Array:
         """Return smooth controls (n_periods, n_u) that begin at a level (n_u,)."""
-        random = np.random.default_rng([self.asked.seed, draw])
+        random = np.random.default_rng([self.request.seed, draw])
         low, high = self.loaded.model.actuator_ctrlrange.T
-        omega = 2 * np.pi * random.uniform(*FREQUENCIES, size=(2, len(level)))
+        omega = 2 * np.pi * random.uniform(*BENCH.frequencies, size=(2, len(level)))
         phase = random.uniform(0, 2 * np.pi, size=(2, len(level)))
         times = self.period * np.arange(self.count)[:, None, None]
         waves = np.sum(np.sin(omega * times + phase) - np.sin(phase), axis=1) / 2
-        moved = level + SHARE * (high - low) / 2 * waves
+        moved = level + BENCH.control_share * (high - low) / 2 * waves
         return np.where(limited, np.clip(moved, low, high), level)
 
     def settings(self) -> Iterator[Setting]:
-        """Yield what is tried: the file's own first, then each integrator, long steps first.
+        """Yield the settings to try: the file's own, then each integrator, long steps first.
 
-        Where closures count as exact, those as hard as each step lets them be, too.
+        If closures count as exact, settings with closures as hard as each step permits are added.
         """
-        file = self.file
+        file, longest, steps = self.file, int(np.log2(BENCH.longest)), BENCH.closure_steps
         softest = np.max(time_constants(self.loaded.model), initial=0.0)
         yield file
         for name in integrators(self.loaded):
-            for power in range(int(np.log2(LONGEST)), -int(np.log2(FINEST)) - 1, -1):
+            for power in range(longest, -int(np.log2(BENCH.finest)) - 1, -1):
                 one = Setting(name, file.step * 2.0**power)
                 if one != file:
                     yield one
-                if self.asked.exact and CLOSURE * one.step < softest:
-                    yield one._replace(closure=CLOSURE * one.step)
+                if self.request.exact and steps * one.step < softest:
+                    yield one._replace(closure=steps * one.step)
 
     def compiled(self, setting: Setting, sharp: bool) -> Any:
         """Return a copy of the model with a setting; it does not reset itself."""
         lib, model = self.loaded.mujoco, copy.copy(self.loaded.model)
         model.opt.integrator = self.loaded.member("mjtIntegrator", "mjINT", setting.integrator)
         model.opt.timestep = setting.step
-        model.opt.disableflags |= self.loaded.member("mjtDisableBit", "mjDSBL", "autoreset")
+        self.loaded.switch_off(model, "autoreset")
         if setting.iterations:
             model.opt.iterations = setting.iterations
         if setting.closure:
@@ -327,7 +304,7 @@ class Bench:
         start : Start
         setting : Setting
         sharp : bool
-            Whether the solver goes on to rounding.
+            True if the solver iterates to round-off.
         off : float
             Departure of each degree of freedom from the start, of random sign (m, rad).
 
@@ -349,18 +326,19 @@ class Bench:
         for control in start.controls:
             data.ctrl[:] = control
             begin = thread_time()
-            for done in range(0, steps, AT_ONCE):
-                lib.mj_step(model, data, min(AT_ONCE, steps - done))
+            for done in range(0, steps, BENCH.steps_at_once):
+                lib.mj_step(model, data, min(BENCH.steps_at_once, steps - done))
                 lost = self.loaded.lost(data)
-                if lost or self.late:
+                late = monotonic() > self.deadline
+                if lost or late:
                     break
-            if self.late:
+            if late:
                 raise TimeUpError
             seconds += thread_time() - begin
             if lost or not np.all(np.isfinite(data.qpos)):
                 failed = float(data.time)
                 break
-            for function in AFTERWARDS:  # a step leaves what it has computed before it
+            for function in AFTERWARDS:  # a step leaves the values before it
                 getattr(lib, function)(model, data)
             closed = data.efc_type == equality
             violation = max(violation, float(np.max(np.abs(data.efc_pos[closed]), initial=0.0)))
@@ -405,31 +383,28 @@ class Bench:
 
     def apart(self, one: SampledRun, other: SampledRun, size: Array) -> Array:
         """Return the largest error (n,) at each time that both reached, relative to `sizes`."""
-        away = self.distances(one, other.positions, other.points)[:, self.observed]
-        return np.asarray(np.max(away / np.where(size > 0, size, 1.0), axis=1, initial=0.0))
+        errors = self.distances(one, other.positions, other.points)[:, self.observed]
+        return np.asarray(np.max(errors / np.where(size > 0, size, 1.0), axis=1, initial=0.0))
 
     def sizes(self, run: SampledRun) -> Array:
-        """Return how far the observables move in a run (n_dofs + n_sites,).
+        """Return the range of motion of the observables in a run (n_dofs + n_sites,).
 
-        A joint counts as moving as far as any of its kind, which turns or which slides: one that
-        stands still has no size of its own.
+        All joints that turn have the range of the one that turns most, and all that slide likewise:
+        for a joint that rests no range would remain.
         """
         model, n = self.loaded.model, len(run.positions)
         if not n:
             return np.ones(int(np.sum(self.observed)))
         first = np.repeat(run.positions[:1], n, axis=0), np.repeat(run.points[:1], n, axis=0)
         reach = np.max(self.distances(run, *first), axis=0, initial=0.0)
-        slide, free = (
-            self.loaded.of_kind("jnt_type", kind)[model.dof_jntid] for kind in ("slide", "free")
-        )
-        slides = slide | (free & (np.arange(model.nv) - model.jnt_dofadr[model.dof_jntid] < 3))
+        slides = self.loaded.sliding_dofs
         for kind in (slides, ~slides):
             reach[: model.nv][kind] = np.max(reach[: model.nv][kind], initial=0.0)
         return np.asarray(reach[self.observed])
 
 
 def observables(loaded: Loaded, names: tuple[str, ...]) -> tuple[Any, Any]:
-    """Return the sites, and which degrees of freedom (n_v,), of these names; all joints of none.
+    """Return the sites and the degrees of freedom (n_v,) of these names; without any all joints.
 
     Raises
     ------
@@ -447,10 +422,10 @@ def observables(loaded: Loaded, names: tuple[str, ...]) -> tuple[Any, Any]:
 
 
 def time_constants(model: Any) -> Array:
-    """Return the time constants [s] of the equalities that act (n,), as ``solref`` has them.
+    """Return the time constants [s] of the active equalities (n,), from ``solref``.
 
-    Stiffness and damping that are given directly make one by the damping, 2 / b, or without one by
-    the stiffness.
+    Stiffness k and damping b that are given directly have the time constant 2 / b, or 1 / sqrt(k)
+    without damping.
     """
     constant, ratio = model.eq_solref[model.eq_active0.astype(bool)].T
     with np.errstate(all="ignore"):
@@ -459,10 +434,164 @@ def time_constants(model: Any) -> Array:
 
 
 def harden(model: Any, constant: float) -> None:
-    """Give all equalities that are softer this time constant [s]; damping ratios stay."""
+    """Give all softer equalities this time constant [s], with the same damping ratios."""
     factors = time_constants(model) / constant
     for number, factor in zip(np.flatnonzero(model.eq_active0), factors, strict=True):
         if factor > 1 and model.eq_solref[number, 0] > 0:
             model.eq_solref[number, 0] = constant
         elif factor > 1:
             model.eq_solref[number] *= factor**2, factor
+
+
+# Converged runs -------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Converged:
+    """The converged run from a start, and its uncertainty.
+
+    Attributes
+    ----------
+    start : Start
+    setting : Setting
+    run : SampledRun
+    size : array (n,)
+        Range of motion of the observables.
+    error : array (n_periods,)
+        Relative change with twice the step, and with closures half as hard if they count as exact.
+    spread : array (n_periods,)
+        Relative change with a start off by `BenchOptions.departure`.
+    softness : array (n_periods,)
+        Relative change with closures as soft as in the file, or, if they are so, with hard ones;
+        empty without closures.
+    """
+
+    start: Start
+    setting: Setting
+    run: SampledRun
+    size: Array
+    error: Array = field(default_factory=lambda: np.zeros(0))
+    spread: Array = field(default_factory=lambda: np.zeros(0))
+    softness: Array = field(default_factory=lambda: np.zeros(0))
+
+    def count(self, target: float) -> int:
+        """Return the number of periods over which it is known for a target."""
+        most = BENCH.known_share * target
+        return min(known(self.error, most), known(self.spread, most))
+
+    @property
+    def smooth(self) -> bool:
+        """True if no contacts, limits and friction acted."""
+        return self.run.rows == 0
+
+    def grows(self, target: float) -> bool:
+        """Return True if small errors grow too much, whatever the step."""
+        most = BENCH.known_share * target
+        return known(self.error, most) > known(self.spread, most)
+
+    def reason(self, target: float) -> str:
+        """Return the reason why it is not known for longer."""
+        if self.run.failed is not None:
+            return f"the converged run itself loses its state at t = {self.run.failed:.3g} s"
+        cause = "contacts, limits or friction" if not self.smooth else "the motion"
+        if self.grows(target):
+            off = f"a start off by {BENCH.departure:g} goes elsewhere"
+            return f"small errors grow ({cause}): {off}"
+        most = percent(BENCH.known_share * target)
+        tried = f"{self.setting.integrator} at {1e3 * self.setting.step:.3g} ms"
+        what = (
+            "twice the step or closures twice as soft" if self.setting.closure else "twice the step"
+        )
+        change = percent(float(np.max(self.error)))
+        return f"{cause}: no run converges to {most} ({tried}; {what} changes it by {change})"
+
+
+def converge(bench: Bench, start: Start, late: bool = False) -> Converged | str:
+    """Return the converged run from a start, or the reason why there is none.
+
+    Parameters
+    ----------
+    bench : Bench
+        Its store keeps the run.
+    start : Start
+    late : bool
+        True if there is no time to compute it.
+    """
+    key = f"converged run, {start.name}"
+    truth: Converged | str | None = bench.store.get(key, Converged | str)
+    if truth is not None:
+        return truth
+    try:
+        truth = TIME_UP if late else refined(bench, start)
+    except TimeUpError:
+        return TIME_UP
+    if isinstance(truth, Converged) or (truth != TIME_UP and "--budget" not in truth):
+        bench.store.put(key, truth)
+    return truth
+
+
+def refined(bench: Bench, start: Start) -> Converged | str:
+    """Compute the converged run from a start, or return the reason why there is none.
+
+    Its step is refined where the motion is smooth and it is too long; where no time is left for
+    that, the reason states the time needed.
+
+    Raises
+    ------
+    TimeUpError
+        If there was no time.
+    """
+    target, exact = bench.request.target, bench.request.exact
+    constants = time_constants(bench.loaded.model)
+    closure = float(np.min(constants)) / BENCH.hard_closure if exact and len(constants) else None
+    best: Converged | None = None
+    took = 0.0
+    for finer in BENCH.finer:
+        step, began = bench.file.step / BENCH.converged / finer, monotonic()
+        need = BENCH.refinement_work * took
+        if best and began + need > bench.deadline:
+            words = f"steps of {1e3 * step:.2g} ms take about {need:.0f} s: raise --budget"
+            return f"{best.reason(target)}; {words}"
+        for name in BENCH.sharpest:
+            setting = Setting(name, step, closure=closure)
+            truth = converged_by(bench, start, setting)
+            if float(np.max(truth.size, initial=0.0)) < BENCH.still:
+                return "nothing moves"
+            best = max(best or truth, truth, key=lambda one: one.count(target))
+            known_long = truth.count(target) >= min(BENCH.min_periods, bench.count)
+            if truth.run.failed is None and known_long:
+                return truth
+            if truth.run.failed is None and (truth.grows(target) or not truth.smooth):
+                return truth.reason(target)  # no other step helps
+        took = monotonic() - began
+    assert best is not None
+    enough = best.count(target) >= min(BENCH.min_periods, bench.count)
+    return best if enough else best.reason(target)
+
+
+def converged_by(bench: Bench, start: Start, setting: Setting) -> Converged:
+    """Return the run by a setting, with its uncertainty."""
+    whole = bench.run(start, setting, sharp=True)
+    size = bench.sizes(whole)
+    largest = float(np.max(size, initial=0.0))
+    if largest < BENCH.still:
+        return Converged(start, setting, whole, size)
+    coarse = setting._replace(step=2 * setting.step)
+    half = bench.run(start, coarse, sharp=True)
+    perturbed = bench.run(start, coarse, sharp=True, off=BENCH.departure * min(largest, 1.0))
+    error, spread = (bench.apart(a, b, size) for a, b in ((half, whole), (perturbed, half)))
+    softness = np.zeros(0)
+    if len(constants := time_constants(bench.loaded.model)):
+        hard = float(np.min(constants)) / BENCH.hard_closure
+        for closure in (2 * hard, None) if setting.closure else (hard,):
+            other = bench.run(start, setting._replace(closure=closure), sharp=True)
+            softness = bench.apart(other, whole, size)
+            if setting.closure and closure:
+                error = np.maximum(error, np.resize(softness, len(error)))
+    return Converged(start, setting, whole, size, error, spread, softness)
+
+
+def known(errors: Array, most: float) -> int:
+    """Return the number of periods before an error first exceeds a bound."""
+    above = np.flatnonzero(~(errors <= most))
+    return int(above[0]) if len(above) else len(errors)

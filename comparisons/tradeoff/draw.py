@@ -18,18 +18,18 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "h", "p", "d")
 """Markers of methods, in order."""
 
 LINES: tuple[Any, ...] = ("solid", (0, (5, 1.5)), (0, (1.5, 1)), (0, (6, 1, 1, 1)))
-"""Lines of an engine's models, in order."""
+"""Line styles of an engine's models, in order."""
 
 LEGEND = {"loc": "outside lower center", "ncols": 3, "fontsize": 7, "frameon": False}
 
 USELESS, TOP = 2.0, 8.0
-"""Relative errors above the first are as good as a failure, and stand at the second."""
+"""Relative errors above the first count as failures, and are drawn at the second."""
 
 APART = 0.03
-"""Share of a panel's height by which names of plateaus are apart at least."""
+"""Least distance between names of plateaus, as a share of the height of a panel."""
 
 Measure = Callable[[Point], float | None]
-"""What of a point is its cost, per simulated second."""
+"""Function from a point to its cost per simulated second."""
 
 
 def seconds(point: Point) -> float | None:
@@ -38,12 +38,12 @@ def seconds(point: Point) -> float | None:
 
 
 def steps(point: Point) -> float | None:
-    """Return the steps per simulated second: known of a failed run, too."""
+    """Return the steps per simulated second, for a failed run, too."""
     return point.cost.steps if point.cost else 1 / point.step
 
 
 def pictures(result: Tradeoff | ModelTradeoff, path: Path) -> Iterator[tuple[str, Path, Any]]:
-    """Yield figures, each with the title of a page under which it belongs, and its path."""
+    """Yield figures, each with the title of its section on a page, and its path."""
     if isinstance(result, ModelTradeoff):
         if result.trials:
             yield "", path, figure_of_model(result)
@@ -56,7 +56,7 @@ def pictures(result: Tradeoff | ModelTradeoff, path: Path) -> Iterator[tuple[str
 
 
 def figure_of_model(result: ModelTradeoff) -> Any:
-    """Draw the runs of a file, with the target, the recommended setting and the file's own."""
+    """Draw the runs of a file, with the target, the recommended setting and that of the file."""
     front = [trial.point for trial in result.front]
     marks = {"recommended": (result.choice, "D"), "as in the file": (result.own, "s")}
     known = {
@@ -65,7 +65,7 @@ def figure_of_model(result: ModelTradeoff) -> Any:
         if trial is not None and trial.point.error
     }
     title = f"{result.series[0].scene}: error over {result.compared:.3g} s against converged runs"
-    return figure_work_precision(result.series, front, title, known, result.asked.target)
+    return figure_work_precision(result.series, front, title, known, result.request.target)
 
 
 def figure_work_precision(
@@ -77,21 +77,21 @@ def figure_work_precision(
 ) -> Any:
     """Draw the error of series of one scene or file over their cost.
 
-    Above over time, below over steps, both per simulated second. Crosses at the top failed or
-    have an error above `USELESS`, and what is on the front is ringed. Series with other settings
-    are thin lines.
+    The upper panel is over time, the lower one over steps, both per simulated second. Crosses at
+    the top are runs that failed or have an error above `USELESS`; runs on the front have rings.
+    Series with other settings are thin lines.
 
     Parameters
     ----------
     series : sequence of StepSeries, all of one scene
     front : sequence of Point
-        Over time, that none of these series' points beats.
+        Points on the front over time.
     title : str
-        By default the scene and the case.
+        Title, by default the scene and the case.
     marks : mapping of str to (Trial, str)
-        Runs that have a label and a marker of their own.
+        Runs with a label and a special marker.
     target : float, optional
-        Drawn as a line.
+        Relative error, drawn as a line.
 
     Returns
     -------
@@ -128,8 +128,8 @@ def figure_work_precision(
 def styles_of(series: Sequence[StepSeries]) -> list[dict[str, Any]]:
     """Return the style of each series.
 
-    The colour tells the engine, or of one engine the method; the marker the method, the line the
-    model.
+    Colours stand for engines, or for methods if there is one engine; markers for methods, lines
+    for models.
     """
     methods = list(dict.fromkeys(one.method for one in series))
     models: dict[str, list[str]] = {}
@@ -137,15 +137,15 @@ def styles_of(series: Sequence[StepSeries]) -> list[dict[str, Any]]:
         models.setdefault(one.engine, []).append(one.model)
     styles = []
     for one in series:
-        its, place = look(one.engine), methods.index(one.method)
-        colour = its.colour if len(models) > 1 else PALETTE[place % len(PALETTE)]
+        engine, place = look(one.engine), methods.index(one.method)
+        colour = engine.colour if len(models) > 1 else PALETTE[place % len(PALETTE)]
         line = list(dict.fromkeys(models[one.engine])).index(one.model)
         styles.append(
             {
                 "color": colour,
                 "linestyle": LINES[line % len(LINES)],
                 "marker": MARKERS[place % len(MARKERS)],
-                "markerfacecolor": colour if its.filled else "white",
+                "markerfacecolor": colour if engine.filled else "white",
             }
         )
     return styles
@@ -164,7 +164,7 @@ def draw_series(axes: Any, one: StepSeries, measure: Measure, style: Mapping[str
 
 
 def useful(point: Point) -> bool:
-    """Return whether a run came to its end with an error that means something."""
+    """Return True if a run reached its end with a useful error."""
     return point.error is not None and 0 < point.error <= USELESS
 
 

@@ -1,4 +1,4 @@
-"""What a model may leave out: by how much its runs then change, and what that saves."""
+"""Parts that a model may leave out: the change of its runs, and the saving."""
 
 from __future__ import annotations
 
@@ -16,18 +16,13 @@ from ..engines.setup import Setup, power_of_two, run
 from ..queries.query import choose_method
 from ..scenes.data import scene_data
 from ..scenes.left_out import Pair, PairedModel
-from .sweep import SAMPLES, sample_times
-
-REPEATS = 7
-"""Pairs of runs whose times are compared."""
-
-EQUAL = 0.03
-"""Times that differ by a smaller share are equal."""
+from .sweep import sample_times
+from .tuning import SWEEP
 
 
 @dataclass(frozen=True)
 class LeftOut:
-    """A model with something and one without it.
+    """Comparison of a model with a part and one without it.
 
     Attributes
     ----------
@@ -38,20 +33,20 @@ class LeftOut:
     engine : str
         Engine; ``reference`` for theories.
     left_out : str
-        What the second model lacks.
+        Part that the second model lacks.
     whole : str
-        The model that has it, and its method.
+        Model with the part, and its method.
     without : str
-        The model that lacks it, and its method.
+        Model without the part, and its method.
     error : float
-        Largest error of the observables with it, relative to the size of each: against the
-        scene's reference; of theories against the one that has it.
+        Largest error of the observables with the part, relative to the size of each, against the
+        scene's reference; for theories against the one with the part.
     error_without : float
-        The same without it.
+        Largest error without the part.
     ratios : tuple of float
-        Cost of the whole model over cost without: quartiles of repeated pairs of runs.
+        Cost with the part over cost without it: quartiles of repeated pairs of runs.
     cost : str
-        Measure of the cost: ``wall time``, or ``right-hand sides`` of theories.
+        Measure of the cost: ``wall time``, or ``right-hand sides`` for theories.
     """
 
     scene: str
@@ -67,9 +62,9 @@ class LeftOut:
 
     @property
     def saving(self) -> str:
-        """What leaving it out saves, in words; nothing where times scatter as much."""
+        """Saving in words; none within the scatter of times."""
         low, ratio, high = self.ratios
-        if low <= 1 <= high or abs(ratio - 1) < EQUAL:
+        if low <= 1 <= high or abs(ratio - 1) < SWEEP.equal_times:
             return f"no {self.cost} above the scatter"
         change = f"saves a factor of {ratio:.2g}" if ratio > 1 else f"costs {1 / ratio:.2g} times"
         return f"{change} in {self.cost}"
@@ -94,14 +89,14 @@ def compare(pair: Pair) -> LeftOut:
     """
     case, names = pair.case, get_scene(pair.case.scene).observables
     span = case.horizon if pair.span is None else pair.span
-    spacing = max(pair.step, power_of_two(span / SAMPLES))
+    spacing = max(pair.step, power_of_two(span / SWEEP.samples))
     times = sample_times(case.start_time, spacing, span)
-    setups = [setup_of(pair, one) for one in (pair.whole, pair.without)]
+    setups = [paired_setup(pair, one) for one in (pair.whole, pair.without)]
     engine = setups[0].engine.name
     is_theory = engine == REFERENCE
     equations = setups[0].bound.equations if is_theory else scene_equations(case)
     right = roundoff_reference(equations, case, times, names)
-    repeats = 1 if is_theory else REPEATS
+    repeats = 1 if is_theory else SWEEP.pair_repeats
     runs = [[run(setup, times) for setup in setups] for _ in range(repeats)]
     error, error_without = (relative_error(one.matrix(names), right) for one in runs[0])
     costs = [
@@ -115,7 +110,7 @@ def compare(pair: Pair) -> LeftOut:
     )  # fmt: skip
 
 
-def setup_of(pair: Pair, one: PairedModel) -> Setup:
+def paired_setup(pair: Pair, one: PairedModel) -> Setup:
     """Return the setup of one model of a pair."""
     engine = one.engine.make()
     case = replace(pair.case, parameters=pair.case.parameters.replace(**one.changes))

@@ -1,4 +1,4 @@
-"""``mbcheck tradeoff MODEL.xml``: errors of settings against the model's own converged runs."""
+"""``mbcheck tradeoff MODEL.xml``: errors of settings against converged runs of the model."""
 
 from __future__ import annotations
 
@@ -15,10 +15,9 @@ from ...reference.errors import UsageError
 from ..documents import document
 from ..engines.mujoco.library import quiet
 from ..inspect.mujoco.model import ENGINE, load
-from ..inspect.rules.remedies import PREFERRED
+from ..inspect.tuning import THRESHOLDS
 from ..queries.environment import versions
-from .bench import CLOSURE, PROVED, TRIED, Bench, SampledRun, Setting, TimeUpError
-from .converged import DEPARTURE, TIME_UP, Converged, converge
+from .bench import TIME_UP, Bench, Converged, SampledRun, Setting, TimeUpError, converge
 from .request import TradeoffRequest
 from .table import (
     FAILED,
@@ -34,49 +33,35 @@ from .table import (
     steady,
     trials_of,
 )
+from .tuning import BENCH
 
 EVALUATIONS = {"RK4": 4}
-"""Times that an integrator evaluates forces in a step, where that is more than once."""
+"""Evaluations of the forces in a step, for integrators with more than one."""
 
-CHEAPEST = ("Euler", *PREFERRED)
-"""Integrators by the cost of a step beside the forces, the cheapest first."""
-
-MARGIN = 0.5
-"""Share of the target that a recommended setting may use: with other controls its error differs."""
-
-ENOUGH = 0.1
-"""Share of the target below which no shorter steps of an integrator are tried."""
-
-MEASURED, BRIEF = 3, 0.1
-"""Times that a run is repeated while they take less than this [s]; the median time counts."""
-
-ITERATIONS = (8, 32, 128)
-"""Iterations of the solver that are tried where nothing meets the target with the file's own."""
-
-SOFT = 0.1
-"""Share of the target above which the softness of closures is reported."""
+CHEAPEST = ("Euler", *THRESHOLDS.preferred_integrators)
+"""Integrators by the cost of a step apart from the forces, the cheapest first."""
 
 
 @dataclass(frozen=True)
 class ModelStart:
-    """A start from which runs of a file are compared.
+    """Start from which runs of a file are compared.
 
     Attributes
     ----------
     name : str
-        state of the file, and whether controls move
+        state of the file, and kind of controls
     compared : float
         time over which runs are compared [s]
     smooth : bool
-        whether no contact, limit or friction acted
+        true if no contact, limit or friction acted
     integrator : str
-        of the converged run
+        integrator of the converged run
     step : float
-        of the converged run [s]
+        step of the converged run [s]
     bound : float
-        relative change of the converged run with half its step
+        relative change of the converged run with twice its step
     spread : float
-        relative change with a start that is 1e-6 off
+        relative change with a start off by 1e-6
     """
 
     name: str
@@ -90,7 +75,7 @@ class ModelStart:
 
 @dataclass(frozen=True)
 class TradeoffModelDocument:
-    """What accuracy costs of an MJCF file.
+    """Cost of accuracy for an MJCF file.
 
     Attributes
     ----------
@@ -99,39 +84,40 @@ class TradeoffModelDocument:
     target : float
         relative error allowed
     asked : float
-        horizon that was asked for [s]
+        requested horizon [s]
     horizon : float
-        over which all starts are compared [s]
+        time over which all starts are compared [s]
     budget : float
-        time to try settings in [s]
+        time to try settings [s]
     seed : int
-        of the controls that move
+        seed of the moving controls
     observed : sequence of str
         joints and sites that are judged; empty: all joints
     exact_closures : bool
-        whether loops count as closed exactly, not as soft as in the file
+        true if loops count as closed exactly, not as soft as in the file
     softness : float or None
-        how far closures as soft as in the file go from hard ones [1]; null: none
+        relative change of the motion by closures as soft as in the file, against hard ones [1];
+        null without closures
     met : bool
-        whether a setting meets the target with a margin
+        true if a setting meets the target with a margin
     sentence : str
-        what to do
+        recommendation, or the reason why there is none
     notes : sequence of str
-        what else is to be known
+        cautions, and omissions
     complete : bool
-        whether the time was enough
+        true if the time was sufficient
     starts : sequence of ModelStart
-        from where runs are compared
+        starts from which runs are compared
     unknown : sequence of str
         starts that were left out, with their reasons
     series : sequence of StepSeries
-        all that were tried, by integrator and settings
+        all tried settings, by integrator and other changes
     front : sequence of SettingRun
-        those that none beats in error and time, the fastest first
+        settings that none beats in error and time, the fastest first
     own : SettingRun or None
-        the file's own setting
+        setting of the file
     recommendation : SettingRun or None
-        the one to choose
+        recommended setting
     """
 
     file: str
@@ -158,32 +144,32 @@ class TradeoffModelDocument:
 
 @dataclass
 class ModelTradeoff:
-    """What accuracy costs of one model, and the setting to choose; filled by `work`.
+    """Cost of accuracy for a model, and the setting to choose; filled by `work`.
 
     Attributes
     ----------
-    asked : TradeoffRequest
+    request : TradeoffRequest
     truths : list of Converged
     trials : list of Trial
-        Settings that were run, the file's own first.
+        Settings that were run, the one of the file first.
     unknown : list of str
         Starts that were left out, each with its reason.
     complete : bool
-        Whether the time was enough.
+        True if the time was sufficient.
     missed : mapping of Setting to float
-        Settings that miss the target from other starts or with other controls: the error there.
+        Settings that miss the target from other starts or with other controls -> error there.
     elsewhere : float or None
         Error of the choice from other starts and with other controls, 0 if there are none; None if
         it was not proved there.
     unproved : list of str
-        Of these, the starts without a converged run, each with its reason.
+        Other starts without a converged run, each with its reason.
     period : float
-        After which runs are compared [s].
+        Time after which runs are compared [s].
     version : str
-        MuJoCo's.
+        Version of MuJoCo.
     """
 
-    asked: TradeoffRequest
+    request: TradeoffRequest
     truths: list[Converged] = field(default_factory=list)
     trials: list[Trial] = field(default_factory=list)
     unknown: list[str] = field(default_factory=list)
@@ -196,28 +182,28 @@ class ModelTradeoff:
 
     @property
     def file(self) -> str:
-        """The path of the file."""
-        return self.asked.scenes[0]
+        """Path of the file."""
+        return self.request.scenes[0]
 
     # Runs -------------------------------------------------------------------------------------
 
     def work(self) -> Generator[tuple[int, int, str]]:
-        """Run all that there is time for; yields ``(done, total, what)``.
+        """Run all settings for which there is time; yields ``(done, total, what)``.
 
         Raises
         ------
         UsageError
-            If the file cannot be read, nothing moves in it, or what is to be resumed is of
-            something else.
+            If the file cannot be read, nothing moves in it, or --resume names runs of another
+            model or request.
         """
         loaded = load(self.file)
         if loaded.model.nv == 0:
             raise UsageError(f"{loaded.path.name}: nothing moves in it")
-        if self.asked.exact and not np.any(loaded.model.eq_active0):
+        if self.request.exact and not np.any(loaded.model.eq_active0):
             raise UsageError(f"--exact-closures: {loaded.path.name} has no equality")
         with quiet(loaded.mujoco):
             self.version = str(loaded.mujoco.__version__)
-            bench = Bench(loaded, self.asked)
+            bench = Bench(loaded, self.request)
             self.period = bench.period
             try:
                 yield from self.runs(bench)
@@ -225,9 +211,9 @@ class ModelTradeoff:
                 bench.store.write()
 
     def runs(self, bench: Bench) -> Iterator[tuple[int, int, str]]:
-        """Run all that there is time for, see `work`; the converged runs have half of it."""
-        settings, starts = list(bench.settings()), list(bench.starts(TRIED))
-        total, half = len(starts) + len(settings), monotonic() + self.asked.budget / 2
+        """Run all settings for which there is time, see `work`; converged runs have half of it."""
+        settings, starts = list(bench.settings()), list(bench.starts(BENCH.tried_draws))
+        total, half = len(starts) + len(settings), monotonic() + self.request.budget / 2
         for i, start in enumerate(starts):
             yield i, total, f"converged run, {start.name}"
             truth = converge(bench, start, late=monotonic() > half)
@@ -242,11 +228,11 @@ class ModelTradeoff:
                 yield len(starts) + i, total, setting.name
                 if sum(map(setting.alike, good)) < 2:
                     trial = self.tried(bench, setting)
-                    good += [setting] if trial.error < ENOUGH * self.asked.target else []
+                    good += [setting] if trial.error < BENCH.enough * self.request.target else []
             solves = np.any(bench.loaded.model.eq_active0) or any(not x.smooth for x in self.truths)
             if self.trials and solves and self.choice is None:
                 best = setting_of(min(self.trials, key=lambda row: row.error))
-                for count in ITERATIONS:
+                for count in BENCH.iterations:
                     yield total, total, best.name
                     self.tried(bench, best._replace(iterations=count))
         except TimeUpError:
@@ -255,10 +241,12 @@ class ModelTradeoff:
         self.prove(bench)
 
     def tried(self, bench: Bench, setting: Setting) -> Trial:
-        """Add a setting's run to the trials, and return it."""
-        settings: dict[str, float] = {"closure_steps": CLOSURE} if setting.closure else {}
-        if setting.iterations:
-            settings["iterations"] = setting.iterations
+        """Run a setting, and add it to the trials."""
+        changes = {
+            "closure_steps": setting.closure and BENCH.closure_steps,
+            "iterations": setting.iterations,
+        }
+        settings = {name: value for name, value in changes.items() if value}
         limit = bench.limit(setting)
         series = StepSeries(
             Path(self.file).name, "", ENGINE, "", setting.integrator, 0, settings,
@@ -274,7 +262,7 @@ class ModelTradeoff:
             key = f"{setting.integrator} {setting[1:]!r}, {truth.start.name}"
             point: Point | None = bench.store.get(key, Point)
             if point is None:
-                point = point_of(bench, setting, truth, truth.count(self.asked.target))
+                point = point_of(bench, setting, truth, truth.count(self.request.target))
                 bench.store.put(key, point)
             every.append(point)
         return worst_of(every)
@@ -282,12 +270,12 @@ class ModelTradeoff:
     def prove(self, bench: Bench) -> None:
         """Run the choice from other starts and with other controls.
 
-        What misses the target there is dropped, and the next shorter step tried if it was not.
+        A setting that misses the target there is dropped, and the next shorter step is tried.
         """
         if self.choice is None:
             return
-        bench.deadline = max(bench.deadline, monotonic() + self.asked.budget / 4)
-        starts = [*bench.starts(PROVED), *bench.other_starts()]
+        bench.deadline = max(bench.deadline, monotonic() + self.request.budget / 4)
+        starts = [*bench.starts(BENCH.proof_draws), *bench.other_starts()]
         others = [(start, converge(bench, start)) for start in starts]
         truths = [one for _, one in others if isinstance(one, Converged)]
         self.unproved = [f"{a.name}: {b}" for a, b in others if not isinstance(b, Converged)]
@@ -296,14 +284,13 @@ class ModelTradeoff:
                 setting = setting_of(choice)
                 point = self.point(bench, setting, truths) if truths else Point(setting.step, 0.0)
                 error = Trial(choice.series, point).error
-                if error <= self.asked.target:
+                if error <= self.request.target:
                     self.elsewhere = error
                     return
                 self.missed[setting] = error
                 known = {setting_of(trial) for trial in self.trials}
-                shorter = (one for one in bench.settings() if one.alike(setting))
-                for one in shorter:
-                    if one.step < setting.step and one not in known:
+                for one in bench.settings():
+                    if one.alike(setting) and one.step < setting.step and one not in known:
                         self.tried(bench, one)
                         break
         except TimeUpError:
@@ -332,22 +319,22 @@ class ModelTradeoff:
 
     @property
     def own(self) -> Trial | None:
-        """The file's own setting, which is tried first."""
+        """Setting of the file, which is tried first."""
         return self.trials[0] if self.trials else None
 
     @property
     def choice(self) -> Trial | None:
-        """The setting of least work that meets the target with a margin, as shorter steps do.
+        """Setting of least work that meets the target with a margin, as shorter steps do.
 
-        Evaluations of forces decide: times scatter, and these do not.
+        The number of evaluations of forces decides, since times scatter.
         """
-        rows = steady(self.series, self.asked.target, MARGIN)
+        rows = steady(self.series, self.request.target, BENCH.margin)
         return cheapest(
             (row for row in rows if setting_of(row) not in self.missed), work_of, self.preference
         )
 
     def preference(self, row: Trial) -> tuple[float, ...]:
-        """Return the key that orders settings of the same work, the best first."""
+        """Return the sort key of settings of the same work, the best first."""
         own, setting = setting_of(self.trials[0]), setting_of(row)
         cost = CHEAPEST.index(setting.integrator)
         changes = len(row.series.settings)
@@ -356,7 +343,7 @@ class ModelTradeoff:
     @property
     def counts(self) -> list[int]:
         """Periods over which each start is compared."""
-        return [truth.count(self.asked.target) for truth in self.truths]
+        return [truth.count(self.request.target) for truth in self.truths]
 
     @property
     def compared(self) -> float:
@@ -372,40 +359,40 @@ class ModelTradeoff:
 
     @property
     def softness(self) -> float | None:
-        """How far closures as soft as in the file go from hard ones; None without closures."""
+        """Relative change of the motion by closures as soft as in the file, if there are any."""
         softens = any(len(one.softness) for one in self.truths)
         return self.largest("softness") if softens else None
 
     @property
     def failed(self) -> bool:
-        """Whether no setting meets the target."""
+        """True if no setting meets the target."""
         return self.choice is None
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``tradeoff_model`` document of docs/json.md."""
-        asked, own, choice = self.asked, self.own, self.choice
+        request, own, choice = self.request, self.own, self.choice
         return document(
             "tradeoff_model",
             self,
             file=Path(self.file).name,
-            target=asked.target,
-            asked=asked.horizon,
+            target=request.target,
+            asked=request.horizon,
             horizon=self.compared,
-            budget=asked.budget,
-            seed=asked.seed,
-            observed=asked.observed,
-            exact_closures=asked.exact,
+            budget=request.budget,
+            seed=request.seed,
+            observed=request.observed,
+            exact_closures=request.exact,
             met=choice is not None,
             starts=[
-                {
-                    "name": one.start.name,
-                    "compared": n * self.period,
-                    "smooth": one.smooth,
-                    "step": one.setting.step,
-                    "integrator": one.setting.integrator,
-                    "bound": float(np.max(one.error[:n])),
-                    "spread": float(np.max(one.spread[:n])),
-                }
+                ModelStart(
+                    name=one.start.name,
+                    compared=n * self.period,
+                    smooth=one.smooth,
+                    integrator=one.setting.integrator,
+                    step=one.setting.step,
+                    bound=float(np.max(one.error[:n])),
+                    spread=float(np.max(one.spread[:n])),
+                )
                 for one, n in zip(self.truths, self.counts, strict=True)
             ],
             front=[row.as_run for row in self.front],
@@ -418,89 +405,89 @@ class ModelTradeoff:
 
     @property
     def sentence(self) -> str:
-        """The recommendation, or why there is none, in one sentence."""
-        choice, own, asked = self.choice, self.own, self.asked
+        """Recommendation in one sentence, or the reason why there is none."""
+        choice, own, request = self.choice, self.own, self.request
         if not self.truths:
-            words = "nothing converges" if self.complete else f"no answer in {asked.budget:g} s"
+            words = (
+                "no run converges" if self.complete else f"no answer within {request.budget:g} s"
+            )
             return f"{words}: " + "; ".join(self.unknown)
         over = f"over {self.compared:.3g} s"
         if own is None:
-            return f"no setting was tried in {asked.budget:g} s; --budget gives more"
+            return f"no setting was tried within {request.budget:g} s: raise --budget"
         if choice is None:
             rows = {setting_of(row): row.error for row in self.trials}
             errors = {one: max(error, self.missed.get(one, 0.0)) for one, error in rows.items()}
             best = min(errors, key=lambda setting: errors[setting])
             if errors[best] == inf:
-                return f"no setting came to an end {over}"
+                return f"no run reached its end {over}"
             where = "from other starts, too" if self.missed else "with a margin"
             return (
-                f"no setting meets {percent(asked.target)} {where} {over}; the smallest error is "
-                f"{percent(errors[best])}, of {best.name}"
+                f"no setting meets {percent(request.target)} {where} {over}; the smallest error is "
+                f"{percent(errors[best])}, with {best.name}"
             )
         error = percent(max(choice.error, self.elsewhere or 0.0))
-        said = f"{setting_of(choice).name}: {error} {over}"
+        words = f"{setting_of(choice).name}: {error} {over}"
         if choice.point is own.point:
-            return f"{said}, the file's own setting"
+            return f"{words}, the file's own setting"
         fewer = work_of(own) / work_of(choice)
-        compared = f"{fewer:.2g} times fewer evaluations of forces than" if fewer > 1 else ""
-        compared = compared or f"{1 / fewer:.2g} times as many evaluations of forces as"
-        compared = "as many evaluations of forces as" if fewer == 1 else compared
+        count = f"{fewer:.2g} times fewer" if fewer > 1 else f"{1 / fewer:.2g} times as many"
+        count = "as many" if fewer == 1 else count
+        link = "than" if fewer > 1 else "as"
         mine = "which loses its state" if own.error == inf else f"error {percent(own.error)}"
-        if MARGIN * asked.target < own.error <= asked.target:
+        if BENCH.margin * request.target < own.error <= request.target:
             mine += ": no margin for other motions"
-        return f"{said}, {compared} the file's setting ({setting_of(own).name}, {mine})"
+        return (
+            f"{words}, {count} evaluations of forces {link} the file's setting "
+            f"({setting_of(own).name}, {mine})"
+        )
 
     @property
     def notes(self) -> list[str]:
-        """Cautions, and what was left out."""
-        target = self.asked.target
-        said = [f"left out: {one}" for one in self.unknown if self.truths]
-        said += [
+        """Cautions, and omissions."""
+        target = self.request.target
+        notes = [f"left out: {one}" for one in self.unknown if self.truths]
+        notes += [
             f"{truth.start.name}: {truth.reason(target)}; compared over {n * self.period:.3g} s"
             for truth, n in zip(self.truths, self.counts, strict=True)
             if n < len(truth.error)
         ]
         if any(not truth.smooth for truth in self.truths):
-            said.append(
+            notes.append(
                 "contacts, limits or friction act: errors have no order, and no bound; a start "
-                f"that is {DEPARTURE:g} off ends {percent(self.largest('spread'))} apart"
+                f"off by {BENCH.departure:g} ends {percent(self.largest('spread'))} apart"
             )
         soft = self.softness
-        if soft is not None and soft >= SOFT * target:
-            more = "" if self.asked.exact else "; --exact-closures compares with those"
-            said.append(
-                f"closures as soft as in the file change the motion by {percent(soft)} against "
-                f"hard ones{more}"
+        if soft is not None and soft >= BENCH.softness_share * target:
+            more = "" if self.request.exact else "; --exact-closures uses those"
+            notes.append(
+                f"closures as soft as in the file change the motion by {percent(soft)} "
+                f"compared with hard ones{more}"
             )
-        said += [
+        notes += [
             f"{setting.name} has an error of {percent(error)} from other starts or with other "
             "controls, and is not recommended"
             for setting, error in self.missed.items()
         ]
         if self.choice is not None and self.elsewhere is None:
-            said.append(
+            notes.append(
                 "there was no time to try the choice from other starts and with other controls"
             )
-        said += [f"the choice was not tried from {one}" for one in self.unproved if self.choice]
-        said += [words for one in self.series if not one.settings for words in disagreements(one)]
+        notes += [f"the choice was not tried from {one}" for one in self.unproved if self.choice]
+        notes += [words for one in self.series if not one.settings for words in disagreements(one)]
         if not self.complete:
-            said.append(
-                f"not all was tried in {self.asked.budget:g} s; --budget gives more, and --resume "
-                "goes on from what was kept"
+            notes.append(
+                f"not all settings were tried within {self.request.budget:g} s: raise --budget, or "
+                "continue with --resume"
             )
-        return said
-
-    @property
-    def observed(self) -> str:
-        """The joints and sites that are compared, in words."""
-        return ", ".join(self.asked.observed) or "all joints"
+        return notes
 
 
 def setting_of(row: Trial) -> Setting:
-    """Return the setting that made a run."""
+    """Return the setting of a run."""
     options, step = row.series.settings, row.point.step
     iterations = int(options["iterations"]) if "iterations" in options else None
-    closure = CLOSURE * step if "closure_steps" in options else None
+    closure = BENCH.closure_steps * step if "closure_steps" in options else None
     return Setting(row.series.method, step, iterations, closure)
 
 
@@ -513,10 +500,10 @@ def work_of(row: Trial) -> float:
 def point_of(bench: Bench, setting: Setting, truth: Converged, count: int) -> Point:
     """Return error and cost of a setting from a start, compared over so many periods.
 
-    A run that takes no more than `BRIEF` is made `MEASURED` times, for its time.
+    A brief run is repeated, for its time.
     """
     runs, began = list[SampledRun](), monotonic()
-    while len(runs) < MEASURED and (not runs or monotonic() - began < BRIEF):
+    while len(runs) < BENCH.repeats and (not runs or monotonic() - began < BENCH.brief):
         runs.append(bench.run(truth.start, setting))
     run, n = runs[0], min(count, len(runs[0].positions))
     steps = 1 / setting.step
@@ -551,7 +538,7 @@ def worst_of(points: Sequence[Point]) -> Point:
 
 
 def disagreements(series: StepSeries) -> Iterator[str]:
-    """Yield where the largest stable step of small motions and runs disagree."""
+    """Yield disagreements between runs and the largest stable step of small motions."""
     name, limit = series.method, series.stable_step or inf
     runs = [(point.step, point.error) for point in series.points]
     lost = [step for step, error in runs if error is None and step < limit / STABLE]
@@ -560,7 +547,7 @@ def disagreements(series: StepSeries) -> Iterator[str]:
     ]
     if lost:
         words = f"below its limit of small motions, {1e3 * limit:.4g} ms"
-        words = words if limit < inf else "though small motions limit no step"
+        words = words if limit < inf else "although small motions limit no step"
         yield f"{name} loses its state at {1e3 * min(lost):.4g} ms, {words}"
     if harmless:
         yield (

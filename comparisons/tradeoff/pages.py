@@ -1,25 +1,25 @@
-"""What accuracy costs, for the console and as Markdown: of scenes, or of an MJCF file."""
+"""Reports on the cost of accuracy: on the console and as Markdown."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 
-from rich.console import Console
-
+from ..reports.files import Destination
 from ..reports.sections import Section, print_sections
 from ..reports.text import markdown_table
 from ..reports.words import number, plain, plural, with_unit
-from .left_out import LeftOut
+from ..terminal.program import console, json_text, to_stdout
 from .model import ModelTradeoff
 from .report import Tradeoff
 from .stability import StabilityShift
-from .table import Choice, StepSeries, Trial, percent, settings_text
+from .table import Choice, Trial, percent, settings_text
 
 DIGITS = 2
 """Significant digits of errors and times."""
 
 LIMITS = "What limits the methods"
-"""Title under which a page shows pictures."""
+"""Title of the section with the pictures."""
 
 CHOICE = (
     "scene", "engine", "target", "setting", "step [s]", "error", "time [s/s]", "margin",
@@ -57,9 +57,42 @@ def sections(result: Tradeoff | ModelTradeoff) -> list[Section]:
             (
                 "What may be left out",
                 LEFT_OUT,
-                [left_out_cells(one) for one in result.left_out],
+                [
+                    (
+                        one.scene,
+                        one.engine,
+                        one.left_out,
+                        one.whole,
+                        one.without,
+                        one.error,
+                        one.error_without,
+                        one.saving,
+                    )
+                    for one in result.left_out
+                ],
             ),
-            (LIMITS, LIMIT, [limit_cells(one) for one in result.series]),
+            (
+                LIMITS,
+                LIMIT,
+                [
+                    (
+                        one.scene,
+                        f"{one.engine} {one.model}",
+                        " ".join(filter(None, [one.method, settings_text(one.settings)])),
+                        one.order,
+                        number(one.slope, 3, missing="-"),
+                        one.plateau,
+                        min(
+                            (p.step for p in one.points if p.error is not None and not p.wasted),
+                            default=None,
+                        )
+                        if one.plateau is not None
+                        else None,
+                        one.plateau_name or "none met",
+                    )
+                    for one in result.series
+                ],
+            ),
             ("What a step costs in stability", *stability_table(result.stability)),
         ]
         lines, last = [f"note: {note}" for note in result.failures], []
@@ -76,34 +109,11 @@ def choice_cells(item: Choice) -> Row:
         note = note if item.met else f"{item.axis}: {note}"
     setting = " ".join(filter(None, words)) if item.met else "none"
     if item.smaller is not None:
-        note += f"; the next smaller has an error of {item.smaller:.2g}"
+        note += f"; the next smaller model has an error of {item.smaller:.2g}"
     return (
         item.scene, item.engine, number(item.target, 6), setting,
         "" if item.step is None else number(item.step, 3), item.error,
         item.cost.seconds if item.cost else "", item.margin if item.step else "", note,
-    )  # fmt: skip
-
-
-def limit_cells(one: StepSeries) -> Row:
-    """Return what limits a method: its order, its floor, and from where on halving is wasted."""
-    useful = [point.step for point in one.points if point.error is not None and not point.wasted]
-    return (
-        one.scene,
-        f"{one.engine} {one.model}",
-        " ".join(filter(None, [one.method, settings_text(one.settings)])),
-        one.order,
-        number(one.slope, 3, missing="-"),
-        one.plateau,
-        None if one.plateau is None else useful[-1],
-        one.plateau_name or "none met",
-    )
-
-
-def left_out_cells(one: LeftOut) -> Row:
-    """Return a model with something and one without it."""
-    return (
-        one.scene, one.engine, one.left_out, one.whole, one.without, one.error, one.error_without,
-        one.saving,
     )  # fmt: skip
 
 
@@ -128,7 +138,7 @@ def stability_table(shifts: Sequence[StabilityShift]) -> tuple[Sequence[str], li
 
 
 def run_cells(result: ModelTradeoff, trial: Trial) -> Row:
-    """Return a run of a file; ``>`` is the choice, ``*`` the front, ``=`` the file's setting."""
+    """Return a run of a file; ``>`` marks the choice, ``*`` the front, ``=`` the file's setting."""
     point, limit = trial.point, trial.series.stable_step
     marks: dict[str, list[Trial | None]] = {
         ">": [result.choice],
@@ -150,45 +160,46 @@ def run_cells(result: ModelTradeoff, trial: Trial) -> Row:
 
 def legend(result: ModelTradeoff) -> str:
     """Return the meaning of the columns."""
+    observed = ", ".join(result.request.observed) or "all joints"
     return (
-        f"> chosen, * on the front, = as in the file. error: the largest of {result.observed} over "
-        f"{result.compared:.3g} s from {plural(len(result.truths), 'start')}, relative to the "
+        f"> chosen, * on the front, = as in the file. error: largest error of {observed} "
+        f"over {result.compared:.3g} s from {plural(len(result.truths), 'start')}, relative to the "
         f"motion; the uncertainty of the converged run is {percent(result.largest('error'))}. "
-        "energy: largest difference from the converged run's, relative to the largest kinetic "
-        "energy. violation: largest residual of an equality (m, rad). time: of the processor, "
-        "median of the runs on this machine. limit: the largest stable step of small motions."
+        "energy: largest difference from the converged run, relative to the largest kinetic "
+        "energy. violation: largest residual of an equality (m, rad). time: median processor time "
+        "on this machine. limit: largest stable step of small motions."
     )
 
 
 INTRODUCTION = """# What accuracy costs
 
 `mbcheck tradeoff` wrote this page. Every method of every engine ran a case of each scene over
-halved steps, and over what else limits it: the closure of a loop, the tolerance of a solver, the
-number of rods or elements. An error is the largest of all observables over the run, relative to the
-size of each, against the scene's reference. A time is the median wall time of the stepping per
-simulated second on one machine; take it as a ratio.
+halved steps, and over other options that limit it: the closure of a loop, the tolerance of a
+solver, the number of rods or elements. An error is the largest of all observables over the run,
+relative to the size of each, against the scene's reference. A time is the median wall time of the
+stepping per simulated second on one machine; compare times by their ratios only.
 
-*Cheapest settings*: of all that were run, the cheapest whose error meets the target, as with all
-shorter steps; the shortest step of all only at its floor. *limited by*: what has the largest share
-in the error: the step, or what no step removes. *margin*: largest stable step by theory over this
+*Cheapest settings*: the cheapest setting whose error meets the target, as with all shorter steps;
+the shortest step of all counts only at its floor. *limited by*: the largest part of the error, from
+the step or from a limit that no step removes. *margin*: largest stable step by theory over this
 step. *Smallest models*: the fewest segments and the coarsest option of an engine from which on all
-that were run meet the target, with the cheapest step that does. *What may be left out*: the errors
-of a model with something and without it, by the same short step, and the cost of both; of theories
-the errors are against the one that has it. *What limits the methods*: the order fitted above the
-floor, the floor and its name, and from which step on halving is wasted. *What a step costs in
-stability*: by how much the parameter at which a periodic orbit loses its stability is shifted with
-so many steps in a period; the order of the last halving above the floor, which is round-off.
+models meet the target, with the cheapest step. *What may be left out*: errors of a model with a
+part and without it, by the same short step, and the cost of both; errors of theories are against
+the one with the part. *What limits the methods*: the order fitted above the floor, the floor and
+its name, and the step from which on halving is wasted. *What a step costs in stability*: shift of
+the parameter at which a periodic orbit loses its stability, by the number of steps in a period; the
+order of the last halving above the floor, which is round-off.
 """
 
 
 def markdown(result: Tradeoff | ModelTradeoff, pictures: Sequence[tuple[str, str]] = ()) -> str:
-    """Return the page as Markdown: of scenes what `docs/tradeoff.md` is.
+    """Return the page as Markdown; for all scenes it is `docs/tradeoff.md`.
 
     Parameters
     ----------
     result : Tradeoff or ModelTradeoff
     pictures : sequence of (title, file)
-        Pictures, and the titles below which they are shown.
+        Pictures, and the titles of their sections.
     """
     parts = [INTRODUCTION.strip()]
     if isinstance(result, ModelTradeoff):
@@ -203,6 +214,30 @@ def markdown(result: Tradeoff | ModelTradeoff, pictures: Sequence[tuple[str, str
     return "\n\n".join(parts) + "\n"
 
 
-def show(console: Console, result: Tradeoff | ModelTradeoff) -> None:
-    """Print the report."""
-    print_sections(console, sections(result))
+def write(
+    result: ModelTradeoff | Tradeoff,
+    json_file: Destination | None,
+    markdown_file: Destination | None,
+    plot: Destination | None,
+) -> None:
+    """Write document, page and pictures, or print the tables if nothing goes to standard output."""
+    if json_file:
+        json_file.write(json_text(result.as_json()))
+    drawn: list[tuple[str, str]] = []
+    try:
+        if plot:
+            from ..reports.drawing import save_and_close
+            from .draw import pictures
+
+            for title, path, figure in pictures(result, plot.path):
+                save_and_close(figure, path)
+                drawn.append((title, str(path)))
+    finally:
+        if markdown_file:
+            folder = markdown_file.path.parent
+            links = [
+                (title, os.path.relpath(path, folder).replace(os.sep, "/")) for title, path in drawn
+            ]
+            markdown_file.write(markdown(result, links))
+    if not to_stdout(json_file, markdown_file):
+        print_sections(console(), sections(result))

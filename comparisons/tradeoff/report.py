@@ -1,4 +1,4 @@
-"""``mbcheck tradeoff`` of scenes: all series, the cheapest settings and the smallest models."""
+"""The trade-off of scenes: all series, the cheapest settings and the smallest models."""
 
 from __future__ import annotations
 
@@ -9,45 +9,42 @@ from typing import Any
 
 from ...reference.errors import EngineError
 from ..documents import document
-from ..documents.fields import HIDDEN, documented
+from ..documents.fields import HIDDEN, documented, takes_fields_of
 from ..engines.isolation import MEMORY, isolated
 from ..engines.registry import resolve_selection
 from ..queries import environment
 from .left_out import LeftOut, compare, pairs_of
+from .model import ModelTradeoff
 from .request import TARGETS, TradeoffRequest
 from .stability import StabilityShift, boundaries_of, shift
 from .store import RunStore
 from .sweep import beside, smallest, sweeps, swept
 from .table import Choice, SettingRun, StepSeries, choose, pareto, trials_of
-
-LIMIT = 300.0
-"""Time limit of a series [s]."""
+from .tuning import SWEEP
 
 Result = StepSeries | LeftOut | StabilityShift
-
-Progress = Callable[[int, int, str], None]
 
 
 @dataclass
 class Tradeoff:
-    """What accuracy costs of scenes; filled by `work`.
+    """Cost of accuracy for scenes; filled by `work`.
 
     Attributes
     ----------
     targets : tuple of float
-        relative errors that settings are recommended for [1]
+        relative errors for which settings are recommended [1]
     scenes, engines : tuple of str
         Names.
     resume : str or None
         File that keeps results.
     series : list of StepSeries
-        a method of an engine on a model over steps
+        runs of a model by a method over steps
     left_out : list of LeftOut
-        what models may leave out
+        parts that models may leave out
     stability : list of StabilityShift
-        what a step costs in stability
+        shifts of boundaries of stability by the step
     failures : list of str
-        what came to nothing, and why
+        measurements that failed, with their reasons
     """
 
     targets: tuple[float, ...]
@@ -60,7 +57,7 @@ class Tradeoff:
     failures: list[str] = field(default_factory=list)
 
     @classmethod
-    def asked(cls, request: TradeoffRequest) -> Tradeoff:
+    def of_request(cls, request: TradeoffRequest) -> Tradeoff:
         """Return the trade-off of a request, to be filled by `work`.
 
         Raises
@@ -72,9 +69,9 @@ class Tradeoff:
         return cls(targets, *resolve_selection(request.scenes, request.engines), request.resume)
 
     def work(self) -> Iterator[tuple[int, int, str]]:
-        """Measure one series after the other, each in a process of its own; yields progress.
+        """Measure one series after the other, each in a separate process; yields progress.
 
-        One at a time: they are timed.
+        They do not run at the same time, since they are timed.
         """
         store = RunStore(self.resume, versions=self.versions)
         pieces = self.pieces()
@@ -85,7 +82,7 @@ class Tradeoff:
         done = len(pieces) - len(names)
         calls = [pieces[name][1] for name in names]
         try:
-            for place, result in isolated(calls, 1, LIMIT, MEMORY):
+            for place, result in isolated(calls, 1, SWEEP.series_time, MEMORY):
                 if isinstance(result, EngineError):
                     self.failures.append(f"{names[place]}: {result.kind}: {result.message}")
                 else:
@@ -102,14 +99,12 @@ class Tradeoff:
         }
         for name, pair in pairs_of(self.scenes, self.engines):
             pieces[name] = LeftOut, partial(compare, pair)
-        for name, setup in boundaries_of(self.scenes, self.engines):
-            case, method = setup.case, setup.integrator.name
-            names = case.scene, case.name, setup.engine.name, setup.model, method
+        for name, names in boundaries_of(self.scenes, self.engines):
             pieces[name] = StabilityShift, partial(shift, *names)
         return pieces
 
     def add(self, result: Result) -> None:
-        """Take a result, where its kind stands."""
+        """Add a result to the list of its kind."""
         if isinstance(result, StepSeries):
             self.series.append(beside(result, self.series))
         elif isinstance(result, LeftOut):
@@ -119,7 +114,7 @@ class Tradeoff:
 
     @property
     def failed(self) -> bool:
-        """Whether something came to nothing."""
+        """True if a measurement failed."""
         return bool(self.failures)
 
     def of(self, scene: str) -> list[StepSeries]:
@@ -135,14 +130,14 @@ class Tradeoff:
     @property
     @documented
     def pareto(self) -> Mapping[str, Sequence[SettingRun]]:
-        """By scene: settings that none beats in both error and time, the cheapest first."""
+        """Settings by scene that none beats in both error and time, the cheapest first."""
         fronts = {scene: pareto(trials_of(self.of(scene))) for scene in self.scenes}
         return {scene: [row.as_run for row in front] for scene, front in fronts.items()}
 
     @property
     @documented
     def recommendations(self) -> Sequence[Choice]:
-        """For each scene, target and engine the cheapest setting; then the smallest models."""
+        """Cheapest setting for each scene, target and engine; then the smallest models."""
         best, least = list[Choice](), list[Choice]()
         for scene in self.scenes:
             every = self.of(scene)
@@ -158,31 +153,27 @@ class Tradeoff:
         return document("tradeoff", self)
 
 
-def tradeoff(
-    scenes: Sequence[str] = (),
-    engines: Sequence[str] = (),
-    targets: Sequence[float] = TARGETS,
-    progress: Progress | None = None,
-) -> Tradeoff:
-    """Measure errors and costs of all methods over steps, and of what else limits them.
-
-    Parameters
-    ----------
-    scenes, engines : sequence of str
-        All, if empty.
-    targets : sequence of float
-        Relative errors to recommend settings for.
-    progress : callable ``(done, total, what)``, optional
+def begin(request: TradeoffRequest) -> Tradeoff | ModelTradeoff:
+    """Return the trade-off of a request, to be filled by its ``work``.
 
     Raises
     ------
     UsageError
-        For unknown names, an engine that cannot be imported, or targets that are no
-        numbers between 0 and 1.
+        If a scene or an engine is unknown, or an engine cannot be imported.
     """
-    request = TradeoffRequest(tuple(scenes), tuple(engines), tuple(targets))
-    result = Tradeoff.asked(request)
-    for state in result.work():
-        if progress:
-            progress(*state)
+    return ModelTradeoff(request) if request.is_model else Tradeoff.of_request(request)
+
+
+@takes_fields_of(TradeoffRequest)
+def tradeoff(request: TradeoffRequest) -> Tradeoff | ModelTradeoff:
+    """Measure what accuracy costs for scenes or a file; takes the fields of `TradeoffRequest`.
+
+    Raises
+    ------
+    UsageError
+        If a name is unknown, an engine cannot be imported, or an option is invalid.
+    """
+    result = begin(request)
+    for _ in result.work():
+        pass
     return result

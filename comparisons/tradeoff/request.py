@@ -1,4 +1,4 @@
-"""What ``mbcheck tradeoff`` is asked for: scenes, or an MJCF file."""
+"""Request of ``mbcheck tradeoff``: scenes, or an MJCF file."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from ...reference.errors import UsageError
 from ..documents.fields import OptionMark, number_from
 
 TARGETS = (1e-2, 1e-3, 1e-4)
-"""Relative errors that settings of scenes are recommended for by default."""
+"""Relative errors for which settings of scenes are recommended by default."""
 
 OF_MODELS = ("horizon", "budget", "observed", "seed", "exact")
-"""Fields that serve an MJCF file alone."""
+"""Fields for MJCF files only."""
 
 
 @dataclass(frozen=True)
@@ -26,27 +26,27 @@ class TradeoffRequest:
     scenes : tuple of str
         Names of scenes, all if there are none; or one MJCF file.
     engines : tuple of str
-        Only this engine.
+        Run only this engine.
     targets : tuple of float
-        Relative error to recommend settings for. Of scenes by default 0.01, 0.001 and 0.0001; of a
-        model one, by default 0.01
+        Relative error to recommend settings for; by default 0.01, 0.001 and 0.0001 for scenes, 0.01
+        for a model, which has one
     horizon : float
-        Of a model: how long runs last [s], to the nearest 8 steps of the file.
+        For a model: length of runs [s], rounded to 8 steps of the file.
     budget : float
-        Of a model: time to try settings in [s].
+        For a model: time to try settings [s].
     observed : tuple of str
-        Of a model: judge by this joint or site, not by all joints.
+        For a model: judge by this joint or site, not by all joints.
     seed : int
-        Of a model: seed of the controls that move.
+        For a model: seed of the moving controls.
     exact : bool
-        Of a model: compare with loops that are closed exactly, and try how hard they are to be.
+        For a model: compare with exactly closed loops, and try how hard closures must be.
     resume : str or None
-        Keep runs in FILE, and go on from those that an earlier call kept there.
+        Keep runs in FILE, and continue from those of an earlier call.
 
     Raises
     ------
     UsageError
-        If a number makes no sense, or an option does not go with what is traded off.
+        If a number makes no sense, or an option does not go with a scene or a file.
     """
 
     scenes: Annotated[tuple[str, ...], OptionMark("[SCENE|MODEL.xml]...", ())] = ()
@@ -67,26 +67,26 @@ class TradeoffRequest:
             defaults = {item.name: item.default for item in fields(self)}
             if any(getattr(self, name) != defaults[name] for name in OF_MODELS):
                 options = "--horizon, --budget, --observe, --seed and --exact-closures"
-                raise UsageError(f"{options} are of a model: MODEL.xml")
+                raise UsageError(f"{options} are for a model: give MODEL.xml")
             return
         for name in ("horizon", "budget"):
             value = getattr(self, name)
             if not 0 < value < math.inf:
                 raise UsageError(f"--{name} must be a positive number, not {value:g}")
         wrong = {
-            f"one file, and nothing beside it ({', '.join(self.scenes)})": len(self.scenes) > 1,
+            f"one file, and nothing else ({', '.join(self.scenes)})": len(self.scenes) > 1,
             f"one --target ({', '.join(map(str, self.targets))})": len(self.targets) > 1,
             f"no --engine ({', '.join(self.engines)}): MuJoCo runs it": bool(self.engines),
         }
         if any(wrong.values()):
-            raise UsageError("of a model: " + "; ".join(words for words in wrong if wrong[words]))
+            raise UsageError("for a model: " + "; ".join(words for words in wrong if wrong[words]))
 
     @property
     def is_model(self) -> bool:
-        """Whether a file is named, not scenes."""
+        """True if a file is named, not scenes."""
         return any(name.lower().endswith(".xml") or os.path.isfile(name) for name in self.scenes)
 
     @property
     def target(self) -> float:
-        """The largest target, which is the only one of a model."""
+        """Largest target, the only one of a model."""
         return max(self.targets, default=TARGETS[0])

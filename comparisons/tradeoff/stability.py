@@ -1,7 +1,7 @@
-"""What a step costs in stability: by how much methods shift where an orbit loses it.
+"""The cost of a step in stability: shifts of the parameter at which an orbit loses it.
 
-With a fixed number of steps in a period an engine's discrete flow has orbits of its own, which lose
-their stability at another parameter than that of the reference.
+With a fixed number of steps in a period, orbits of an engine's discrete flow lose their stability
+at another parameter than orbits of the reference.
 """
 
 from __future__ import annotations
@@ -19,17 +19,12 @@ from ..engines.registry import get_engine
 from ..engines.run import EPS
 from ..engines.setup import Setup
 from ..queries.query import choose_method
-
-STEPS = (40, 80, 160, 320, 640)
-"""Numbers of steps in a period."""
-
-CLEAR = 10
-"""Bounds above which a shift tells the order."""
+from .tuning import SWEEP
 
 
 @dataclass(frozen=True)
 class StabilityShift:
-    """A method, and where an orbit loses its stability by it.
+    """Shift of a boundary of stability by a method.
 
     Attributes
     ----------
@@ -46,18 +41,17 @@ class StabilityShift:
     order : int
         Declared order.
     parameter : str
-        Parameter that is shifted.
+        Parameter of the boundary.
     unit : str
         Unit of the parameter.
     shifts : mapping of str to float or None
-        By the number of steps in a period: shift of the parameter; null where the engine has no
-        such orbit.
+        Number of steps in a period -> shift of the parameter; null if the engine has no such orbit.
     problems : mapping of str to str
-        By the number of steps in a period: how the engine failed.
+        Number of steps in a period -> failure of the engine.
     slope : float or None
-        Order of the last halving whose shifts are above the floor; null if fewer than two are.
+        Order of the last halving with shifts above the floor; null if there are fewer than two.
     floor : float or None
-        Largest shift that round-off may make with the most steps; null without any.
+        Largest shift by round-off with the most steps; null if there is no shift.
     """
 
     scene: str
@@ -74,8 +68,13 @@ class StabilityShift:
     floor: float | None
 
 
-def boundaries_of(scenes: Sequence[str], engines: Sequence[str]) -> Iterator[tuple[str, Setup]]:
-    """Yield the methods that can find a boundary of a case, by each engine's default model."""
+def boundaries_of(
+    scenes: Sequence[str], engines: Sequence[str]
+) -> Iterator[tuple[str, tuple[str, str, str, str, str]]]:
+    """Yield name and arguments of each `shift`: methods that can find a boundary of a case.
+
+    Each engine runs its default model.
+    """
     cases = [
         case
         for scene in scenes
@@ -87,13 +86,19 @@ def boundaries_of(scenes: Sequence[str], engines: Sequence[str]) -> Iterator[tup
         for model, method in product(engine.models(case.scene)[:1], engine.methods):
             setup = Setup(engine, case, model, method)
             if not setup.unsupported_reason and boundary.quantities(setup) and setup.epsilon <= EPS:
-                yield f"{case.scene} {name} {method.name}, {case.name}", setup
+                names = case.scene, case.name, name, model, method.name
+                yield f"{case.scene} {name} {method.name}, {case.name}", names
 
 
 def shift(
-    scene: str, case_name: str, name: str, model: str, method: str, steps: Sequence[int] = STEPS
+    scene: str,
+    case_name: str,
+    name: str,
+    model: str,
+    method: str,
+    steps: Sequence[int] = SWEEP.steps_in_period,
 ) -> StabilityShift:
-    """Return by how much a method shifts the boundary of a case, over steps in a period.
+    """Return the shift of a boundary of a case by a method, over steps in a period.
 
     Raises
     ------
@@ -117,7 +122,7 @@ def shift(
         if point.is_solved:
             moved = sought.unit * float(point.z[-1] - true.z[-1])
             shifts[str(count)], floor = moved, sought.unit * point.bound
-            clear += [abs(moved)] if abs(moved) > CLEAR * floor else []
+            clear += [abs(moved)] if abs(moved) > SWEEP.clear_shift * floor else []
     return StabilityShift(
         scene, case.name, name, model, method, integrator.order, sought.parameter,
         case.parameters.unit_of(sought.parameter), shifts, problems,

@@ -1,4 +1,4 @@
-"""Results that a file keeps, so that a later call goes on where an earlier one ended."""
+"""Results in a file, so that a later call continues an earlier one."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from ...reference.errors import UsageError
 from ..documents.reading import read_document
 from ..reports.files import write_or_collect
 
-OFTEN = 2.0
-"""Seconds between two times at which the file is written."""
+WRITE_INTERVAL = 2.0
+"""Time [s] between two updates of the file."""
 
 PURPOSE = "runs of mbcheck tradeoff"
-"""First word of the file, by which it is told from others."""
+"""First entry of the file, which identifies it."""
 
 
 class RunStore:
@@ -28,9 +28,9 @@ class RunStore:
     ----------
     path : Path or None
     about : dict
-        Conditions of all results: another model or another target has other results.
+        Conditions of all results, such as model and target.
     entries : dict
-        Results as JSON has them.
+        Results in the form of JSON.
     """
 
     def __init__(self, path: str | None, **about: Any) -> None:
@@ -45,7 +45,7 @@ class RunStore:
         Raises
         ------
         UsageError
-            If it is no such file, or one of another model or another target.
+            If it is not such a file, or one of another model or another target.
         """
         if self.path is None or not self.path.exists():
             return {}
@@ -59,12 +59,12 @@ class RunStore:
         for key, value in self.about.items():
             if about.get(key) != value:
                 was = "" if key == "model" else f": {about.get(key)}, not {value}"
-                raise UsageError(f"--resume {self.path} is of another {key}{was}")
+                raise UsageError(f"--resume {self.path} holds runs of another {key}{was}")
         return entries
 
     def no_runs(self) -> UsageError:
-        """Return the error of a file that holds something else."""
-        return UsageError(f"--resume {self.path}: that holds no {PURPOSE}")
+        """Return the error of a file with other content."""
+        return UsageError(f"--resume {self.path} holds no {PURPOSE}: give another file")
 
     def get(self, key: str, kind: Any) -> Any:
         """Return a result of a type, None if there is none.
@@ -72,7 +72,7 @@ class RunStore:
         Raises
         ------
         UsageError
-            If it is of another type.
+            If the entry has another type.
         """
         if key not in self.entries:
             return None
@@ -82,10 +82,10 @@ class RunStore:
             raise self.no_runs() from None
 
     def put(self, key: str, value: Any) -> None:
-        """Keep a result; the file is written now and then."""
+        """Keep a result; the file is updated from time to time."""
         self.is_new = True
         self.entries[key] = msgspec.to_builtins(value, enc_hook=shape_and_values)
-        if monotonic() - self.written > OFTEN:
+        if monotonic() - self.written > WRITE_INTERVAL:
             self.write()
 
     def write(self) -> None:
@@ -97,11 +97,11 @@ class RunStore:
 
 
 def shape_and_values(array: Any) -> Any:
-    """Return an array as JSON has it."""
+    """Return an array in the form of JSON."""
     return [array.shape, np.ravel(array).tolist()]
 
 
 def array_of(kind: Any, value: Any) -> Any:
-    """Return an array that JSON has; anything else is a ValueError or a TypeError."""
+    """Return an array from JSON; other content raises a ValueError or a TypeError."""
     shape, values = value
     return np.reshape(np.array(values, dtype=float), shape)

@@ -1,8 +1,8 @@
-"""Runs of a scene over halved steps: errors, costs, and what limits the errors.
+"""Runs of a scene over halved steps: errors, costs, and the limits of the errors.
 
-The error of a run against the scene has three parts. What halving the step changes is the
-*step's*; the difference between the model's equations and the scene's is the *model's*; what is
-left is round-off, a solver that stops early, or elements. The largest names the point.
+The error of a run against the scene has three parts. The change by halving the step is the
+*step's*; the difference between the model's equations and the scene's is the *model's*; the rest is
+round-off, a solver that stops early, or elements. The largest part names the limit of the point.
 """
 
 from __future__ import annotations
@@ -24,7 +24,6 @@ from ..checks.suite import best_method
 from ..checks.truth import Truth, permitted_horizon, rounding, roundoff_reference
 from ..engines.protocol import Option
 from ..engines.registry import get_engine
-from ..engines.run import Trajectory
 from ..engines.setup import Setup, power_of_two, run, shortest_period
 from ..queries.query import choose_method
 from .table import (
@@ -40,33 +39,10 @@ from .table import (
     choose,
     trials_of,
 )
+from .tuning import SWEEP
 
-COARSEST = 4
-"""Steps in the shortest period that a sweep begins with."""
-
-LEVELS, MOST_STEPS, FIRST_STEPS = 20, 1 << 15, 1 << 17
-"""Most halvings of the step, and most steps of a run: after, and until, one run has not failed."""
-
-LONGEST = 4.0
-"""A sweep ends after a run that takes longer than this [s]."""
-
-SAMPLES, LEAST_SAMPLES = 64, 8
-"""Samples at which runs are compared, and samples of the longest step."""
-
-REPEATS, BRIEF = 3, 1.0
-"""Runs of which the wall time is the median, if they are shorter than this [s]."""
-
-GAIN = 0.9
-"""An error above this share of that with a longer step is no gain."""
-
-SMALL = 0.1
-"""Relative errors above this are outside of what an order describes."""
-
-PERIODS = 100
-"""Periods of the scene over which a stable step bounds free vibrations; runs may be shorter."""
-
-SEGMENTS, SEGMENT_AXIS = (6.0, 12.0, 24.0, 48.0, 64.0), "segments"
-"""Numbers of segments of a continuum, and the name of this axis."""
+SEGMENT_AXIS = "segments"
+"""Name of the number of parts of a continuum among settings."""
 
 
 def sweeps(scenes: Sequence[str], engines: Sequence[str]) -> list[StepSeries]:
@@ -75,7 +51,7 @@ def sweeps(scenes: Sequence[str], engines: Sequence[str]) -> list[StepSeries]:
 
 
 def of_scene(scene: str, name: str) -> Iterator[StepSeries]:
-    """Yield the series of a scene and an engine: all methods, and what else limits the best."""
+    """Yield the series of a scene and an engine: all methods, and options that limit the best."""
     engine, case = get_engine(name), case_of(scene)
     for model in engine.distinct_models(scene):
         series = partial(StepSeries, scene, case.name, name, model)
@@ -93,17 +69,17 @@ def of_scene(scene: str, name: str) -> Iterator[StepSeries]:
 
 
 def second_axes(setup: Setup) -> tuple[Option, ...]:
-    """Return the options that limit the accuracy of a method, the parts of a continuum too."""
+    """Return the options that limit the accuracy of a method, with the parts of a continuum."""
     options = setup.bound.options(setup.integrator)
     if not setup.bound.description.element_order:
         return options
     own = float(setup.case.parameters.segments)
-    counts = tuple(sorted({*SEGMENTS, own}))
+    counts = tuple(sorted({*SWEEP.segments, own}))
     return (*options, Option(SEGMENT_AXIS, "1", own, counts, "spatial discretisation"))
 
 
 def case_of(scene: str) -> Case:
-    """Return the case that methods of a scene are compared with: a run that feeds *order*."""
+    """Return the case by which methods of a scene are compared, if possible one of *order*."""
     cases = [case for case in get_scene(scene).cases if "trajectory" in case.kinds]
     return next((case for case in cases if "order" in case.kinds), cases[0])
 
@@ -122,14 +98,14 @@ def setup_of(series: StepSeries) -> Setup:
 
 @dataclass(frozen=True)
 class Horizon:
-    """Times at which runs of a series are compared: each step, or the spacing if that is longer.
+    """Times at which runs of a series are compared: each step, or a longer spacing.
 
     Attributes
     ----------
     start : float
         Time at which runs begin [s].
     coarsest : float
-        Step that the sweep begins with [s], a power of two.
+        First step of the sweep [s], a power of two.
     spacing : float
         Shortest time between samples [s], a power of two.
     length : float
@@ -158,8 +134,8 @@ def sample_times(start: float, spacing: float, length: float) -> Array:
 def horizon_of(case: Case) -> Horizon:
     """Return the horizon of a case."""
     length, growth = permitted_horizon(case)
-    coarsest = power_of_two(min(shortest_period(case) / COARSEST, length / LEAST_SAMPLES))
-    spacing = min(coarsest, power_of_two(length / SAMPLES))
+    coarsest = power_of_two(min(shortest_period(case) / SWEEP.coarsest, length / SWEEP.min_samples))
+    spacing = min(coarsest, power_of_two(length / SWEEP.samples))
     return Horizon(case.start_time, coarsest, spacing, length, growth)
 
 
@@ -175,21 +151,22 @@ def reference_of(setup: Setup, span: Horizon, equations: ModelEquations) -> Trut
     return roundoff_reference(equations, setup.case, times, setup.scene.observables)
 
 
-def swept(series: StepSeries, repeats: int = REPEATS) -> StepSeries:
-    """Run a series from its coarsest step to where halving no longer pays."""
+def swept(series: StepSeries, repeats: int = SWEEP.repeats) -> StepSeries:
+    """Run a series from its coarsest step until halving is no longer a gain."""
     setup = setup_of(series)
     case, names, span = setup.case, setup.scene.observables, horizon_of(setup.case)
     exact = reference_of(setup, span, scene_equations(case))
     runs: list[Array | None] = []
     points: list[Point] = []
-    for step in (span.coarsest / 2**level for level in range(LEVELS)):
+    for step in (span.coarsest / 2**level for level in range(SWEEP.levels)):
         times = span.times(step)
         steps = round((times[-1] - span.start) / step)
-        if steps > (MOST_STEPS if any(point.cost for point in points) else FIRST_STEPS):
+        has_run = any(point.cost for point in points)
+        if steps > (SWEEP.max_steps if has_run else SWEEP.max_first_steps):
             break
         try:
             trajectories = [run(setup.with_step(step), times)]
-            while len(trajectories) < repeats and trajectories[0].seconds < BRIEF:
+            while len(trajectories) < repeats and trajectories[0].seconds < SWEEP.brief:
                 trajectories.append(run(setup.with_step(step), times))
         except EngineError as failure:
             runs.append(None)
@@ -198,42 +175,39 @@ def swept(series: StepSeries, repeats: int = REPEATS) -> StepSeries:
         values = trajectories[0].matrix(names)
         right = thinned(exact.values, len(times))
         errors = (np.max(np.abs(values - right), axis=1) / exact.size).tolist()
-        cost = cost_of(trajectories, float(times[-1] - span.start))
+        length, first = float(times[-1] - span.start), trajectories[0]
+        counts = (first.rhs_evaluations, first.newton_iterations)
+        cost = Cost.of(
+            [one.seconds / length for one in trajectories],
+            first.steps / length,
+            *(None if count is None else count / length for count in counts),
+        )
         runs.append(values)
         points.append(Point(step, max(errors), dict(zip(names, errors, strict=True)), cost))
-        if finished(points) or min(one.seconds for one in trajectories) > LONGEST:
+        if finished(points) or min(one.seconds for one in trajectories) > SWEEP.longest_run:
             break
     parts = changes(runs, exact.size[:, None], setup.integrator.order)
-    limit = stable_step(setup, max(span.length, PERIODS * setup.scene.period(case.parameters)))
+    limit = stable_step(
+        setup, max(span.length, SWEEP.periods * setup.scene.period(case.parameters))
+    )
     labelled = label(points, parts, setup, exact, resized=case != case_of(series.scene))
     series = replace(series, points=tuple(labelled))
     return summed(replace(series, stable_step=limit and limit.step))
 
 
-def cost_of(trajectories: Sequence[Trajectory], span: float) -> Cost:
-    """Return the cost of repeated runs over a span [s]."""
-    first = trajectories[0]
-    counts = [first.rhs_evaluations, first.newton_iterations]
-    return Cost.of(
-        [one.seconds / span for one in trajectories],
-        first.steps / span,
-        *(None if count is None else count / span for count in counts),
-    )
-
-
 def finished(points: Sequence[Point]) -> bool:
-    """Return whether halving the step has been no gain twice, after it had been one."""
+    """Return True if halving the step has been no gain twice, after it had been one."""
     errors = [point.error for point in points if point.error is not None]
-    if len(errors) < 3 or min(errors) > SMALL:
+    if len(errors) < 3 or min(errors) > SWEEP.asymptotic_error:
         return False
-    return all(after > GAIN * before for before, after in pairwise(errors[-3:]))
+    return all(after > SWEEP.gain * before for before, after in pairwise(errors[-3:]))
 
 
 def changes(runs: Sequence[Array | None], size: Array, order: int) -> list[float | None]:
-    """Return the step's part of each error: what the next halving takes away, and the rest of it.
+    """Return the step's part of each error, from the change by the next halving.
 
-    None for a run that failed or whose next did; the last has that of the run before, divided
-    as the order says.
+    It is None for a run that failed or whose next did; for the last run it is that of the run
+    before, divided according to the order.
     """
     gain = 2.0**order
     parts: list[float | None] = []
@@ -248,13 +222,13 @@ def changes(runs: Sequence[Array | None], size: Array, order: int) -> list[float
 
 def floor_name(setup: Setup) -> str:
     """Return the name of the error that the model's equations leave."""
-    if setup.bound.approximates_continuum:
-        return "continuum"
-    if setup.bound.description.element_order:
-        return "spatial discretisation"
-    if setup.bound.has_constraints:
-        return "closure softness"
-    return "" if setup.bound.is_exact else "inertia floor"
+    names = {
+        "continuum": setup.bound.approximates_continuum,
+        "spatial discretisation": setup.bound.description.element_order,
+        "closure softness": setup.bound.has_constraints,
+        "inertia floor": not setup.bound.is_exact,
+    }
+    return next((name for name, applies in names.items() if applies), "")
 
 
 def label(
@@ -264,12 +238,11 @@ def label(
     exact: Truth,
     resized: bool,
 ) -> list[Point]:
-    """Return the points with what limits each, and whether its step is wasted.
+    """Return the points with the limit of each, and a mark for wasted steps.
 
-    The step limits a point if its part is half of the error or more. Where that part is not
-    known, the model limits it if its equations explain half of the error. Where a continuum has
-    other segments than the case, solving a long chain takes longer than all that it tells: halved
-    steps tell it too.
+    The step limits a point if its part is half of the error or more. Where that part is unknown,
+    the model limits it if its equations explain half of the error. A continuum with other segments
+    than the case is not solved again, which would take long: halved steps show the same.
     """
     span, model, continuum = horizon_of(setup.case), exact, setup.bound.approximates_continuum
     if not (setup.bound.is_exact or (resized and not continuum)):
@@ -284,18 +257,16 @@ def label(
             by_model = model_error > point.error / 2
             by_step = not (elements or by_model) if part is None else part >= point.error / 2
             roundoff = rounding(round(point.cost.steps), span.growth)
-            if by_step:
-                kind, name = STEP, "step"
-            elif by_model and model_error > trust:
-                kind, name = MODEL, floor_name(setup)
-            elif elements:
-                kind, name = MODEL, "spatial discretisation"
-            elif point.error < max(roundoff, 2 * trust):
-                kind, name = ROUND_OFF, "round-off"
-            else:
-                kind, name = MODEL, "solver tolerance" if solves else UNEXPLAINED
+            limits = (
+                (by_step, STEP, "step"),
+                (by_model and model_error > trust, MODEL, floor_name(setup)),
+                (elements, MODEL, "spatial discretisation"),
+                (point.error < max(roundoff, 2 * trust), ROUND_OFF, "round-off"),
+                (True, MODEL, "solver tolerance" if solves else UNEXPLAINED),
+            )
+            _, kind, name = next(row for row in limits if row[0])
             at_floor = any(one.label in (MODEL, ROUND_OFF) for one in labelled)
-            wasted = at_floor or point.error > GAIN * least
+            wasted = at_floor or point.error > SWEEP.gain * least
             least = min(least, point.error)
             point = replace(point, label=kind, limit=name, wasted=wasted)
         labelled.append(point)
@@ -303,9 +274,13 @@ def label(
 
 
 def summed(series: StepSeries) -> StepSeries:
-    """Return a series with the order that its points show and the floor that it meets."""
+    """Return a series with the order of its points, and its floor."""
     good = [(point, point.error) for point in series.points if point.error is not None]
-    clear = [(p.step, e) for p, e in good if p.label == STEP and e < SMALL and not p.wasted]
+    clear = [
+        (p.step, e)
+        for p, e in good
+        if p.label == STEP and e < SWEEP.asymptotic_error and not p.wasted
+    ]
     steps, errors = np.log(np.reshape(clear, (-1, 2))).T
     slope = float(np.polyfit(steps, errors, 1)[0]) if len(clear) > 1 else None
     floor, name = min(
@@ -315,9 +290,9 @@ def summed(series: StepSeries) -> StepSeries:
 
 
 def beside(series: StepSeries, others: Sequence[StepSeries]) -> StepSeries:
-    """Return a series, its floors named by comparison with that with no option set, if it has one.
+    """Return a series with its floors named by comparison with the one without options.
 
-    What is more than twice the least error of the default is the option's doing.
+    A floor above twice its least error is the effect of the option.
     """
     names = series.engine, series.model, series.method, series.scene
     default = [
@@ -340,10 +315,10 @@ def beside(series: StepSeries, others: Sequence[StepSeries]) -> StepSeries:
 
 
 def smallest(series: Sequence[StepSeries], target: float) -> Iterator[Choice]:
-    """Yield the smallest models that meet a target, one for each axis beside the step.
+    """Yield the smallest models that meet a target, one for each axis besides the step.
 
-    Models stand in a row from few parts, or a coarse option, on: the first one is chosen from
-    which on all meet the target, with its cheapest step.
+    Models are ordered from few parts, or a coarse option, on: the first one from which on all meet
+    the target is chosen, with its cheapest step.
     """
     for default in (one for one in series if not one.settings):
         names = default.engine, default.model, default.method

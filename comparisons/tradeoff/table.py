@@ -1,6 +1,6 @@
-"""The table of a trade-off: settings that were run, their errors, what they cost, and the choice.
+"""The table of a trade-off: settings that were run, their errors, their costs, and the choice.
 
-Scenes and MJCF files differ in what runs and in what is true; all that follows is here.
+It serves scenes and MJCF files, whose runs and references differ.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from typing import Any, NamedTuple
 STEP, MODEL, ROUND_OFF, FAILED = "step-limited", "model-limited", "round-off", "failed"
 
 UNEXPLAINED = "unexplained"
-"""Name of a plateau that a right model by a method without a solver has no reason for."""
+"""Name of a plateau that neither the model nor a solver explains."""
 
 NOISE = 1.2
-"""Median times that differ by no more than this factor cost about the same."""
+"""Factor up to which median times count as equal."""
 
 STABLE = 1.02
-"""A step above this many times the largest stable one is unstable."""
+"""Ratio to the largest stable step above which a step is unstable."""
 
 
 @dataclass(frozen=True)
@@ -30,8 +30,8 @@ class Cost:
     Attributes
     ----------
     seconds : float
-        Time of the stepping [s/s] on this machine, the median of repeated runs: wall time of a
-        scene, processor time of a file.
+        Median time of the stepping of repeated runs [s/s] on this machine: wall time for scenes,
+        processor time for files.
     fastest : float
         Shortest time of these runs [s/s].
     slowest : float
@@ -39,10 +39,9 @@ class Cost:
     steps : float
         Steps [1/s].
     rhs_evaluations : float or None
-        Evaluations of the forces [1/s]; None where they are not counted. Counts may be compared
-        across machines.
+        Evaluations of the forces [1/s], comparable across machines; None if they are not counted.
     newton_iterations : float or None
-        Newton iterations [1/s]; None likewise.
+        Newton iterations [1/s]; None if they are not counted.
     """
 
     seconds: float
@@ -60,7 +59,7 @@ class Cost:
 
 @dataclass(frozen=True)
 class Point:
-    """One setting of a series, run: its error and its cost.
+    """Error and cost of one setting of a series.
 
     Attributes
     ----------
@@ -69,19 +68,19 @@ class Point:
     error : float or None
         Largest error, relative to the size of the motion; None if the run failed.
     errors : mapping of str to float
-        Errors by observable. Of a file: ``energy``, the largest difference of the energy over
-        the largest kinetic energy, and ``violation``, the largest residual of an equality (m, rad).
+        Errors by observable. For a file: ``energy``, the largest difference of the energy over the
+        largest kinetic energy, and ``violation``, the largest residual of an equality (m, rad).
     cost : Cost or None
         Cost per simulated second; None if it was not measured.
     label : str
-        What limits the error: ``step-limited``, ``model-limited``, ``round-off`` or ``failed``;
-        empty if that is not known.
+        Limit of the error: ``step-limited``, ``model-limited``, ``round-off`` or ``failed``; empty
+        if it is unknown.
     limit : str
-        The same in words: ``step``, or the name of the plateau.
+        Limit of the error in words: ``step``, or the name of the plateau.
     wasted : bool
-        A longer step has the same error.
+        True if a longer step has the same error.
     reason : str
-        Why the run failed.
+        Reason why the run failed.
     bound : float or None
         Uncertainty of the error.
     """
@@ -99,39 +98,38 @@ class Point:
 
 @dataclass(frozen=True)
 class StepSeries:
-    """A model and a method over steps.
+    """Runs of a model by a method over steps.
 
     Attributes
     ----------
     scene : str
         Scene, or name of the file.
     case : str
-        Case that is run; empty of a file.
+        Case; empty for a file.
     engine : str
         Engine.
     model : str
-        The engine's model of the scene; empty of a file.
+        The engine's model of the scene; empty for a file.
     method : str
         Integrator.
     order : int
-        Declared order of convergence; 0 where none is.
+        Declared order of convergence; 0 if there is none.
     settings : mapping of str to float
-        Options that are not at their default, and ``segments`` of a continuum; of a file
+        Options that are not at their default, and ``segments`` of a continuum; for a file
         ``iterations`` of the solver, and ``closure_steps``, the largest time constant of an
         equality over the step.
     points : tuple of Point
         Runs, the longest step first.
     slope : float or None
-        Order fitted to the points that are step-limited; None if fewer than two are.
+        Order fitted to the step-limited points; None if there are fewer than two.
     plateau : float or None
-        Error that no step removes; None where none was reached.
+        Error that no step removes; None if none was reached.
     plateau_name : str
         ``closure softness``, ``inertia floor``, ``spatial discretisation``, ``continuum``,
-        ``round-off``, ``solver tolerance`` or `UNEXPLAINED`. No clock rounds: all steps are
-        powers of two.
+        ``round-off``, ``solver tolerance`` or `UNEXPLAINED`.
     stable_step : float or None
-        Largest step that keeps free vibrations bounded [s]; None if there is none, or no theory
-        is known.
+        Largest step that keeps free vibrations bounded [s]; None if there is none, or it is
+        unknown.
     """
 
     scene: str
@@ -149,12 +147,12 @@ class StepSeries:
 
     @property
     def name(self) -> str:
-        """The scene, the engine and the setting in words."""
+        """Scene, engine and setting in words."""
         return f"{self.scene} {self.engine} {self.setting}"
 
     @property
     def setting(self) -> str:
-        """The model, the method and the settings in words."""
+        """Model, method and settings in words."""
         words = [self.model, self.method, settings_text(self.settings)]
         return " ".join(filter(None, words))
 
@@ -177,7 +175,7 @@ class Trial(NamedTuple):
 
     @property
     def as_run(self) -> SettingRun:
-        """The run as documents have it."""
+        """Run as documents have it."""
         one, point = self
         names = one.engine, one.model, one.method, one.settings
         return SettingRun(*names, point.step, point.error, self.seconds)
@@ -185,20 +183,20 @@ class Trial(NamedTuple):
 
 @dataclass(frozen=True)
 class SettingRun:
-    """One setting, run.
+    """Run of one setting.
 
     Attributes
     ----------
     engine : str
         engine
     model : str
-        model; empty of a file
+        model; empty for a file
     method : str
         integrator
     settings : mapping of str to float
-        as of a series
+        settings, as in a series
     step : float
-        [s]
+        step [s]
     error : float or None
         error; null if the run failed
     seconds : float
@@ -216,7 +214,7 @@ class SettingRun:
 
 @dataclass(frozen=True)
 class Choice:
-    """The cheapest setting, or the smallest model, that meets a target, or why there is none.
+    """Cheapest setting, or smallest model, that meets a target, or the reason why there is none.
 
     Attributes
     ----------
@@ -227,35 +225,35 @@ class Choice:
     engine : str
         Engine.
     target : float
-        Relative error that is allowed.
+        Relative error allowed.
     model : str or None
-        The engine's model; None where no setting meets the target.
+        The engine's model; None if no setting meets the target.
     method : str or None
-        Integrator; None where no setting meets the target.
+        Integrator; None if no setting meets the target.
     settings : mapping of str to float
         Options and segments that are not at their default.
     step : float or None
         Longest step [s] with which a run meets the target.
     error : float or None
-        Measured error; where none meets the target the smallest one.
+        Measured error; the smallest one if none meets the target.
     cost : Cost or None
         Cost per simulated second; None without a run.
     limit : str
-        What limits the error there, or why no setting or model meets the target.
+        Limit of the error there, or reason why no setting or model meets the target.
     margin : float or None
-        Largest stable step by theory over the step; None where no step is unstable, or no
-        theory is known.
+        Largest stable step by theory over the step; None if no step is unstable, or the theory is
+        unknown.
     axis : str
-        ``step`` for the cheapest setting; of the smallest model its axis: parts of a continuum, or
-        an option of the engine.
+        ``step`` for the cheapest setting; for the smallest model parts of a continuum, or an option
+        of the engine.
     unit : str
         Unit of the axis.
     value : float or None
-        Smallest model from which on all meet the target, on its axis; None if there is none.
+        Smallest model from which on all meet the target, on that axis; None if there is none.
     smaller : float or None
-        Least error above the target of the next smaller model.
+        Error above the target of the next smaller model.
     met : bool
-        Whether the target is met.
+        True if the target is met.
     """
 
     scene: str
@@ -293,9 +291,9 @@ def pareto(rows: Iterable[Trial]) -> list[Trial]:
 
 
 def steady(series: Iterable[StepSeries], target: float, share: float = 1.0) -> Iterator[Trial]:
-    """Yield the runs that meet a share of a target, as all with shorter steps meet the target.
+    """Yield the runs that meet a share of a target, if all with shorter steps meet the target.
 
-    An error may be small by chance. Steps above the largest stable one are not among them.
+    A single error may be small by chance. Steps above the largest stable one are left out.
     """
     for one in series:
         for point in reversed(one.points):
@@ -312,7 +310,7 @@ def cheapest(
     preference: Callable[[Trial], object],
     noise: float = 1.0,
 ) -> Trial | None:
-    """Return the preferred row of those whose price is the least, but for a factor of noise."""
+    """Return the preferred row among those with the lowest price, up to a factor of noise."""
     good = list(rows)
     least = min(map(price, good), default=0.0)
     alike = [row for row in good if price(row) <= noise * least]
@@ -322,9 +320,9 @@ def cheapest(
 def cheapest_run(series: Sequence[StepSeries], target: float) -> Trial | None:
     """Return the cheapest run of some series that meets a target.
 
-    Of settings that cost about the same, the one with the fewest options set, then the most
-    accurate: noise of a clock is no reason to prefer one. The shortest step of a series has to be
-    at its floor: the error with half of it is not known.
+    Among settings of about the same cost, the one with the fewest options set, then the most
+    accurate, is chosen, since times scatter. The shortest step of a series must be at its floor,
+    since the error with half of it is unknown.
     """
     good = [
         row
@@ -337,12 +335,12 @@ def cheapest_run(series: Sequence[StepSeries], target: float) -> Trial | None:
 
 
 def choose(series: Sequence[StepSeries], target: float, **axis: Any) -> Choice:
-    """Return the cheapest setting of one engine for one scene, or why there is none.
+    """Return the cheapest setting of one engine for one scene, or the reason why there is none.
 
     Parameters
     ----------
     series : sequence of StepSeries
-        All of one engine and one scene.
+        Series of one engine and one scene.
     target : float
     **axis
         Fields of the choice about the axis of a smallest model.
@@ -350,7 +348,7 @@ def choose(series: Sequence[StepSeries], target: float, **axis: Any) -> Choice:
     best = cheapest_run(series, target)
     if best is None:
         one, least = min(trials_of(series), key=lambda trial: trial.error)
-        words = "no run came to an end"
+        words = "no run reached its end"
         words = words if least.error is None else f"{least.limit} of {one.setting}"
         return Choice(
             one.scene, one.case, one.engine, target, error=least.error, limit=words, **axis

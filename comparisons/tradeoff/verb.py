@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import os
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -16,18 +15,11 @@ from ..terminal.program import (
     MARKDOWN,
     PLOT,
     complain,
-    console,
     examples,
     finished,
-    json_text,
     refuse_picture,
-    to_stdout,
 )
 from .request import TradeoffRequest
-
-if TYPE_CHECKING:
-    from .model import ModelTradeoff
-    from .report import Tradeoff
 
 
 @click.command(
@@ -45,64 +37,28 @@ def tradeoff(
     json_file: Destination | None,
     markdown_file: Destination | None,
     plot: Destination | None,
-    **asked: Any,
+    **options: Any,
 ) -> int:
     """Measure what accuracy costs, and recommend settings.
 
-    Each method of each engine runs a case of the scene over halved steps, and over what else
-    limits it. Times are those of this machine; counts may be compared. Of several scenes,
+    Each method of each engine runs a case of the scene over halved steps, and over other options
+    that limit it. Times are those of this machine; counts may be compared. For several scenes,
     --plot writes a picture each, FILE_scene.png, which a page of --markdown shows.
 
-    Of an MJCF file: which step and integrator it needs. Runs from its keyframes and from the
-    state that it opens in, controls held and moving, against its own converged run. Exit code 1
-    if nothing meets the target.
+    For an MJCF file: which step and integrator it needs. Runs start from its keyframes and from the
+    state in which it opens, with constant and moving controls, and are compared with a converged
+    run. Exit code 1 if no setting meets the target.
     """
-    request = TradeoffRequest(**asked)
+    request = TradeoffRequest(**options)
     store = None if request.resume is None else Destination("--resume", request.resume)
     refuse_conflicts(json_file, markdown_file, plot, store)
     refuse_picture(plot)
-    result: ModelTradeoff | Tradeoff
-    if request.is_model:
-        from .model import ModelTradeoff
+    from .pages import write
+    from .report import begin
 
-        result = ModelTradeoff(request)
-    else:
-        from .report import Tradeoff
-
-        result = Tradeoff.asked(request)
+    result = begin(request)
     ended = finished(result.work(), "runs")
     write(result, json_file, markdown_file, plot)
     if not ended:
         return complain("interrupted", INTERRUPTED)
     return FAILED if result.failed else 0
-
-
-def write(
-    result: ModelTradeoff | Tradeoff,
-    json_file: Destination | None,
-    markdown_file: Destination | None,
-    plot: Destination | None,
-) -> None:
-    """Write the document, the page and the pictures that are wanted, or print the tables."""
-    from . import pages
-
-    if json_file:
-        json_file.write(json_text(result.as_json()))
-    drawn: list[tuple[str, str]] = []
-    try:
-        if plot:
-            from ..reports.drawing import save_and_close
-            from .draw import pictures
-
-            for title, path, figure in pictures(result, plot.path):
-                save_and_close(figure, path)
-                drawn.append((title, str(path)))
-    finally:
-        if markdown_file:
-            folder = markdown_file.path.parent
-            links = [
-                (title, os.path.relpath(path, folder).replace(os.sep, "/")) for title, path in drawn
-            ]
-            markdown_file.write(pages.markdown(result, links))
-    if not to_stdout(json_file, markdown_file):
-        pages.show(console(), result)

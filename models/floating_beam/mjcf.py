@@ -16,7 +16,7 @@ def diagonal(p: FloatingBeam, k: int) -> tuple[float, float, float]:
 
 
 def rod(k: int) -> dict[tuple[str, str], Binding]:
-    """Return what is bound of rod k."""
+    """Return the bindings of rod k."""
     body, joint = f"body:rod_{k + 1}", f"joint:{ANGLES[k]}"
     return {
         (body, "pos"): lambda p: (p.rod_length if k else p.hub_radius, 0, 0),

@@ -11,11 +11,11 @@ from ..clock import foot_bindings, foot_motion
 from ..mjcf import Mjcf, Motion, Wave, coordinates_alone
 
 INERTIA_FLOOR = 2e-15
-"""Stands for no moment of inertia [kg m^2]: MuJoCo refuses less than 1e-15."""
+"""Moment of inertia of a point mass [kg m^2]: MuJoCo refuses less than 1e-15."""
 
 
 def inertia(p: HulaHoop) -> tuple[float, float, float]:
-    """Moment of inertia of the free mass about its own centre; only that about z counts."""
+    """Moment of inertia of the free mass about its centre; only that about z counts."""
     about_centre = max(p.inertia_ratio * p.free_mass * p.rod_length**2, INERTIA_FLOOR)
     return (about_centre, about_centre, about_centre)
 
@@ -30,12 +30,6 @@ def joints(p: HulaHoop, time: float, state: Mapping[str, float]) -> Motion:
     """Return the motion of the coordinates and of the spring's foot, (F/k) cos(omega t)."""
     foot = foot_motion(coefficients(p), time)
     return {**coordinates_alone(p, time, state), "foot": foot}
-
-
-def controls(p: HulaHoop) -> Mapping[str, Wave]:
-    """Return the force on the main mass."""
-    c = coefficients(p)
-    return {"force": Wave(c.force, c.omega, 0.0)}
 
 
 MECHANISM = {
@@ -62,6 +56,6 @@ MODELS = {
         path=Path(__file__).with_name("forced.xml"),
         bindings={**MECHANISM, ("joint:y", "stiffness"): lambda p: p.stiffness},
         equations=equations,
-        controls=controls,
+        controls=lambda p: {"force": Wave(coefficients(p).force, coefficients(p).omega, 0.0)},
     ),
 }

@@ -1,4 +1,4 @@
-"""rigid_body as an Exudyn model: a body with Euler parameters, held at a point."""
+"""rigid_body as an Exudyn model: a body with Euler parameters, fixed at a point."""
 
 from __future__ import annotations
 

@@ -25,8 +25,8 @@ def floating(p: RigidBody, time: float, state: Mapping[str, float]) -> Motion:
     return {QUATERNION.name: (np.append(still, position), np.append(still, velocity))}
 
 
-def why_not_floating(p: RigidBody) -> str | None:
-    """Say so where the fixed point is not the centre of mass, or gravity pulls."""
+def unsupported_floating(p: RigidBody) -> str | None:
+    """Return the reason if the fixed point is not the centre of mass, or gravity acts."""
     if np.any(p.centre) or np.any(p.gravity):
         return "a body that floats turns about its centre of mass, and falls under gravity"
     return None
@@ -49,6 +49,6 @@ MODELS = {
         path=Path(__file__).with_name("floating.xml"),
         bindings=FLOATING,
         joints=floating,
-        why_not=why_not_floating,
+        unsupported_reason=unsupported_floating,
     ),
 }

@@ -30,7 +30,7 @@ from ...reference.rotating_beam.elements import element_scene, free_coordinates,
 from ...reference.rotating_beam.elements import stations as node_places
 from ...reference.rotating_beam.frequencies.stretching import frequencies
 from ...reference.rotating_beam.parameters import RotatingBeam
-from ...reference.scene import Array, EquationsOfMotion
+from ...reference.scene import Array
 from ..exudyn_system import (
     ExudynSystem,
     Model,
@@ -38,8 +38,8 @@ from ..exudyn_system import (
     exudyn,
     items,
     load_in_time,
+    rotor_takes_no_joints,
     weigh,
-    why_no_rim,
 )
 from ..placement import right_handed, world_axes
 
@@ -139,7 +139,7 @@ KINDS = {
 
 
 def turning_of(straight: Array, axes: Array | None) -> Turning:
-    """Return how the hub's angle and the nodes (k, 4 or 3 in the plane) turn about the axis."""
+    """Return the rotation of the hub's angle and the nodes (k, 4 or 3 in the plane)."""
     count, size = straight.shape
     rotate = np.zeros((size, size))
     rotate[:2, :2] = QUARTER
@@ -243,21 +243,16 @@ SHEARING = replace(
 a slender beam by a few parts in 1e5. Runs are compared with `discrete`, which shears."""
 
 
-def equations(p: RotatingBeam) -> tuple[EquationsOfMotion, RotatingBeam]:
-    """Return the beam that the elements converge to."""
-    return EXTENSIBLE if p.element == "ancf" else SHEARING, p
+def hub_takes_no_elements(p: RotatingBeam) -> str | None:
+    """Return the reason why elements cannot be clamped to the hub, or None."""
+    return rotor_takes_no_joints() if p.hub_radius else None
 
 
-def why_not_on_hub(p: RotatingBeam) -> str | None:
-    """Return why the hub cannot bear elements, or None."""
-    return why_no_rim() if p.hub_radius else None
-
-
-def why_not_in_space(p: RotatingBeam) -> str | None:
-    """Return why elements cannot be turned, or None."""
+def elements_cannot_turn(p: RotatingBeam) -> str | None:
+    """Return the reason why elements cannot be turned, or None."""
     if p.element != "ancf":
         return "geometrically exact elements lie in a plane: those in space are others, on SE(3)"
-    return why_not_on_hub(p)
+    return hub_takes_no_elements(p)
 
 
 def build(p: RotatingBeam, placement: str) -> ExudynSystem:
@@ -269,14 +264,14 @@ MODELS: Mapping[str, Model] = {
     "elements": Model(
         build,
         constrained=True,
-        why_not=why_not_on_hub,
+        unsupported_reason=hub_takes_no_elements,
         large=True,
-        equations=equations,
+        equations=lambda p: (EXTENSIBLE if p.element == "ancf" else SHEARING, p),
         discrete=lambda p: element_scene(round(p.segments), p.element),
         prescribed=lambda p: p.drive == "prescribed",
         element_order=lambda p: 4 if p.element == "ancf" else 2,
         bodies=lambda p: p.replace(drive="torque"),
-        why_not_placed=why_not_in_space,
+        unplaceable_reason=elements_cannot_turn,
     )
 }
-"""The one model; the parameter ``element`` tells of which elements."""
+"""The one model; the parameter ``element`` selects its elements."""

@@ -5,27 +5,25 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import partial
 from math import cos, pi, sin
 from pathlib import Path
 from typing import NamedTuple
 
 from ...reference.rotating_beam.chain import chain_scene
 from ...reference.rotating_beam.parameters import RotatingBeam
-from ...reference.scene import EquationsOfMotion
 from ..mjcf import Binding, Elements, Mjcf, Motion, Value, Wave, bind, coordinates_alone
 
 HUB_ARMATURE = 2.0**60
-"""Of a hub whose motion is prescribed [kg m^2]; the file tells why."""
+"""Armature of a hub with prescribed motion [kg m^2]; the file tells why."""
 
 GEAR = 2.0**-60
-"""Of the clock's spring to the hub."""
+"""Gear of the clock's spring to the hub."""
 
 HUB_MASS = 1e-3
-"""Of a hub without a half rod [kg]; at its axle it does not act."""
+"""Mass of a hub without a half rod [kg]; at its axle it does not act."""
 
 INERTIA_FLOOR = 2e-15
-"""Stands for no mass and no moment of inertia [SI]: MuJoCo refuses less than 1e-15."""
+"""Moment of inertia of a hub without one [kg m^2]: MuJoCo refuses less than 1e-15."""
 
 
 class RodBody(NamedTuple):
@@ -41,16 +39,16 @@ class Drive(NamedTuple):
     """The drive u of `reference.rotating_beam`: ``constant + wave(omega t)`` until ``end``."""
 
     heaviness: float
-    """Of the hub: torque on it per unit of u"""
+    """Torque on the hub per unit of u"""
     constant: float
     amplitude: float
-    """Of the clock: its acceleration is the wave"""
+    """Amplitude of the clock, whose acceleration is the wave"""
     omega: float
     end: float
 
 
 def drive(p: RotatingBeam) -> Drive:
-    """Return what drives the hub: u is its acceleration by (22), or the torque (23) on it."""
+    """Return the drive of the hub: u is its acceleration by (22), or the torque (23) on it."""
     if p.drive == "torque":
         omega = 2 * pi / p.torque_period
         return Drive(1.0, 0.0, -p.torque_amplitude / omega**2, omega, p.torque_period)
@@ -68,11 +66,6 @@ def clock(p: RotatingBeam, time: float) -> tuple[float, float]:
     if p.drive == "torque":
         return of.amplitude * sin(phase), of.amplitude * of.omega * cos(phase)
     return of.amplitude * cos(phase), 0.0 - of.amplitude * of.omega * sin(phase)
-
-
-def controls(p: RotatingBeam) -> Mapping[str, Wave]:
-    """Return the torque (23) on the hub."""
-    return {"torque": Wave(p.torque_amplitude, drive(p).omega, -pi / 2)}
 
 
 def joints(p: RotatingBeam, time: float, state: Mapping[str, float]) -> Motion:
@@ -97,7 +90,7 @@ def carrier(p: RotatingBeam) -> int:
 
 
 def expand(text: str, p: RotatingBeam) -> str:
-    """Return the file with as many rods as there are segments, the mass behind its own."""
+    """Return the file with as many rods as segments, the mass behind the rod that carries it."""
     lines = text.splitlines(keepends=True)
     places = [i for i, line in enumerate(lines) if re.match(r' *<body name="(rod_\d+|mass)"', line)]
     first, mass = (
@@ -108,16 +101,11 @@ def expand(text: str, p: RotatingBeam) -> str:
     chain.insert(carrier(p), mass)
     closed = re.sub(r"(</body>){2,}", "</body>" * count, "".join(lines[places[-1] + 1 :]), count=1)
     whole = "".join([*lines[: places[0]], *chain, closed])
-    return bind(whole, chain_bindings(p), p)
+    return bind(whole, chain_values(p))
 
 
-def constant(value: Value, p: RotatingBeam) -> Value:
-    """Return the value, whatever the parameters."""
-    return value
-
-
-def chain_bindings(p: RotatingBeam) -> dict[tuple[str, str], Binding]:
-    """Return the numbers of rods, mass and tip; each stands in the frame of its own rod."""
+def chain_values(p: RotatingBeam) -> dict[tuple[str, str], Value]:
+    """Return the numbers of rods, mass and tip; each is in the frame of its rod."""
     chain = rods(p)
     line = p.density * p.area
     hinges = [-p.hub_radius, *(rod.hinge for rod in chain)]  # the first is the hub's axis
@@ -134,15 +122,15 @@ def chain_bindings(p: RotatingBeam) -> dict[tuple[str, str], Binding]:
         }
     values["body:mass", "pos"] = (p.mass_position * p.length - hinges[carrier(p)], 0, 0)
     values["site:tip", "pos"] = (chain[-1].length, 0, 0)
-    return {key: partial(constant, value) for key, value in values.items()}
+    return values
 
 
 class HalfRod(NamedTuple):
-    """What scheme B fixes on the hub; nothing in scheme A."""
+    """The half rod that scheme B fixes on the hub; scheme A has none."""
 
     mass: float
     centre: float
-    """From the axis [m]"""
+    """Distance from the axis [m]"""
     inertia: float
     """About its centre"""
 
@@ -155,17 +143,12 @@ def half_rod(p: RotatingBeam) -> HalfRod:
 
 
 def hub_inertia(p: RotatingBeam) -> tuple[float, float, float]:
-    """Moment of inertia of the hub and what is on it, about their centre of mass; only z counts."""
+    """Moment of inertia of hub and half rod about their centre of mass; only z counts."""
     return (max(p.hub_inertia + half_rod(p).inertia, INERTIA_FLOOR),) * 3
 
 
-def equations(p: RotatingBeam) -> tuple[EquationsOfMotion, RotatingBeam]:
-    """Return the equations of a chain of rods."""
-    return chain_scene(int(p.segments), p.scheme), p
-
-
 def hub_lacks_inertia(p: RotatingBeam) -> str | None:
-    """Return why a chain cannot stand for these parameters."""
+    """Return the reason why a chain cannot model these parameters, or None."""
     hub = p.hub_inertia + p.hub_radius + rods(p)[0].hinge
     if p.drive == "prescribed" or hub > 0:
         return None
@@ -176,7 +159,7 @@ def hub_lacks_inertia(p: RotatingBeam) -> str | None:
 
 
 def hub_moves_freely(p: RotatingBeam) -> str | None:
-    """Return why a chain that a torque drives cannot stand for these parameters."""
+    """Return the reason why a chain with a torque cannot model these parameters, or None."""
     if p.drive == "prescribed":
         return "a torque drives this model: its hub has no prescribed motion"
     return hub_lacks_inertia(p)
@@ -186,11 +169,6 @@ def side(p: RotatingBeam) -> int:
     """Scheme A has its first frequency below that of the continuum, B above; see the chain."""
     known = p.mass == 0 or p.mass_position == 1
     return {"A": -1, "B": 1}[p.scheme] if known else 0
-
-
-def stop(p: RotatingBeam) -> float | None:
-    """Return when the drive ends [s], None if there is none."""
-    return drive(p).end or None
 
 
 def start_speeds(p: RotatingBeam) -> tuple[float, ...]:
@@ -209,7 +187,7 @@ MECHANISM: Mapping[tuple[str, str], Binding] = {
     ("site:across", "pos"): lambda p: (p.hub_radius + p.length, 0, 0),
     ("body:mass/inertial", "mass"): lambda p: p.mass,
 }
-"""Attribute of the MJCF -> its value, of both files; those of the chain are in `chain_bindings`."""
+"""Attribute of the MJCF -> its value, of both files; those of the chain are in `chain_values`."""
 
 CLOCK: Mapping[tuple[str, str], Binding] = {
     ("joint:clock", "ref"): lambda p: clock(p, 0.0)[0],
@@ -228,10 +206,10 @@ CHAIN = Mjcf(
     path=Path(__file__).with_name("chain.xml"),
     bindings={**MECHANISM, **CLOCK},
     joints=joints,
-    equations=equations,
-    why_not=hub_lacks_inertia,
+    equations=lambda p: (chain_scene(int(p.segments), p.scheme), p),
+    unsupported_reason=hub_lacks_inertia,
     expand=expand,
-    stop=stop,
+    stop=lambda p: drive(p).end or None,
     prescribed=lambda p: ("theta",) if p.drive == "prescribed" else (),
     elements=Elements(2, side),
 )
@@ -243,7 +221,7 @@ MODELS = {
         path=Path(__file__).with_name("forced.xml"),
         bindings=MECHANISM,
         joints=coordinates_alone,
-        why_not=hub_moves_freely,
-        controls=controls,
+        unsupported_reason=hub_moves_freely,
+        controls=lambda p: {"torque": Wave(p.torque_amplitude, drive(p).omega, -pi / 2)},  # (23)
     ),
 }

@@ -9,10 +9,10 @@ from ...reference.rotor_pendulum.equations import RotorPendulum
 from ..mjcf import Mjcf, Motion
 
 INERTIA_FLOOR = 2e-15
-"""Stands for no moment of inertia [kg m^2] in the file: MuJoCo refuses less than 1e-15."""
+"""Moment of inertia of a point mass [kg m^2]: MuJoCo refuses less than 1e-15."""
 
 INERTIA_SHARE = 5e-11
-"""What that may be of m r^2: half of what an acceleration may be wrong by."""
+"""Largest share of that in m r^2: half of the largest permitted error of an acceleration."""
 
 
 def joints(p: RotorPendulum, time: float, state: Mapping[str, float]) -> Motion:
@@ -28,8 +28,8 @@ def motor(p: RotorPendulum) -> tuple[float, float, float]:
     return (p.motor_slope * p.synchronous_speed, 0.0, -(p.motor_slope + p.friction))
 
 
-def why_not(p: RotorPendulum) -> str | None:
-    """Say so where the inertia that MuJoCo wants is too large beside that of a rotor."""
+def unsupported_reason(p: RotorPendulum) -> str | None:
+    """Return the reason where the least inertia of MuJoCo is too large for a rotor, or None."""
     share = INERTIA_FLOOR / (p.rotor_mass * p.eccentricity**2)
     if share <= INERTIA_SHARE:
         return None
@@ -72,6 +72,6 @@ MODELS = {
         bindings=BINDINGS,
         joints=joints,
         readout={"phi_2": {"phi_3": 1.0, "theta_2": 1.0}},
-        why_not=why_not,
+        unsupported_reason=unsupported_reason,
     ),
 }

@@ -95,7 +95,7 @@ def inertias(p: SpeedRegulator) -> tuple[float, ...]:
 
 
 def kinematics(p: SpeedRegulator, phi: Any, xp: Any = math) -> Kinematics:
-    """Return how all coordinates follow from phi, the loop closed with B below A.
+    """Return all coordinates as functions of phi, the loop closed with B below A.
 
     The height h of A above B is ``l cos theta``; the sine of theta is that of -b.
     """
@@ -125,7 +125,7 @@ MODELS: Mapping[str, Model] = {
     "one_dof": Model(
         one_dof,
         constrained=False,
-        why_not_placed=lambda p: (
+        unplaceable_reason=lambda p: (
             "one_dof has no place in the world: an angle and our equation are all of it"
         ),
     ),

@@ -15,10 +15,10 @@ from ..mjcf import Binding, Mjcf, Motion, coordinates_alone
 
 HARD_SOLREF = (-2.5e5, -1e3)
 HARD_SOLIMP = (0.9999, 0.9999, 0.001, 0.5, 2.0)
-"""The hardest closure that is sound at the file's timestep; the file tells why."""
+"""The hardest stable closure at the file's timestep; the file tells why."""
 
 WAIVER = " <!-- mbcheck: allow repeated_default, closure: it tells how far the loop opens -->"
-"""In the file, of the softness there."""
+"""The comment in the file about its softness."""
 
 
 def joints(p: SpeedRegulator, time: float, state: Mapping[str, float]) -> Motion:
@@ -27,7 +27,7 @@ def joints(p: SpeedRegulator, time: float, state: Mapping[str, float]) -> Motion
 
 
 def closure_lacks_mass(p: SpeedRegulator) -> str | None:
-    """Return why a soft closure cannot stand for these parameters."""
+    """Return the reason why a soft closure cannot model these parameters, or None."""
     massless = [name for name in ("rod_mass", "slider_mass") if getattr(p, name) == 0]
     if not massless:
         return None
@@ -38,7 +38,7 @@ def closure_lacks_mass(p: SpeedRegulator) -> str | None:
 
 
 def transmission_carries_mass(p: SpeedRegulator) -> str | None:
-    """Return why the transmission cannot stand for these parameters."""
+    """Return the reason why the transmission cannot model these parameters, or None."""
     if p.rod_mass == 0 and p.slider_mass == 0:
         return None
     return (
@@ -47,19 +47,9 @@ def transmission_carries_mass(p: SpeedRegulator) -> str | None:
     )
 
 
-def flywheel(p: SpeedRegulator) -> tuple[float, float, float]:
-    """Moment of inertia of the crank; only that about z counts."""
-    return (p.flywheel_inertia,) * 3
-
-
-def rod_inertia(p: SpeedRegulator) -> tuple[float, float, float]:
-    """Moment of inertia of the homogeneous rod about its centre; only that about z counts."""
-    return (p.rod_mass * p.rod_length**2 / 12,) * 3
-
-
 COMMON: Mapping[tuple[str, str], Binding] = {
     ("option", "gravity"): lambda p: (p.gravity_x, p.gravity_y, 0),
-    ("body:crank/inertial", "diaginertia"): flywheel,
+    ("body:crank/inertial", "diaginertia"): lambda p: (p.flywheel_inertia,) * 3,
     ("geom:crank", "fromto"): lambda p: (0, 0, 0, p.crank_radius, 0, 0),
     ("general:motor", "biasprm"): lambda p: (p.torque, 0, 0),
 }
@@ -70,7 +60,7 @@ LOOP: Mapping[tuple[str, str], Binding] = {
     ("body:rod", "euler"): lambda p: (0, 0, embedding(p, {})["pin_angle"]),
     ("body:rod/inertial", "pos"): lambda p: (0, -p.rod_length / 2, 0),
     ("body:rod/inertial", "mass"): lambda p: p.rod_mass,
-    ("body:rod/inertial", "diaginertia"): rod_inertia,
+    ("body:rod/inertial", "diaginertia"): lambda p: (p.rod_mass * p.rod_length**2 / 12,) * 3,
     ("joint:pin_angle", "ref"): lambda p: embedding(p, {})["pin_angle"],
     ("geom:rod", "fromto"): lambda p: (0, 0, 0, 0, -p.rod_length, 0),
     ("site:rod_end", "pos"): lambda p: (0, -p.rod_length, 0),
@@ -111,7 +101,7 @@ def closed_by(solref: tuple[float, float], solimp: tuple[float, ...]) -> Mjcf:
         return soft_scene(solref, solimp), p
 
     def expand(text: str, p: SpeedRegulator) -> str:
-        """Return the text without the waiver that is for MuJoCo's default softness."""
+        """Return the text; the waiver stays with MuJoCo's default softness alone."""
         return text if (solref, solimp) == (SOLREF, SOLIMP) else text.replace(WAIVER, "")
 
     softness: Mapping[tuple[str, str], Binding] = {
@@ -126,7 +116,7 @@ def closed_by(solref: tuple[float, float], solimp: tuple[float, ...]) -> Mjcf:
         longest_step=solref[0] / 2 if solref[0] > 0 else math.inf,  # beyond, `refsafe` softens
         reactions=REACTIONS,
         equations=equations,
-        why_not=closure_lacks_mass,
+        unsupported_reason=closure_lacks_mass,
         expand=expand,
     )
 
@@ -145,7 +135,7 @@ MODELS = {
     "transmission": Mjcf(
         path=Path(__file__).with_name("transmission.xml"),
         bindings=TRANSMISSION,
-        why_not=transmission_carries_mass,
+        unsupported_reason=transmission_carries_mass,
     ),
 }
 """Models by name, default first; `connect.xml` has MuJoCo's default softness."""

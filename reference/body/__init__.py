@@ -1,1 +1,1 @@
-"""What scenes with a rigid body on a ball joint share: numbers, rotation, mistakes."""
+"""Scenes with rigid bodies in space: coefficients, rotation, floating bases, mistakes."""

@@ -12,7 +12,7 @@ of mass from hinge k) of a body i that hinge k carries, 0 of any other. With all
     alpha_i = a_i + 2 omega x u_i,
 
 where u_i and a_i are velocity and acceleration against the base, a_i by what the hinges' rates
-make of each other. With the means b of alpha_i, t_k of t_ik over all masses, whose sum is M,
+give each other. With the means b of alpha_i, t_k of t_ik over all masses, whose sum is M,
 
     J omega' + sum_k theta_k'' h_k = -sum_i (N_i + m_i d_i x (omega x (omega x d_i) + alpha_i))  (1)
     h_k . omega' + sum_l theta_l'' m_kl
@@ -25,7 +25,7 @@ make of each other. With the means b of alpha_i, t_k of t_ik over all masses, wh
 
 where e_k . N_i and e_k . I_i count bodies that hinge k carries alone, and r is the place of the
 centre of mass of all from the base's point x. The torques tau_k act between bodies: no torque at a
-hinge changes the momenta of the whole. The velocity x' stands nowhere: that is Galileo's principle.
+hinge changes the momenta of the whole. The velocity x' appears nowhere, by Galileo's principle.
 The quaternion may have any length, see `.rotation`; without motors and dampers these are Lagrange's
 equations, whose mass matrix is that about the base's point.
 
@@ -137,7 +137,7 @@ Vectors = dict[int, list[Any]]
 
 
 class Column(NamedTuple):
-    """What a hinge does to the bodies that it carries.
+    """Influence of a hinge on the bodies that it carries.
 
     Attributes
     ----------
@@ -153,7 +153,7 @@ class Column(NamedTuple):
 
 
 class Sides(NamedTuple):
-    """What drives (1), (2) beside the masses' motion, in the frame of the base.
+    """Right-hand sides of (1), (2), in the frame of the base.
 
     Attributes
     ----------
@@ -187,7 +187,7 @@ def path(links: list[Link], i: int) -> Iterator[int]:
 
 
 def columns_of(links: list[Link]) -> list[Column]:
-    """Return what each hinge does to the bodies that it carries."""
+    """Return the influence of each hinge on the bodies that it carries."""
     columns = [Column(one.axis, {}, {}) for one in links]
     for i, one in enumerate(links, 1):
         arm = one.arm
@@ -385,7 +385,7 @@ class FloatingTree:
         ]
 
     def sides(self, links: list[Link], motion: Any, c: Any, moment: Moment = euler) -> Sides:
-        """Return what drives (1), (2), of (q, v, omega)."""
+        """Return the right-hand sides of (1), (2) at (q, v, omega)."""
         q, v, omega = motion
         bent, moments = driven(links, omega, rates_of(links, v[HINGES]))
         turning = moment(q[TURN], omega, times(c[3:9], omega), c)

@@ -1,4 +1,4 @@
-"""What scenes with a floating base share: outputs, what they conserve, rest, mistakes."""
+"""Scenes with a floating base: outputs, conserved quantities, rest, mistakes."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ from .rotation import (
 )
 
 Change = Callable[[Sides, list[Link], Any], Sides]
-"""From what drives bodies, those on hinges and (q, v, omega) to something else."""
+"""Function that returns changed `Sides`, from these, the links and (q, v, omega)."""
 
 
 def roots(sides: Sides, links: list[Link]) -> list[tuple[list[Any], Any]]:
@@ -74,7 +74,7 @@ def reactions_of_world(sides: Sides, links: list[Link], motion: Any) -> Sides:
 
 
 def without_spin(sides: Sides, links: list[Link], motion: Any) -> Sides:
-    """Return them without what the spin on hinges makes of gyroscopic moments on the base."""
+    """Return them without the gyroscopic moments on the base by spin on hinges."""
     turning, still = sides.turning, Rates(NOTHING, NOTHING, NOTHING, NOTHING)
     for one, moment in zip(links, sides.moments.values(), strict=True):
         turning = sum_of(turning, sum_of(moment, spun(one, motion[2], still), -1.0))
@@ -88,7 +88,7 @@ def without_coriolis(sides: Sides, links: list[Link], motion: Any) -> Sides:
 
 
 def with_still_axes(sides: Sides, links: list[Link], motion: Any) -> Sides:
-    """Return them without what hinges make of each other by turning the axes beyond them."""
+    """Return them without the accelerations that hinges cause by turning the axes beyond them."""
     moving = rates_of(links, motion[1][HINGES], turning=0.0)
     bent, moments = driven(links, motion[2], moving)
     return sides._replace(bent=bent, moments=moments)
@@ -97,7 +97,7 @@ def with_still_axes(sides: Sides, links: list[Link], motion: Any) -> Sides:
 def changed(
     tree: FloatingTree, change: Change = lambda sides, links, motion: sides
 ) -> BodyAccelerations:
-    """Return the accelerations of a tree with something else that drives."""
+    """Return the accelerations of a tree with changed right-hand sides."""
 
     def accelerate(u: Any, motion: Any, c: Any, moment: Moment, xp: Any = np) -> list[Any]:
         links = tree.links(motion[0], c, xp)
@@ -168,7 +168,7 @@ def chain_mistakes(scene: Scene, tree: FloatingTree) -> dict[str, Scene]:
             mass_matrix=opened.mass_matrix,
             cases=(),
         ),
-        "accelerations lack what hinges make of each other by turning the axes beyond them": (
+        "accelerations lack the part that hinges cause by turning the axes beyond them": (
             replace(
                 scene,
                 accelerations=accelerations_by(changed(tree, with_still_axes), first),
@@ -192,7 +192,7 @@ def swung(arm: Any, q: Any, v: Any, sign: float) -> list[Any]:
 def with_velocities(
     scene: Scene, start: Callable[..., list[Any]], velocity: Callable[..., list[Any]]
 ) -> Scene:
-    """Return a scene whose free joint's velocity is another, at the start and in what is seen."""
+    """Return a scene whose free joint has another velocity, at the start and in the outputs."""
 
     def embedding(p: Any, state: Mapping[str, float]) -> dict[str, float]:
         q, v = ([state[f"{name}{dot}"] for name in scene.coordinates] for dot in ("", "_dot"))
@@ -328,7 +328,7 @@ def floating_scene(
     keeps_energy : callable ``(parameters) -> bool``
         Whether nothing drives it and nothing damps.
     placed : Case
-        That of which the default set has a model that is turned; a mirror has other quaternions.
+        Case with a turned model in the default set; a mirror image has other quaternions.
     fields :
         Others of `Scene`; of ``coordinates`` and ``units`` those of the hinges alone.
     """

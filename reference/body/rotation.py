@@ -106,7 +106,7 @@ def body_inertia(p: BodyParameters) -> Array:
 
 
 PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-"""Of the entries xx, yy, zz, xy, xz, yz of a symmetric tensor."""
+"""Rows and columns of the entries xx, yy, zz, xy, xz, yz of a symmetric tensor."""
 
 NUMBERS = (
     *(f"s_{axis}" for axis in "xyz"),
@@ -137,8 +137,8 @@ def inexact_numbers(c: Any, change: float) -> Iterator[Any]:
     """Yield coefficients that begin with `body_numbers`, one number each off by a relative change.
 
     Entries of J are sums, and off by so much of what they are sums of (Cauchy, Schwarz); of its
-    inverse K those of K J K are, as inversion leaves it, and each by itself. An arm that is long
-    beside the radii of gyration makes J and K ill-conditioned: about it hardly anything is left of
+    inverse K those of K J K are, as inversion leaves it, and each by itself. An arm much longer
+    than the radii of gyration makes J and K ill-conditioned: about it hardly anything is left of
     terms that cancel, while rounding of the arm and of the moments leaves them as they should be.
     """
     c = type(c)(*np.broadcast_arrays(*c))
@@ -181,14 +181,14 @@ UNITS = {
     "energy": "J",
     "norm": "1",
 }
-"""Of `outputs`."""
+"""Names of the rotation outputs."""
 
 Moment = Callable[[Any, Any, Any, Any], list[Any]]
-"""From q, omega, J omega and coefficients to J omega' where the point stands still."""
+"""Function of q, omega, J omega and coefficients that returns J omega' about a fixed point."""
 
 BodyAccelerations = Callable[..., list[Any]]
-"""From u, (q, v, omega), coefficients, a `Moment` and ``xp`` to the accelerations of coordinates
-before the quaternion, and omega'."""
+"""Function of u, (q, v, omega), coefficients, a `Moment` and ``xp`` that returns the accelerations
+of the coordinates before the quaternion, then omega'."""
 
 
 def inner(a: Any, b: Any) -> Any:
@@ -247,10 +247,10 @@ def accelerations_by(
     ----------
     accelerate : BodyAccelerations
     first : int
-        Place of the quaternion among the coordinates; a clock that is integrated along is behind.
+        Place of the quaternion among the coordinates; an integrated clock comes after it.
     moment : Moment
     outside : bool
-        Whether, by mistake, omega turns the quaternion as if it were told in the world.
+        Whether, by mistake, omega turns the quaternion as if it were given in the world frame.
     """
     turning = slice(first, first + 4)
 

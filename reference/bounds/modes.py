@@ -23,7 +23,7 @@ from ..scene import Array, Dynamics
 
 
 class ModeOptions(NamedTuple):
-    """What rounding is granted, and how eigenvalues are corrected.
+    """Granted round-off, and the correction of eigenvalues.
 
     Attributes
     ----------
@@ -106,7 +106,7 @@ def linearisation_error(dynamics: Dynamics, parameters: Any, state: Array) -> En
     """Bounds on the errors of M, C and K: what rounding of coefficients, state and entries leaves.
 
     Where the state of rest balances forces, it is off by their error over the stiffness; bounds are
-    infinite where that is no small part of the distance to where the state vanishes.
+    infinite where that error is no small part of the distance to where the state vanishes.
     """
     state, n = np.asarray(state), len(dynamics.coordinates)
     c = dynamics.coefficients(parameters)
@@ -220,7 +220,7 @@ def approximate_eigenvalues(matrices: Entries, sprung: Any, resisted: Any) -> An
         raise MbcheckError(INDEFINITE) from None
 
     def over_inertia(matrix: Array) -> Array:
-        """Return what forces do to the speeds whose kinetic energy is a sum of squares."""
+        """Return forces per inertia, in speeds whose kinetic energy is a sum of squares."""
         return np.asarray(solve_triangular(lower, matrix, lower=True, check_finite=False))
 
     stiffness, springs = stiffness[free:, free:], np.flatnonzero(sprung[order][free:])
@@ -328,21 +328,21 @@ def refined(
 
 
 def separations(values: Any, others: Any = ()) -> Array:
-    """Return how far each number (k,) of a plane is from the nearest of the rest, and of others."""
+    """Return the distance of each complex number (k,) from the nearest of the rest and others."""
     apart = np.abs(values[:, None] - np.concatenate([values, others]))
     np.fill_diagonal(apart, np.inf)
     return np.asarray(np.min(apart, axis=1, initial=np.inf))
 
 
 def pair_separations(values: Any) -> Array:
-    """Return how far each eigenvalue (k,) with im >= 0 is from the nearest other of all."""
+    """Return the distance of each eigenvalue (k,) with im >= 0 from the nearest other one."""
     return separations(values, np.conj(values[np.imag(values) > 0]))
 
 
 def pair_bounds(gap: Array, first_order: Array) -> Array:
     """Return bounds on the errors of eigenvalues from those to first order.
 
-    One that is a gap from another moves with it as the roots of ``z (z + gap) = first_order gap``.
+    Two eigenvalues at the distance gap move as the roots of ``z (z + gap) = first_order gap``.
     """
     share = 4 * first_order / gap
     apart = 2 * first_order / (1 + np.sqrt(np.maximum(1 - share, 0.0)))

@@ -24,7 +24,7 @@ REACH = 0.2
 
 @dataclass(frozen=True)
 class BoundaryAlong:
-    """Where the orbits of a scene lose their stability along one parameter.
+    """Loss of stability of the orbits of a scene along one parameter.
 
     The window that curves are followed in is the parameter's reach; its first axis is idle.
 
@@ -45,7 +45,7 @@ class BoundaryAlong:
     parameter: str
 
     where: ClassVar[str] = "in a period"
-    """What steps divide, in words."""
+    """Time that the steps divide, in words."""
 
     @property
     def here(self) -> float:
@@ -74,7 +74,7 @@ class BoundaryAlong:
         return np.eye(2 * len(self.scene.coordinates) + 2)[-2]
 
     def tracer(self) -> Tracer:
-        """Return what solves for the orbits of the reference."""
+        """Return the tracer of the orbits of the reference."""
 
         def at(place: Array) -> Any:
             return self.parameters.replace(**{self.parameter: self.value(place[1])})
@@ -83,7 +83,7 @@ class BoundaryAlong:
 
     @cached_property
     def solution(self) -> tuple[Tracer, CurvePoint]:
-        """What solves for the orbits, and the point.
+        """Tracer of the orbits, and the point.
 
         Raises
         ------
@@ -107,22 +107,22 @@ class BoundaryAlong:
 
 
 MARGIN = 0.01
-"""By how much more the parameter is where a first motion comes round, in itself."""
+"""Relative increase of the parameter at which a first motion comes round."""
 
 LONGEST, SAMPLES = 60.0, 4096
-"""Of that motion, in units of the unstable direction's time; and how often it is looked at."""
+"""Longest time of that motion, in time constants of the unstable direction, and its samples."""
 
 ITERATIONS, CLOSED, NUDGE = 20, 1e-13, 1e-5
-"""Of the secant method: how many, the last change of the place that counts, and the first."""
+"""Iterations of the secant method, its last change of the place, and its first."""
 
 ROUGH, NOISE = 1e-6, 1e-7
 """Changes below which a secant tells no slope, and below which runs may scatter."""
 
 STRETCHES, SETTLED = 10, 1e-6
-"""How often the time is adapted, and the share of it that is no change."""
+"""Adaptations of the time at most, and the relative change below which it has converged."""
 
 Ends = Callable[[Any, Array], Array]
-"""From parameters and a state (2 n,) at t = 0 to the state a span later."""
+"""Function of parameters and a state (2 n,) at t = 0 that returns the state a span later."""
 
 
 class Saddle(NamedTuple):
@@ -145,7 +145,7 @@ class Saddle(NamedTuple):
 
 
 class Root(NamedTuple):
-    """Where a number vanishes: the place, its slope, and the last change of the place."""
+    """Root of a function: the place, its slope, and the last change of the place."""
 
     place: float
     slope: float
@@ -154,7 +154,7 @@ class Root(NamedTuple):
 
 @dataclass(frozen=True)
 class ConnectionAlong(BoundaryAlong):
-    """Where a saddle has a homoclinic orbit along one parameter.
+    """Homoclinic orbit of a saddle along one parameter.
 
     Attributes
     ----------

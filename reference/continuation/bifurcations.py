@@ -32,14 +32,14 @@ from ..solve.rk8 import rk8_steps
 from .curve import CurveEquations, cubic
 
 STEP = 1e-5
-"""Of the central differences in all unknowns, from which Newton's method takes its slopes."""
+"""Step of the central differences in all unknowns that give Newton's method its Jacobian."""
 
 FOLD, DOUBLING, NEIMARK_SACKER, LINE = "fold", "period_doubling", "neimark_sacker", "orbits"
 KINDS = (FOLD, DOUBLING, NEIMARK_SACKER)
 
 PeriodFlow = Callable[[Any, Any, Any, int], Any]
-"""From parameters (k,), states (2 n, k) and spans (k,) [s] to the states that spans later; the last
-is how many half periods (of a symmetric scene, or else periods) a span is."""
+"""Function of parameters (k,), states (2 n, k), spans (k,) [s] and the number of half periods (of a
+symmetric scene, or else periods) in a span that returns the states these spans later."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ class Family:
         )
 
     def evaluate(self, z: Array) -> tuple[Array, Array, Array]:
-        """Return what is left of the closed orbit, and matrices, at unknowns (2 n + 2, k).
+        """Return the residual of the closed orbit, and matrices, at unknowns (2 n + 2, k).
 
         Returns
         -------
@@ -240,7 +240,7 @@ class OrbitCurve:
         return np.vstack([left, last]), closing, monodromy
 
     def residual(self, z: Array) -> Array:
-        """Return what is left of the equations (2 n + 1,) at unknowns (2 n + 2,)."""
+        """Return the residual of the equations (2 n + 1,) at unknowns (2 n + 2,)."""
         try:
             return self.values(self.family, z[:, None])[0][:, 0]
         except ParameterError:  # Newton's method has left what parameters may be
@@ -251,7 +251,7 @@ class OrbitCurve:
         return replace(self, family=self.by or self.family, by=None).linearise(z)[1]
 
     def linearise(self, z: Array) -> tuple[Array, Array]:
-        """Return what is left of the equations (2 n + 1,) at unknowns (2 n + 2,), and slopes."""
+        """Return residual (2 n + 1,) and Jacobian of the equations at unknowns (2 n + 2,)."""
         if self.by is not None:
             return self.residual(z), self.slopes(z)
         n, size = self.family.size, len(z)
@@ -402,7 +402,7 @@ def crossings(others: Any) -> dict[str, float]:
 
 
 def margin(kind: str, point: CurvePoint) -> float:
-    """Return how far a point of a curve is from where another bifurcation comes in.
+    """Return the distance of a point of a curve from another bifurcation.
 
     It is positive while all others are inside the unit circle and a pair on it is complex.
     """

@@ -168,7 +168,7 @@ class Node:
 
 @dataclass(frozen=True)
 class CurveSolution:
-    """Where Newton's method has ended; of ``jacobian`` that of the last iteration, or there."""
+    """Result of Newton's method, with the Jacobian there or of the last iteration."""
 
     z: Array
     jacobian: Array
@@ -263,7 +263,7 @@ def step_on(
 
 
 def between(a: Any, b: Any, share: float) -> Array:
-    """Return what a cubic through two neighbours (with ``z`` and ``tangent``) is between them."""
+    """Return the value of the cubic through two neighbours (with ``z`` and ``tangent``)."""
     return cubic(np.stack([a.z, b.z]), np.stack([a.tangent, b.tangent]), np.array([share]))[0]
 
 

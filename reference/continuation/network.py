@@ -78,7 +78,7 @@ class Line(NamedTuple):
 
 @dataclass
 class SearchOutcome:
-    """What a task has led to.
+    """Result of a task.
 
     Attributes
     ----------
@@ -108,7 +108,7 @@ class SearchOutcome:
 
 @dataclass
 class CurveSearch:
-    """A task: one line that is looked along, or one curve that is followed.
+    """A task: one line to be scanned, or one curve to be followed.
 
     Attributes
     ----------
@@ -235,7 +235,7 @@ class CurveSearch:
         return curve, None
 
     def goes_on(self, curve: OrbitCurve, point: CurvePoint) -> bool:
-        """Return whether what lies ahead of the beginning of a curve bounds stability."""
+        """Return True if a curve bounds stability just ahead of its beginning."""
         ahead = point.z + OPTIONS.beside * point.tangent
         _, _, monodromy = curve.values(curve.family, ahead[:, None])
         if not np.all(np.isfinite(monodromy)):
@@ -288,7 +288,7 @@ def following(starts: Iterable[CurveStart]) -> list[Task]:
 
 
 Executor = Callable[[Sequence[Task]], SearchOutcome]
-"""From tasks to what the first has led to; the others will probably be asked for later."""
+"""Function of tasks that returns the result of the first; the others will probably follow."""
 
 
 @dataclass
@@ -323,7 +323,7 @@ class Network:
     missing: int = 0
 
     def work(self, execute: Executor) -> Iterator[tuple[int, int, str]]:
-        """Look along the lines, follow what begins there; yield what is done, of what, in words."""
+        """Scan the lines and follow the curves; yield the work done, the whole work, and words."""
         while tasks := self.tasks():
             self.add(execute(tasks))
             self.drop_known()
@@ -331,7 +331,7 @@ class Network:
             yield done, done + len(self.tasks()), f"lines and curves, {len(self.curves)} curves"
 
     def tasks(self) -> list[Task]:
-        """Return what is still to be done; what comes first may make some of the others needless.
+        """Return the remaining tasks; the first may make some of the others needless.
 
         All lines, then the curves that begin on them, then what parts from these. After the first
         curve those of other kinds: none of them is the same.
@@ -372,19 +372,19 @@ class Network:
         ]
 
     def drop_known(self) -> None:
-        """Drop what is first to be done if it is known already."""
+        """Drop the next tasks whose result is known already."""
         if self.lines_done == len(self.lines):
             self.starts = [*filter(self.is_open, self.starts)]
         if not self.starts:
             self.doublings = [*filter(self.is_single, self.doublings)]
 
     def is_single(self, start: CurveStart) -> bool:
-        """Return whether no bifurcations are known of the orbits that part from a curve."""
+        """Return True if no bifurcations are known of the orbits that branch off a curve."""
         curve = self.curve_through(start)
         return curve is None or not curve.doubled
 
     def is_open(self, start: CurveStart) -> bool:
-        """Return whether a bifurcation bounds stability and is on no curve yet."""
+        """Return True if a bifurcation bounds stability and is on no curve yet."""
         return start.may_bound and self.curve_through(start) is None
 
     def curve_through(self, start: CurveStart) -> BifurcationCurve | None:
@@ -402,7 +402,7 @@ def unit_rows(z: Array) -> Array:
 
 
 def is_known(start: CurvePoint, parts: int, lines: list[BifurcationCurve]) -> bool:
-    """Return whether an orbit lies on a line that was followed."""
+    """Return True if an orbit lies on a line that was followed."""
     for line in lines:
         for a, b in zip(line.points, line.points[1:], strict=False):
             way = b.z - a.z

@@ -50,7 +50,7 @@ from .tracing import Tracer, is_inside, numbers
 
 
 class RestOptions(NamedTuple):
-    """How states of rest are found and told apart.
+    """Search for states of rest, and their distinction.
 
     Attributes
     ----------
@@ -65,9 +65,9 @@ class RestOptions(NamedTuple):
     max_step, tolerance : float
         Its longest correction in the states' sizes, and the last.
     isolated : float
-        Least singular value of slopes at a state of rest that is no line of them.
+        Least singular value of the Jacobian at an isolated state of rest.
     continues : float
-        What a state at a branch point may lack of balance along the left null vector.
+        Largest residual of a state at a branch point along the left null vector.
     least_points : int
         Places along an axis at which the end of rotations is solved for.
     least_stay : int
@@ -90,7 +90,7 @@ OPTIONS = RestOptions()
 
 
 def is_undriven(scene: EquationsOfMotion, parameters: Any, count: int) -> bool:
-    """Return whether nothing that depends on time acts on a scene at so many points."""
+    """Return True if no force on a scene depends on time, at a number of points."""
     if scene.drive is None:
         return True
     period = np.max(scene.period(parameters))
@@ -104,7 +104,7 @@ class RestFamily(Family):
     """States of rest of a scene over a window; ``period`` is the time of the linearised flow."""
 
     def evaluate(self, z: Array) -> tuple[Array, Array, Array]:
-        """Return what moves a state (2 n, k), its slopes, and the linearised flow (k, 2 n, 2 n)."""
+        """Return the rates (2 n, k) of states, their Jacobian, and the linearised flow."""
         n, k = self.size, z.shape[1]
         c, unit = self.scene.coefficients(self.parameters(z[n:])), self.scale[:, None, None]
 
@@ -141,7 +141,7 @@ class RestCurve(OrbitCurve):
         return left[:, -1], right[-1]
 
     def unbalanced(self, z: Array) -> float:
-        """Return what a state at a branch point lacks of balance along the left null vector."""
+        """Return the residual of a state at a branch point along the left null vector."""
         left, _, _ = self.family.evaluate(z[:, None])
         return float(self.null_vectors[0] @ left[:, 0])
 
@@ -287,7 +287,7 @@ class RestTracer(Tracer):
         return curve, point
 
     def is_proper(self, curve: OrbitCurve, point: CurvePoint) -> bool:
-        """Return whether a solution of a curve's equations is what they stand for."""
+        """Return True if a solution of a curve's equations is a bifurcation of its kind."""
         if isinstance(curve, RestCurve) and curve.about is not None:
             return abs(curve.unbalanced(point.z)) < OPTIONS.continues
         return super().is_proper(curve, point)
@@ -295,7 +295,7 @@ class RestTracer(Tracer):
     def end(
         self, curve: OrbitCurve, first: CurvePoint, before: CurvePoint, here: CurvePoint
     ) -> str:
-        """Return why a curve ends at a point, or nothing."""
+        """Return the reason for which a curve ends at a point, empty if it goes on."""
         if curve.kind == LINE:  # whole turns on, the states are the same
             return "closed" if np.any(np.abs(here.z - first.z)[self.turning] > 1) else ""
         return super().end(curve, first, before, here)

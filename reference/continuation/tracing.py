@@ -247,7 +247,7 @@ class Tracer:
     def meets(
         self, curve: OrbitCurve, before: CurvePoint, here: CurvePoint, is_beginning: Any
     ) -> bool:
-        """Return whether another bifurcation comes in between two points of a curve."""
+        """Return True if another bifurcation lies between two points of a curve."""
         if curve.kind == LINE or is_beginning:
             return False
         return margin(curve.kind, before) > 0 > margin(curve.kind, here)
@@ -257,7 +257,7 @@ class Tracer:
     ) -> CurvePoint | None:
         """Return where a curve leaves the window between two points.
 
-        None where that is not near the guess, or where the curve has come in there and turned.
+        None where no such point is near the guess, or where the curve has come in there and turned.
         """
         row, value, guess = edge
         if abs(row @ before.z - value) < OPTIONS.edge and not leaves(before):
@@ -273,7 +273,7 @@ class Tracer:
     def end(
         self, curve: OrbitCurve, first: CurvePoint, before: CurvePoint, here: CurvePoint
     ) -> str:
-        """Return why a curve ends at a point, or nothing."""
+        """Return the reason for which a curve ends at a point, empty if it goes on."""
         family = curve.family
         if family.parts > 1:
             far, near = (self.asymmetry(family.parts // 2, point) for point in (before, here))
@@ -295,7 +295,7 @@ class Tracer:
         return []
 
     def is_proper(self, curve: OrbitCurve, point: CurvePoint) -> bool:
-        """Return whether a solution of a curve's equations is what they stand for."""
+        """Return True if a solution of a curve's equations is a bifurcation of its kind."""
         return curve.kind != NEIMARK_SACKER or abs(point.critical.imag) >= OPTIONS.real
 
     def asymmetry(self, parts: int, here: CurvePoint) -> Array:
@@ -340,7 +340,7 @@ def careful(kind: str, past: CurvePoint | None, here: CurvePoint) -> float:
 
 
 def closes(first: CurvePoint, before: CurvePoint, here: CurvePoint) -> bool:
-    """Return whether a curve has passed its first point between two others."""
+    """Return True if a curve has passed its first point between two others."""
     a, b = ((point.z - first.z) @ first.tangent for point in (before, here))
     if not a < 0 <= b:
         return False
@@ -365,11 +365,11 @@ def crossing(before: Any, ahead: Any, n: int) -> tuple[Array, float, Array] | No
 
 
 def is_inside(place: Array) -> bool:
-    """Return whether a place (2,) lies in the window."""
+    """Return True if a place (2,) lies in the window."""
     return bool(np.all((place > -OPTIONS.edge) & (place < 1 + OPTIONS.edge)))
 
 
 def leaves(point: CurvePoint) -> bool:
-    """Return whether a curve leaves the window at a point on its edge."""
+    """Return True if a curve leaves the window at a point on its edge."""
     place, out, edge = point.place, point.tangent[-2:], OPTIONS.edge
     return bool(np.any(((place < edge) & (out < 0)) | ((place > 1 - edge) & (out > 0))))

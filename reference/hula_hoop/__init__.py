@@ -1,4 +1,4 @@
-"""What is true of hula_hoop: equations of motion, cases, theory."""
+"""The scene `hula_hoop`: equations of motion, cases, theory."""
 
 from .equations import SCENE
 

@@ -74,7 +74,7 @@ class Nodes:
 
     @cached_property
     def weights(self) -> Array:
-        """What a harmonic counts for, itself and its conjugate; the last of a period is both."""
+        """Weight of each harmonic, itself and its conjugate; the last of a period is both."""
         weights = np.full(len(self.orders), 2.0)
         if not self.half:
             weights[-1] = 1.0
@@ -123,7 +123,7 @@ class Balance:
     nodes: Nodes
 
     def solve(self, which: Rows, phi: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Return what Newton's method makes of phi (m, count) of some points, and whether it ends.
+        """Return the solutions phi (m, count) of some points by Newton's method, and their success.
 
         Each point is left alone as soon as it is solved, or lost.
         """
@@ -175,7 +175,7 @@ class Balance:
         return phi, solved
 
     def _reaction(self, c: Coefficients) -> tuple[Any, Any, Array]:
-        """Return what y'' has of the harmonics (m, orders) and of the nodes of sin(theta).
+        """Return the response of y'' to the harmonics (m, orders) and to the nodes of sin(theta).
 
         The latter are matrices (m, count, count); the response (m, count) to the force is added.
         """

@@ -15,7 +15,7 @@ they are, with no term dropped::
     (42)  (-4 alpha^2 (1 + I_eq) + 2 i alpha zeta_m) U
               - alpha^2/2 [Q (G_0 - i G_1) + conj(Q) (i G_1 - G_2)] = 0
 
-What the paper makes of them:
+The paper's solutions:
 
 - it sets theta_0 = 0, which leaves four unknowns for five conditions, derives (44), the
   mean torque balance, and drops it;
@@ -47,7 +47,7 @@ from ..scene import Array, coefficients_at
 from .equations import HulaHoop, orbit_guesses
 
 BRANCHES = ("stable", "unstable")
-"""In the order of `orbit_guesses`."""
+"""Signs of the half angle, in the order of `orbit_guesses`."""
 EFFORT = Effort(jacobians=50, longest=0.5)
 """Corrections [rad] longer than this may leave the branch of a phase."""
 ROUNDING = 1e-12
@@ -221,7 +221,7 @@ def refined_solution(p: HulaHoop) -> ApproximateSolution:
     """Newton's method on (32), (42) with all terms and Bessel functions; theta_0 = 0.
 
     This is as accurate as the paper's ansatz can be made. Since the mean torque balance (44)
-    stays violated, it is hardly better than `paper_solution`: what is missing is the phase.
+    stays violated, it is hardly better than `paper_solution`: the phase is missing.
 
     Parameters
     ----------
@@ -245,7 +245,7 @@ def corrected_solution(
 ) -> ApproximateSolution:
     """First-order rotation with the phase theta_0 and the mean torque balance (44) kept.
 
-    Bessel functions are kept in full: that is no more work, and makes this the exact
+    Bessel functions are kept in full: this costs nothing, and gives the exact
     projection (Galerkin) of (7), (8) on the ansatz. Solutions come in pairs, born in a fold.
 
     Parameters

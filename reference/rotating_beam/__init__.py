@@ -160,7 +160,7 @@ def outcome(times: Any, values: Mapping[str, Any], p: RotatingBeam) -> str:
        `WATCH` times `period`.
     3. *diverges*: in the last third of that time the deflection swings `RISE` times as far
        as in the first. A vibration that goes on does not: nothing damps it, nothing drives it.
-    4. *bounded*: what is left.
+    4. *bounded*: all others.
     """
     t, tip = np.asarray(times, dtype=float), np.asarray(values["tip_deflection"], dtype=float)
     if np.any(np.abs(tip) > p.length * BEYOND):
@@ -200,7 +200,7 @@ def spectrum(continuum: str, p: RotatingBeam, plane: str, count: int) -> tuple[A
 
 
 class Theory(NamedTuple):
-    """What one model of the beam is made of.
+    """Functions of one model of the beam.
 
     Attributes
     ----------

@@ -5,7 +5,7 @@ r"""rotating_beam as a chain of rigid rods with springs in their hinges.
     A   O====a====(2k)---h---(k)---h---(k)---h---       h = L/n, k = EI/h, n hinges
     B   O====a====-h/2-(k)---h---(k)---h---(k)-h/2-     the first half rod is part of the hub
 
-What an engine of rigid bodies can make of the beam. Coordinates are the hub's angle and the
+This is the beam of an engine with rigid bodies. Coordinates are the hub's angle and the
 hinges' (each rod to the one before). A rod has its own moment of inertia, rho A h^3/12; the
 concentrated mass is a point of the rod that has the place d.
 

@@ -37,10 +37,10 @@ from .parameters import Coefficients, RotatingBeam, coefficients, hub_gravity, r
 from .starts import unstretched_nodes
 
 POISSON = 0.3
-"""Of the beam that shears; the paper has none, since its beam does not."""
+"""Poisson's ratio of the shear-flexible beam; the paper's beam does not shear."""
 
 SHEAR_FACTOR = 5 / 6
-"""Of a rectangular cross section."""
+"""Shear correction factor of a rectangular cross section."""
 
 SHEAR = SHEAR_FACTOR / (2 * (1 + POISSON))
 """k G A over E A."""
@@ -75,7 +75,7 @@ def free_coordinates(nodes: int, size: int) -> Any:
 
 
 class Mesh(NamedTuple):
-    """What does not change with the state; N coordinates of all nodes, n of them free.
+    """Constant matrices; N coordinates of all nodes, n of them free.
 
     Attributes
     ----------
@@ -147,7 +147,7 @@ def element_mass(ancf: bool, lengths: Array, line: float, rotary: float) -> Arra
 
 @lru_cache(maxsize=128)
 def mesh(n: int, element: str, c: Coefficients) -> Mesh:
-    """Return what n elements are made of."""
+    """Return the mesh of n elements."""
     ancf, size = element == "ancf", len(NODAL[element])
     place = float(c.place)
     at = c.length * stations(n, place)
@@ -218,7 +218,7 @@ class Strains(NamedTuple):
 
 
 def ancf_strains(shape: Any, beam: Mesh) -> Strains:
-    """Return what displacements (..., N) of the nodes cost."""
+    """Return the strain energy of displacements (..., N) of the nodes, and its derivatives."""
     ends = ends_of(shape, 4)
     ends = ends.reshape(*ends.shape[:-2], 4, 2)
     slopes, weights = beam.stretch
@@ -246,7 +246,7 @@ def ancf_strains(shape: Any, beam: Mesh) -> Strains:
 
 
 def shearing_strains(shape: Any, beam: Mesh) -> Strains:
-    """Return what displacements (..., N) of the nodes cost."""
+    """Return the strain energy of displacements (..., N) of the nodes, and its derivatives."""
     ends = ends_of(shape, 3)
     change = (ends[..., 1, :] - ends[..., 0, :]) / beam.lengths[:, None]
     angle = (ends[..., 1, 2] + ends[..., 0, 2]) / 2
@@ -291,7 +291,7 @@ class Bordered(NamedTuple):
 
 
 def bordered(q: Any, v: Any, c: Coefficients, beam: Mesh, strains: Any) -> Bordered:
-    """Return what the equations of motion of states (..., 1 + n) are made of."""
+    """Return the terms of the equations of motion of states (..., 1 + n)."""
     shape, rates = spread(q, beam), spread(v, beam)
     at = beam.straight + shape
     turn = beam.angles + at @ beam.quarter.T

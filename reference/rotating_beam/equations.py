@@ -27,7 +27,7 @@ class Equations(NamedTuple):
 
 
 class Exact(NamedTuple):
-    """What the exact equations need of the parameters; see `exact`.
+    """Constants of the exact equations; see `exact`.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class Exact(NamedTuple):
 
 
 def prepare_exact(shapes: Shapes, c: Coefficients) -> Exact:
-    """Return what does not change with the state."""
+    """Return the constants of the exact equations."""
     root = np.sqrt(station_masses(shapes, c))
     return Exact(
         angle=np.hstack([np.ones((len(shapes.angle), 1)), shapes.angle]),
@@ -169,7 +169,7 @@ def prepare_truncated(shapes: Shapes, c: Coefficients, foreshortening: bool = Tr
     softening[0] = softening[:, 0] = 0
 
     def shortened(lever: Any) -> Any:
-        """Return what the foreshortening takes, squared in q, of masses with a lever."""
+        """Return the quadratic form in q of the foreshortening, of masses with a lever."""
         matrix = np.zeros_like(mass)
         if foreshortening:
             tension = shapes.integral.T @ (masses * lever)

@@ -183,7 +183,7 @@ def hub_fields(
         return dict(zip(OUTPUTS, tip_of(q, v, c), strict=True))
 
     def invariants(p: RotatingBeam) -> Mapping[str, Callable[..., Any]]:
-        """What a beam keeps that nothing drives."""
+        """Conserved quantities of the undriven beam."""
         return conserved(p, energy, momentum)
 
     return {

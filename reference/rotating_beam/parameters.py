@@ -17,14 +17,14 @@ the squared stretch):
 - exact, ``extensible``: ``x + i y = a + int (1 + e) exp(i psi) ds`` with ``e = sum e_j Q_j(s)``
   and the curvature psi' as geometrically exact beams have it, by the unstretched length;
 - ``second_order``: the paper's. With ``v' = sum b_i P_i`` and ``u' = sum e_j Q_j``, x = a + s +
-  u - int v'^2/2 and y = v, and of the kinetic energy what is of second order in v and u;
+  u - int v'^2/2 and y = v, and the kinetic energy to second order in v and u;
 - ``zero_order``: the same without the foreshortening int v'^2/2, which loses its stability where
   the hub turns at the first natural frequency of the beam at rest.
 
 The paper's plane is horizontal. A gravity g, 0 by default, lies in the plane; its axes are those of
 theta = 0. In the hub frame it is ``g_x' = g_x cos(theta) + g_y sin(theta)`` along x and ``g_y' =
 g_y cos(theta) - g_x sin(theta)`` across, and its potential ``-int (g_x' x + g_y' y) dm``, with the
-x and y of the model: of the small deflections what is of second order in v and u, so that gravity
+x and y of the model: for small deflections to second order in v and u, so that gravity
 along the beam stiffens it, or softens it, by the foreshortening as the rotation does.
 
 Misprints, against Lagrange's equations of the second-order model: (2) has u_xx for u_x; (3)
@@ -50,7 +50,7 @@ ELEMENTS = ("ancf", "geometrically_exact")
 
 
 MOST_SEGMENTS = 2000
-"""Of a model, whose matrices are dense."""
+"""Largest number of segments of a model, whose matrices are dense."""
 
 
 @dataclass(frozen=True)
@@ -270,7 +270,7 @@ def hanging(p: RotatingBeam) -> dict[str, float]:
 
 
 def conserved(p: RotatingBeam, energy: Invariant, momentum: Invariant) -> dict[str, Invariant]:
-    """Return what a beam keeps that nothing drives, from its functions of ``(q, v, c)``.
+    """Return the conserved quantities of an undriven beam, from its functions of ``(q, v, c)``.
 
     Energy, and without gravity the momentum about the axis, of a hub on its own; without gravity
     ``E - theta' H``, the energy in the turning frame [J] with the centrifugal potential, of one

@@ -24,7 +24,7 @@ from .frequencies.assumed_modes import rest_modes, rest_roots
 DIGITS = 40
 
 NEWTON_STEPS = 2
-"""From 16 digits, each of which doubles their number."""
+"""Newton steps from 16 digits; each doubles their number."""
 
 Decimals = Any
 """Array of `decimal.Decimal`."""
@@ -181,7 +181,7 @@ def gauss_points(start: float, end: float, degree: int) -> tuple[Decimals, Decim
 
 
 def piece_integral(stations: Decimals, start: float, end: float, degree: int) -> Decimals:
-    """Integrals over a piece, up to the stations, of what is given at its Gauss points."""
+    """Integrals over a piece, up to the stations, of functions known at its Gauss points."""
     points, weights = gauss(degree + MORE_POINTS)
     count, half = len(points), (Decimal(end) - Decimal(start)) / 2
     double = 2 * np.arange(count).astype(object) + 1
@@ -210,7 +210,7 @@ def cantilever_modes(n: int, k: int, place: float) -> Shapes:
 
 
 def prolongation(n: int, more: int, place: float) -> Array:
-    """Return what turns n bending coordinates into those (more, n) of the same shape among more.
+    """Return the matrix (more, n) from n bending coordinates to more of them, of the same shape.
 
     More coordinates have polynomials of a higher degree on the same pieces, and others of the
     points as theirs.

@@ -92,8 +92,8 @@ CASES = (
         full_only=True,
     ),
 )
-"""The synchronous motion of case 2 ends at an installation angle of 1.114, where it meets another
-that is unstable (a fold). The last two start one radian off the stable phase difference, 0.064 and
+"""The synchronous motion of case 2 ends at an installation angle of 1.114, where it meets an
+unstable one (a fold). The last two start one radian off the stable phase difference, 0.064 and
 -3.129 rad, with the rotors at speed; they last a little longer than `outcome` must watch them. No
 case of section 5.2 is watched from rest: in case 1 both rotors start beside the unstable phase."""
 

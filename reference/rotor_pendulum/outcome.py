@@ -1,4 +1,4 @@
-"""What a run of `rotor_pendulum` ends in: synchronised or not."""
+"""Long-term motion of a run of `rotor_pendulum`: synchronised or not."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ LEAST_SAMPLES = 8
 """Samples in each turn; with fewer a rotor's turn may look like its standing still."""
 
 JUMP = 0.5
-"""Angle [rad] by which a coordinate may miss what its rate makes of it between two samples.
+"""Largest difference [rad] of a coordinate from the integral of its rate between two samples.
 The ripple of a rotor makes 0.01 at 8 samples a turn; a reset to rest makes anything."""
 
 STALLED = 0.1
@@ -32,20 +32,20 @@ STALL_TIME = 50.0
 """Motor time constants m r^2 / (k_e + f) that a rotor is given to start."""
 
 DRIFT = 0.01
-"""Largest last drift of the phase over the rate at which it settles [rad]: about what is
-still missing to the settled phase."""
+"""Largest last drift of the phase over the rate at which it settles [rad]: about the
+remaining difference from the settled phase."""
 
 DECAY = 0.25
 """Largest last drift over the one half a watch before. Of a settling phase e^-4 = 0.02 is
 left; an escape has made it grow; a slow passage between two slips leaves it much as it was."""
 
 AT_REST = 1e-4
-"""Drift [rad] that is none: ripple and the engine's own errors hide whether it grows. There
+"""Drift [rad] that counts as zero: ripple and the engine's own errors hide whether it grows. There
 the slope of the coupling torque decides."""
 
 
 def outcome(times: Any, values: Mapping[str, Any], p: RotorPendulum) -> str:
-    """Tell what a run ends in: synchronised, not synchronised, or undecided.
+    """Return the long-term motion of a run: synchronised, not synchronised, or undecided.
 
     The end of the run is watched for ``WATCH / rate`` with the rate at which the phase
     settles by the Poincare method (`phase_rate`), and for `LEAST_TURNS` turns at least.
@@ -64,7 +64,7 @@ def outcome(times: Any, values: Mapping[str, Any], p: RotorPendulum) -> str:
        escaping from the unstable phase difference.
     8. *undecided*: the phase rests where the coupling torque drives it away. Small errors
        hold it there for a while, not for ever.
-    9. *synchronised*: what is left.
+    9. *synchronised*: all others.
 
     Phases are averaged on the circle, over each quarter of the watch; drifts are what they
     change by from the first to the second quarter, and from the third to the last.

@@ -28,7 +28,7 @@ from .equations import RotorPendulum, operating_speed
 from .phase import wrapped
 
 LEVEL = 1e-15
-"""Sine of an installation angle that is a multiple of pi, to rounding."""
+"""Sine of a multiple of pi, to rounding, as an installation angle may be."""
 
 
 class Ratios(NamedTuple):
@@ -168,8 +168,8 @@ def printed_phase_difference(n: Ratios) -> Any:
 def coupling_amplitude(p: RotorPendulum, speed: ArrayLike | None = None) -> Any:
     """Amplitude W of the torque (34) that couples the rotors [N m].
 
-    ``P_1 - P_2`` is minus ``W sin(alpha - alpha_0)`` with the stable alpha_0, besides what motors
-    and bearings make of different speeds.
+    ``P_1 - P_2`` is minus ``W sin(alpha - alpha_0)`` with the stable alpha_0, besides the torques
+    of motors and bearings at different speeds.
     """
     speed = operating_speed(p) if speed is None else np.asarray(speed)
     mu = coupling_coefficients(ratios(p, speed))

@@ -15,7 +15,7 @@ def takes_heyoka(backend: str) -> bool:
     Raises
     ------
     UsageError
-        If there is no such backend, or heyoka is asked for and not installed.
+        If there is no such backend, or heyoka is chosen and not installed.
     """
     if backend not in BACKENDS:
         raise UnknownNameError("backend", backend, BACKENDS)

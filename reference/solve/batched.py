@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import DOP853
 
-from ..differences import EPS, by_complex_step, probed
+from ..differences import EPS, by_complex_step
 from ..scene import Array, Dynamics, coefficients_at
-from .rk8 import FixedSteps, rk8_samples
+from .rk8 import equal_steps, rk8_samples
 from .single import solve
 from .solution import (
     RELATIVE_PERTURBATION,
@@ -73,17 +73,17 @@ OPTIONS = BatchOptions()
 
 
 Advance = Callable[[int], tuple[Array, Array]]
-"""From a number of steps to the flow (2 n, ...) and its Jacobian (2 n, 2 n, ...)."""
+"""Function of a number of steps: the flow (2 n, ...) and its Jacobian (2 n, 2 n, ...)."""
 
 
 def _advance(dynamics: Dynamics, parameters: Any, state: Array, start: Any, end: Any) -> Advance:
     derivative, span = dynamics.right_hand_side(parameters), np.asarray(end) - start
-    with np.errstate(all="ignore"):
-        flow = FixedSteps(derivative, probed(state), start, span)
 
     def advance(steps: int) -> tuple[Array, Array]:
         with np.errstate(all="ignore"):
-            return by_complex_step(lambda x: flow(x, start, span, steps), state)
+            return by_complex_step(
+                lambda x: equal_steps(derivative, x, start, span / steps, steps), state
+            )
 
     return advance
 
@@ -188,7 +188,7 @@ def derivatives(dynamics: Dynamics, c: Any) -> Callable[[Any], Any]:
 def with_relative_perturbation(
     derivative: Callable[[Any, Any], Any],
 ) -> Callable[[Any, Any], Any]:
-    """Return a right-hand side that is off by a `RELATIVE_PERTURBATION`, all along the run."""
+    """Return a right-hand side with a `RELATIVE_PERTURBATION`, all along the run."""
     return lambda t, x: (1 + RELATIVE_PERTURBATION) * derivative(t, x)
 
 

@@ -1,8 +1,8 @@
-"""How far a run in floating point may be off: its local errors, carried along by the linear flow.
+"""Bounds on the errors of a run: local errors, propagated by the linearised flow.
 
-Between two nodes the run makes a local error: what it is off a solution by far more steps that
-starts where the run is. Rounding of the start, of the parameters, of the rates and of the states
-that each step stores adds to it (Higham, Accuracy and Stability of Numerical Algorithms, 2nd
+The local error between two nodes is the difference of the run from a solution with far more steps
+that starts where the run is. Rounding of the start, of the parameters, of the rates and of the
+states that each step stores adds to it (Higham, Accuracy and Stability of Numerical Algorithms, 2nd
 edition, chapter 1: forward errors are condition times backward errors). To first order all that
 grows by the linearised equations, ``e' = J(t) e``. Their flow from node to node is a matrix
 exponential, by Magnus's series with J at two Gauss points (Iserles, Norsett (1999), Phil. Trans.
@@ -25,7 +25,7 @@ from .rk8 import rk8_steps
 
 
 class BoundOptions(NamedTuple):
-    """What a bound on the error of a run counts.
+    """Contributions to a bound on the error of a run.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class BoundOptions(NamedTuple):
     safety : float
         What the growth of local errors to first order is multiplied by.
     deviations : float
-        Standard deviations of what is random that a bound counts.
+        Standard deviations of random errors that a bound covers.
     terms : float
         Weight of a step's change in the sums that make a step and interpolate in it: those of
         DOP853 hold larger terms that cancel.
@@ -54,8 +54,7 @@ class BoundOptions(NamedTuple):
         Standard deviation of an entry of these matrices, a sum, in half units of rounding, where it
         is rounded anew in each state.
     tables : float
-        The same of what is the same in all states, as their tables are, and
-        `Dynamics.inexact_numbers`.
+        The same of entries that are constant in all states, and of `Dynamics.inexact_numbers`.
     still : float
         Change over a run below which an entry is rounded in the same way in all of it.
     steady : float
@@ -86,7 +85,7 @@ OPTIONS = BoundOptions()
 
 
 GAUSS = 0.5 - np.sqrt(3) / 6, 0.5 + np.sqrt(3) / 6
-"""Where J is taken in an interval."""
+"""Gauss points of an interval, at which J is evaluated."""
 
 
 HALF_UNIT = EPS / 2
@@ -94,7 +93,7 @@ HALF_UNIT = EPS / 2
 
 
 class Samples(NamedTuple):
-    """A run, and where it is looked at.
+    """A run at the nodes and the Gauss points of its intervals.
 
     Attributes
     ----------
@@ -118,7 +117,7 @@ class Samples(NamedTuple):
 
     @property
     def lengths(self) -> Array:
-        """Of the intervals [s]."""
+        """Lengths of the intervals [s]."""
         return np.diff(self.nodes)
 
 
@@ -190,10 +189,10 @@ def bounds_of(dynamics: Dynamics, parameters: Any, run: Samples, method: Array |
 
 
 def local_errors(derivative: Callable[[Any, Any], Any], run: Samples) -> tuple[Array, Array]:
-    """Return what a run is off, within each interval, and a bound on what that is off itself.
+    """Return the local errors of a run within each interval, and bounds on their own errors.
 
     Both have shape (2 n, k). All intervals are solved together by the method of the run's order,
-    with more and more steps until rounding is all that is left.
+    with more and more steps until only round-off remains.
     """
     starts, ends = run.states[:, :-1], run.states[:, 1:]
     exact = np.empty_like(ends)
@@ -239,7 +238,7 @@ def exponentials(matrices: Array, lengths: Array) -> tuple[Array, Array]:
 
 
 class Sensitivities(NamedTuple):
-    """What changes the rates at some states.
+    """Derivatives of the rates at some states.
 
     Attributes
     ----------
@@ -255,7 +254,7 @@ class Sensitivities(NamedTuple):
         By the rounding of a continuum's matrices, all of it, drawn p times and divided by
         the root of their number, anew in each state. Of other mechanisms there are none.
     tables : array (2 n, p or l, k)
-        By rounding that is the same in all states: of these matrices, or of these numbers.
+        By rounding with one value in all states: of these matrices, or of these numbers.
     """
 
     slopes: Array
@@ -322,7 +321,7 @@ def in_blocks(
 def sensitivities(
     dynamics: Dynamics, parameters: Any, times: Array, states: Array
 ) -> Sensitivities:
-    """Return what changes the rates at times (k,) and states (2 n, k)."""
+    """Return the derivatives of the rates at times (k,) and states (2 n, k)."""
     derivative = dynamics.right_hand_side(parameters)
     slopes = slopes_of(dynamics, parameters, times, states)
     c = list(changed(dynamics, parameters, OPTIONS.change))
@@ -370,11 +369,11 @@ def changes_of_rates(
 def inexact_matrices(
     dynamics: Dynamics, c: Any, states: Array, rates: Array, slopes: Array
 ) -> tuple[Array, Array]:
-    """Return what rates change by the rounding of the entries of mass and stiffness matrices.
+    """Return the changes of rates by the rounding of entries of mass and stiffness matrices.
 
     A continuum's are sums, each rounded on its own, and solving with the mass matrix changes each
-    by its rounding as well (Higham, section 9.3). Beside a heavy mass that is much of what the
-    light coordinates weigh. The same is true of bodies whose mass matrix is eliminated.
+    by its rounding as well (Higham, section 9.3). Beside a heavy mass it is a large share of the
+    inertia of light coordinates. The same is true of bodies whose mass matrix is eliminated.
 
     Parameters
     ----------
@@ -420,7 +419,7 @@ def size_of_entries(matrices: Array) -> Array:
 
 
 def changed(dynamics: Dynamics, parameters: Any, change: float) -> Iterator[Any]:
-    """Yield the coefficients, and those with each parameter changed that is not 0."""
+    """Yield the coefficients, and those with each nonzero parameter changed."""
     yield dynamics.coefficients(parameters)
     for name, value in parameters.as_dict().items():
         if isinstance(value, float) and value:

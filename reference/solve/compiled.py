@@ -14,7 +14,7 @@ import numpy as np
 
 from ..cost import watched
 from ..scene import Dynamics
-from .rk8 import STAGES, A, B, C, nothing
+from .rk8 import STAGES, A, B, C
 
 CHUNK = 1024
 """Points that take all their steps together; about what the cache holds."""
@@ -56,7 +56,7 @@ def weighted(weights: Any, stages: list[list[Any]], row: int) -> Any:
 
 
 class CompiledSteps:
-    """What `rk8.FixedSteps` does, for states (2 n, k).
+    """Equal steps of `rk8.equal_steps`, for states (2 n, k).
 
     Complex states stand for complex steps, see `differences`: their imaginary parts are tangents.
 
@@ -75,13 +75,13 @@ class CompiledSteps:
         self.pars = np.empty((len(c) + 1, x.shape[1]))
         for row, value in enumerate(c):
             self.pars[row] = value
-        self.look = watched(nothing)
+        self.look = watched(lambda t, x: None)
 
-    def __call__(self, x: Any, t0: Any, span: Any, steps: int) -> Any:
-        """Return the states a span after t0."""
+    def __call__(self, x: Any, t0: Any, h: Any, steps: int) -> Any:
+        """Return the states after some steps of length h [s] from t0."""
         count = x.shape[1]
         rows = np.concatenate([x.real, x.imag]) if self.has_tangents else x
-        self.pars[-1] = h = np.broadcast_to(span / steps, count)
+        self.pars[-1] = h = np.broadcast_to(h, count)
         start, ends = np.broadcast_to(t0, count), np.empty((len(rows), count))
         for begin in range(0, count, CHUNK):
             part = np.s_[begin : begin + CHUNK]

@@ -52,7 +52,7 @@ Rates = Callable[[Any, Any], Any]
 
 POINTS, WEIGHTS = legendre.leggauss(STAGES)
 SERIES = (np.arange(STAGES) + 0.5)[:, None] * legendre.legvander(POINTS, STAGES - 1).T * WEIGHTS
-"""From values at the stages to coefficients of Legendre's polynomials."""
+"""Matrix from values at the stages to coefficients of Legendre's polynomials."""
 
 
 def antiderivatives(x: Any) -> Any:
@@ -92,7 +92,7 @@ class Gauss(OdeSolver):
 
     ``fun`` must take states (n, k), coordinates before their rates, complex ones too, and times
     (k,), as `Dynamics.right_hand_side` does. The step follows from the last coefficient of the
-    stages' series, an estimate of order `STAGES` that is pessimistic where the solution is smooth.
+    stages' series, an estimate of order `STAGES`, pessimistic where the solution is smooth.
     """
 
     n_stages = STAGES
@@ -123,8 +123,7 @@ class Gauss(OdeSolver):
     def slopes(self) -> Any:
         """Derivatives (2, n / 2, n / 2) of the accelerations, by coordinates and by rates.
 
-        In the middle of the coming step, as far as the last one tells where that is; exact by
-        complex steps.
+        In the middle of the coming step, extrapolated from the last one; exact by complex steps.
         """
         self.njev += 1
         t, y, n = self.t, self.y, self.n // 2

@@ -2,8 +2,8 @@
 
 The equations are evaluated once with symbols for time and states: what depends on coefficients
 alone is computed then, and every other operation is written down, equal ones once, none with a
-coefficient that is zero. A call of the kernel goes through that list. It computes what the
-equations say, to the last bit, but for sines and cosines of many angles.
+zero coefficient. A call of the kernel executes that list. Results equal those of the equations to
+the last bit, but for sines and cosines of many angles.
 
 NumPy takes those of an array one number after the other, and the tangent of several at once. With
 ``t = tan(x / 2)`` and ``w = 2 / (1 + t^2)`` sine and cosine are ``t w`` and ``w - 1``: both in a
@@ -45,7 +45,7 @@ OPERATIONS: dict[Any, str] = {
     np.cos: "cos({})",
     np.sqrt: "sqrt({})",
 }
-"""What is written down, in Python."""
+"""Traced NumPy functions as Python source."""
 
 
 class UntraceableError(Exception):
@@ -53,7 +53,7 @@ class UntraceableError(Exception):
 
 
 class Symbol:
-    """A number that is known when the kernel is called: a place in its list of arrays."""
+    """An operand of a traced operation: a place in the kernel's list of arrays."""
 
     __array_ufunc__ = None  # arrays leave operations with symbols to these
 
@@ -107,12 +107,12 @@ class Symbol:
 
 
 def is_number(operand: Any, value: float) -> bool:
-    """Return whether an operand is known to be this number."""
+    """Return True if an operand is a constant with this value."""
     return not isinstance(operand, Symbol) and not np.ndim(operand) and operand == value
 
 
 class Trace:
-    """What is done with symbols; it stands for NumPy where equations ask for functions.
+    """Recorded operations on symbols; it takes the place of NumPy in the equations.
 
     Attributes
     ----------
@@ -211,9 +211,7 @@ class Kernel:
         What its calls read.
     calls : list of (function, arrays)
     accelerations : list of arrays (...) or numbers
-        What these have computed.
-    needs_time : bool
-        Whether a call reads the time.
+        Results of the calls.
     """
 
     def __init__(self, trace: Trace, ends: Sequence[int], t: Any, x: Any) -> None:
@@ -232,7 +230,6 @@ class Kernel:
                 arguments = (arrays[i] for i in (*taken, *made))
                 ready = [x if isinstance(x, np.ndarray) else np.asarray(x, kind) for x in arguments]
                 self.calls.insert(0, (function, ready))
-        self.needs_time = 0 in read
 
     def __call__(self, t: Any, x: Any) -> Any:
         """Return dx/dt."""
@@ -349,12 +346,12 @@ class RightHandSide:
         return self.call(t, x)
 
     def is_single(self, t: Any, x: Any) -> bool:
-        """Return whether this is one state of doubles."""
+        """Return True for one state of doubles."""
         one = x.ndim == 1 or (x.size == len(x) and np.isrealobj(t))
         return self.numbers is not None and x.dtype == float and one
 
     def is_few(self, t: Any, x: Any) -> bool:
-        """Return whether states are taken one by one: no more doubles (2 n, k) than squared.
+        """Return True if states are evaluated one by one: no more doubles (2 n, k) than (2 n)^2.
 
         Plain numbers then take less time than the calls of NumPy, of which longer equations have
         the more.
@@ -371,6 +368,11 @@ class RightHandSide:
             written = written_down(self.rates, t, x)
             self.kernels[key] = None if written is None else Kernel(*written, t, x)
         return self.kernels[key]
+
+    def prepared(self, t: Any, x: Any) -> Callable[[Any, Any], Any]:
+        """Return the right-hand side for arrays of these shapes and types."""
+        kernel = self.kernel(t, x)
+        return self.call if kernel is None else watched(kernel)
 
     def value(self, t: Any, x: Any) -> Any:
         """Return dx/dt."""

@@ -56,8 +56,8 @@ TABLEAUS = {
         (1 / 12, 0, 0, 0, 5 / 12, 5 / 12, 1 / 12),
     ),
 }
-"""By the name that Exudyn gives them. Sources: midpoint (Runge), RK33 (Heun) and RK44 (Kutta) in
-Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section II.1; DOPRI5
+"""Explicit Runge-Kutta methods by Exudyn's names. Sources: midpoint (Runge), RK33 (Heun) and RK44
+(Kutta) in Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section II.1; DOPRI5
 Dormand and Prince (1980), J. Comp. Appl. Math. 6, 19-26; RK67 Butcher (1964), J. Austral.
 Math. Soc. 4, 179-194, seven stages of order 6."""
 
@@ -149,7 +149,7 @@ class VelocityEquations(ScalarEquations):
         self.damping = columns.T @ self.damping @ columns
 
     def columns(self, q: Any, plain: float = 1.0) -> Array:
-        """Return T (n_q, n), or without ``plain`` what is linear in q of it."""
+        """Return T (n_q, n), or without ``plain`` its part linear in q."""
         columns = np.zeros((len(q), self.n), dtype=np.asarray(q).dtype)
         columns[self.plain, range(len(self.plain))] = plain
         for first, places in zip(range(len(self.plain), self.n, 3), self.turning, strict=True):
@@ -186,7 +186,7 @@ def explicit_runge_kutta(equations: ScalarEquations, tableau: Tableau) -> Step:
 
 @cache
 def moved(weights: tuple[float, ...]) -> Callable[..., list[float]]:
-    """Return the function (x, h, k) that is ``x + h sum(w_j k_j)``, added in their order.
+    """Return the function (x, h, k) with the value ``x + h sum(w_j k_j)``, added in their order.
 
     It is written out: in small lists loops over the weights take longer than the sums.
     """
@@ -293,7 +293,7 @@ def integrate(
     Returns
     -------
     array (2 n, n_t)
-        NaN from the first state that is not finite.
+        NaN from the first infinite or undefined state on.
     """
     advance = SCHEMES[scheme](equations)
     x = equations.start(state, start_time)

@@ -34,8 +34,8 @@ class SolveOptions(NamedTuple):
     tolerance : float
         Relative tolerance of the answer, unless it is stiff.
     loose_tolerance : float
-        Relative tolerance of the run whose steps are the intervals in which errors are told, unless
-        that of a stiff answer's check is larger.
+        Relative tolerance of the run whose steps are the intervals of local errors, unless that of
+        a stiff answer's check is larger.
     max_times : int
         Sample times that are nodes too; of others the bound is that of the next node.
     safety : float
@@ -85,8 +85,8 @@ def solve(
     """Solve one trajectory: by DOP853, a stiff scene by Gauss collocation.
 
     The bound carries local errors along by the linearised equations: those of the method, each
-    held against a solution by another with far more steps, and those of rounding, of the start
-    and of the parameters too, see `bounds_of`. A stiff answer is held against a run at another
+    the difference from a solution with far more steps, and those of rounding, of the start
+    and of the parameters too, see `bounds_of`. A stiff answer is compared with a run at another
     tolerance instead, whose steps share no grid with its own. No step leads across the end of a
     drive. From where the bound passes a share of the states' sizes nothing is known, and the
     solution is lost (`Solution.lost_from`).
@@ -170,7 +170,7 @@ def states_at(
 ) -> Array:
     """Return the states (2 n, n_t) of `solve` from t = 0, without the bound on their errors.
 
-    The steps are the same; only what rounding makes of an interpolation between them may differ.
+    The steps are the same; only round-off of the interpolation between them may differ.
 
     Parameters
     ----------
@@ -297,7 +297,7 @@ def with_companions(dynamics: Dynamics, sizes: Array) -> Array:
 
     The one that stretches least would else set the step: by waves along a beam, which no one sees.
     Where there are no waves, each has its own; in a quaternion it is no less than a share of the
-    largest, for one that is 0 but for rounding would set the step by that.
+    largest: one of the size of round-off would otherwise set the step.
     """
     names, sizes = dynamics.state_names, sizes.copy()
     for one in dynamics.quaternions:

@@ -1,4 +1,4 @@
-"""What solving gives: states at sample times, and a bound on their errors."""
+"""Solutions: states at sample times, and bounds on their errors."""
 
 from __future__ import annotations
 

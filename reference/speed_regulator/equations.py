@@ -1,4 +1,4 @@
-r"""speed_regulator: a crank driven by a constant torque, held back by a damped slider.
+r"""speed_regulator: a crank driven by a constant torque against a damped slider.
 
 ::
 
@@ -62,7 +62,7 @@ class SpeedRegulator(Parameters):
     gravity_y: float = gravity("y", "along the slide")
 
     def validate(self) -> None:
-        """Refuse a rod that is not longer than the crank.
+        """Refuse a rod no longer than the crank.
 
         Raises
         ------

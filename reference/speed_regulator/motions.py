@@ -66,7 +66,7 @@ def static_arcs(p: SpeedRegulator) -> dict[str, tuple[float, float]]:
 
 
 def _extremum(start: float, stop: float, c: Coefficients) -> float:
-    """Where between two of its zeros the static torque is largest in magnitude."""
+    """Return the angle of the largest static torque between two of its zeros."""
     grid = np.linspace(start, stop, ARC_SAMPLES)
     i = int(np.argmax(np.abs(static_torque(grid, c))))
     near = grid[max(i - 1, 0)], grid[min(i + 1, ARC_SAMPLES - 1)]
@@ -131,7 +131,7 @@ def mean_speed(p: SpeedRegulator) -> Any:
 
 
 def _guessed_speed(p: SpeedRegulator) -> Any:
-    """`mean_speed` where that is a rotation, else 1 rad/s."""
+    """`mean_speed` of a rotation, else 1 rad/s."""
     speed = mean_speed(p)
     return np.where(np.isfinite(speed) & (speed > 0), speed, 1.0)
 
@@ -201,11 +201,11 @@ STEADY = 0.02
 RESTING = 1e-3
 """Largest energy of a state of rest, as a share of the depth of its well."""
 LAST_PART = 0.1
-"""Share of the run in which a state of rest is asked for."""
+"""Final share of the run that a state of rest must cover."""
 
 
 def outcome(times: Array, values: Mapping[str, Array], p: SpeedRegulator) -> str:
-    """Return what a run ends in.
+    """Return the long-term motion of a run.
 
     ``rotation``: three full turns forward without a pause, whose mean speeds, extrapolated
     as a geometric sequence, have settled. ``rest``: through the last tenth of the run, next

@@ -1,11 +1,11 @@
-r"""speed_regulator with a loop that is closed softly, as MuJoCo closes loops.
+r"""speed_regulator with a softly closed loop, as MuJoCo closes loops.
 
 ::
 
                A        phi of the crank, theta of the rod: A to B' is l (sin, -cos) theta
           r  / |        pin_angle = theta - phi, what the hinge in A turns
     M_m -> O   |        B' is the end of the rod, B the slider at (0, y)
-               |        residual B' - B, held small by a force f on the rod, -f on the slider
+               |        residual B' - B, made small by a force f on the rod, -f on the slider
                B'
              ( B )      closed exactly: theta = -b
 

@@ -48,9 +48,7 @@ from ..scene import Array, OrbitLimit
 from .equations import (
     Coefficients,
     SpeedRegulator,
-    accelerations,
     coefficients,
-    energy,
     inertia,
     position,
 )
@@ -84,8 +82,8 @@ class Accuracy(NamedTuple):
 
 
 FINE, ROUGH = Accuracy(1e-13, 1e-6), Accuracy(1e-10, 1e-5)
-SLOW = Accuracy(1e-12, 1e-6)
-"""That of the slowest rotation, which is followed in time."""
+TOLERANCE = 1e-12
+"""Relative tolerance of the limit cycle."""
 
 SAMPLES = 1024
 """Samples of a turn, uniform in phi, from which the extremes of the speed are found."""
@@ -158,7 +156,45 @@ def _turn(start: float, c: Coefficients, tolerance: float, samples: Any = None) 
     return _integrated(rates, ends, [start, 0.0, 0.0], t_eval=samples, rtol=tolerance, atol=atol)
 
 
-def rotation(p: SpeedRegulator, tolerance: float = 1e-12) -> Rotation:
+def _cycle_energy(p: SpeedRegulator, tolerance: float) -> float | None:
+    """Return T [J] of the rotation at phi = 0, None where there is none.
+
+    Continued to negative T, without damping there, dT/dphi has exactly one periodic solution: a
+    turn loses the more energy the larger T is. It is a rotation if T is positive all along.
+    """
+    c = coefficients(p)
+    high = inertia(position(0.0, c, math), c) * float(mean_speed(p)) ** 2
+
+    def slope(phi: float, x: Sequence[float]) -> float:
+        return _along(phi, x[0], c)[0]
+
+    least: Any = lambda phi, x: slope(phi, x)  # noqa: E731, a function that may have attributes
+    least.direction = 1
+
+    def turn(start: float) -> Any:
+        atol = 1e-4 * tolerance * max(start, 1e-3 * high)
+        ends = 0, 2 * math.pi
+        return _integrated(
+            lambda phi, x: [slope(phi, x)],
+            ends,
+            [start],
+            rtol=0.1 * tolerance,
+            atol=atol,
+            events=least,
+        )
+
+    def gain(start: float) -> float:
+        return float(turn(start).y[0, -1] - start)
+
+    while gain(high) > 0:
+        high *= 2
+    if gain(0.0) <= 0:
+        return None
+    start = float(brentq(gain, 0.0, high, xtol=1e-15 * high, rtol=1e-14))
+    return start if all(x[0] > 0 for x in turn(start).y_events[0]) else None
+
+
+def rotation(p: SpeedRegulator, tolerance: float = TOLERANCE) -> Rotation:
     """Return the limit cycle, by integration over the crank angle with a relative tolerance.
 
     Raises
@@ -166,23 +202,13 @@ def rotation(p: SpeedRegulator, tolerance: float = 1e-12) -> Rotation:
     NoOrbitError
         If there is none.
     """
-    slow = _slow_speed(p) if p.damping > 0 and p.torque > 0 else None
-    if slow is None:
+    start = _cycle_energy(p, tolerance) if p.damping > 0 and p.torque > 0 else None
+    if start is None:
         raise NoOrbitError(
             "speed_regulator has no steady rotation forward with these parameters: it needs "
             "damping, and a torque above least_torque"
         )
     c = coefficients(p)
-
-    def gain(start: float) -> float:
-        return float(_turn(start, c, tolerance).y[0, -1] - start)
-
-    half = inertia(position(0.0, c, math), c) / 2
-    low = half * slow**2
-    high = 2 * max(low, half * float(mean_speed(p)) ** 2)
-    while gain(high) > 0:
-        high *= 2
-    start = brentq(gain, low, high, xtol=1e-15 * high, rtol=1e-14) if gain(low) > 0 else low
     phi = np.linspace(0, 2 * math.pi, SAMPLES + 1)
     kinetic, time, exponent = _turn(start, c, tolerance, phi).y
     speed = np.sqrt(2 * kinetic / inertia(position(phi, c), c))
@@ -242,64 +268,9 @@ def _half_turn(saddle: float, way: int, c: Coefficients, accuracy: Accuracy) -> 
     return np.asarray(run.y[0])
 
 
-class Passage(NamedTuple):
-    """One turn of a motion: whether it was completed, and its speed on the section phi = 0."""
-
-    complete: bool
-    section_speed: float
-
-
-def _passage(phi: float, speed: float, goal: float, c: Coefficients, tolerance: float) -> Passage:
-    """Follow the motion until it reaches the goal, turns back, or lacks the energy to get there.
-
-    The goal is a turn away, between 2 pi and 4 pi.
-    """
-
-    def rates(t: float, x: Sequence[float]) -> tuple[float, float]:
-        return x[1], accelerations(0.0, x[:1], x[1:], c, math)[0]
-
-    def free_energy(phi: float, speed: float) -> float:
-        return float(energy([phi], [speed], c) - c.torque * phi)
-
-    needed = free_energy(goal, 0.0)
-    events: list[Any] = [
-        lambda t, x: x[0] - goal,
-        lambda t, x: x[1],
-        lambda t, x: free_energy(x[0], x[1]) - needed,
-        lambda t, x: x[0] - 2 * math.pi,
-    ]
-    for event, terminal, direction in zip(
-        events, (True, True, True, False), (1, -1, -1, 1), strict=True
-    ):
-        event.terminal, event.direction = terminal, direction
-    ends, atol = (0, math.inf), 1e-3 * tolerance
-    run = _integrated(rates, ends, [phi, speed], events=events, rtol=tolerance, atol=atol)
-    crossed = run.y_events[3]
-    return Passage(bool(len(run.t_events[0])), float(crossed[0, 1]) if len(crossed) else 0.0)
-
-
-def _slow_speed(p: SpeedRegulator) -> float | None:
-    """Speed at phi = 0 of the slowest motion that comes round; None where none does."""
-    c = coefficients(p)
-    saddles = [
-        phi % (2 * math.pi)
-        for phi in found_equilibria(p).values()
-        if static_stiffness(phi, c, math) < 0
-    ]
-    for saddle in saddles:
-        _, rate = _direction(saddle, 1, c)
-        start = saddle + SLOW.offset, rate * SLOW.offset
-        passage = _passage(*start, saddle + 2 * math.pi, c, SLOW.tolerance)
-        if passage.complete:
-            return passage.section_speed
-    if saddles:
-        return None
-    return _passage(math.pi, 0.0, 3 * math.pi, c, SLOW.tolerance).section_speed
-
-
 def rotates(p: SpeedRegulator) -> bool:
-    """Whether there is a steady rotation forward."""
-    return p.damping > 0 and p.torque > 0 and _slow_speed(p) is not None
+    """Return True if there is a steady rotation forward."""
+    return p.damping > 0 and p.torque > 0 and _cycle_energy(p, TOLERANCE) is not None
 
 
 def connection(p: SpeedRegulator, state: Any, fine: bool) -> tuple[float, float, float]:

@@ -12,11 +12,9 @@ from typing import Any
 import pytest
 
 from mbcheck.comparisons.checks import comparison
-from mbcheck.comparisons.checks.rules.cautions import RULES
 from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.checks.truth import MOST_AMPLIFICATION
 from mbcheck.comparisons.checks.verdict import PROFILES
-from mbcheck.comparisons.cli import catalogue
 from mbcheck.comparisons.cli.group import VERBS
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.tests.support.command import MAIN, invoke
@@ -28,7 +26,6 @@ SLOW = (
     "mbcheck orbit rotor_pendulum",
     "mbcheck check --id",
     "mbcheck simulate rotating_beam --model",
-    "mbcheck simulate rotating_beam --set",
     "mbcheck boundary",
     "mbcheck check --quick --engine mujoco",
     "mbcheck reproduce",
@@ -36,12 +33,6 @@ SLOW = (
     "mbcheck extremes",
 )
 """How commands begin that take more than seconds."""
-
-SLOW_PYTHON = "# takes"
-"""How blocks of Python begin that do."""
-
-ONE_OF_FOUR = "in (0.0, 0.4, 0.8, 1.2)", "in (0.4,)"
-"""What shortens the longest of them."""
 
 
 def marked(text: str, slow: str | tuple[str, ...]) -> Any:
@@ -127,19 +118,56 @@ def test_commands_run_one_after_the_other(block: str) -> None:
         assert result.exit_code == int(line.startswith("mbcheck compare ")), result.stderr
 
 
+FENCED = re.MULTILINE | re.DOTALL
+
+SHOWN = re.compile(r"^```\w*\n((?:mbcheck [^\n]*\n)+)```\n\n```text\n(.*?)^```$", FENCED)
+"""Commands, and what the last of them prints."""
+
+
+def shown() -> list[Any]:
+    """Return commands with the output that a document shows of the last, slow if they are."""
+    return [
+        pytest.param(block, output, marks=pytest.mark.slow if is_slow(block) else (), id=path.stem)
+        for path in DOCUMENTS
+        for block, output in SHOWN.findall(path.read_text(encoding="utf-8"))
+        if not re.search(f"{OWN_ENGINE}|toy_engine", block)
+    ]
+
+
+def is_slow(block: str) -> bool:
+    """Return True if commands take more than seconds."""
+    return block.startswith(SLOW) or re.search(TOGETHER, block) is not None
+
+
+def assert_prints(output: str, shown: str) -> None:
+    """Fail unless all parts of a text, between dots, are in an output, in this order."""
+    printed, place = " ".join(output.split()), 0
+    for part in shown.split("...\n"):
+        place = printed.find(" ".join(part.split()), place)
+        assert place >= 0, part
+
+
+@pytest.mark.parametrize(("block", "output"), shown())
+@pytest.mark.usefixtures("own_folder")
+def test_output_is_what_is_printed(block: str, output: str) -> None:
+    for line in block.splitlines():
+        result = invoke("", *shlex.split(line)[1:])
+    assert_prints(result.stdout, output)
+
+
 @pytest.mark.parametrize(
     "block",
     # modules print nothing: engines are followed below and in test_plugin, and the new scene in
     # test_new_scene
     [
-        marked(text, SLOW_PYTHON)
+        text
         for name, text in blocks("python")
-        if name != "docs/new_scene.md" and "def simulate(" not in text
+        if name != "docs/new_scene.md" and "(self, " not in text
     ],
 )
 def test_python_runs(block: str, tmp_path: Path) -> None:
     ended = subprocess.run(
-        [sys.executable, "-c", block.replace(*ONE_OF_FOUR)],
+        [sys.executable, "-c", block],
         cwd=tmp_path,
         capture_output=True,
         text=True,
@@ -153,69 +181,35 @@ def read(name: str) -> str:
     return (ROOT / name).read_text(encoding="utf-8")
 
 
-def test_the_coverage_is_shown() -> None:
-    text = read("docs/checks.md")
-    for engine in ("mujoco", "exudyn"):
-        pytest.importorskip(engine, exc_type=ImportError)
-    rows: dict[tuple[str, str], list[str]] = {}
-    for cell in catalogue.coverage()["cells"]:
-        rows.setdefault((cell["scene"], cell["engine"]), []).append(str(cell["checks"]))
-    kinds = " | ".join(KINDS)
-    assert f"| Scene | Engine | {kinds} |" in text
-    for place, checks in rows.items():
-        assert f"| {' | '.join((*place, *checks))} |" in text
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_scenes_are_described_as_they_are(name: str) -> None:
-    text = read("docs/scenes.md").partition(f"\n## {name}\n")[2].partition("\n## ")[0]
-    sheet = catalogue.scene_sheet(name)
-    for item in sheet["parameters"]:
-        default = item["default"]
-        shown = default if isinstance(default, str) else f"{default:.10g}"
-        cells = (f"`{item['name']}`", item["symbol"], item["unit"], shown, item["meaning"])
-        assert f"| {' | '.join(cells)} |" in text
-    named = [entry["name"] for entry in sheet["cases"] if not entry["full_only"]]
-    for word in (
-        *named,
-        *sheet["about"],
-        *(m for models in sheet["models"].values() for m in models),
-    ):
-        assert word == "exact" or f"`{word}`" in text, word
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_maps_are_described_as_they_are(name: str) -> None:
-    text = read("docs/maps.md")
-    sheet = catalogue.scene_sheet(name)
-    for item in sheet["maps"]:
-        models, variables = (", ".join(f"`{w}`" for w in item[k]) for k in ("models", "variables"))
-        cells = (name, f"`{item['quantity']}`", item["about"], models, variables)
-        assert f"| {' | '.join(cells)} |" in text
-    for axis in sheet["axes"]:
-        assert f"`{axis['name']}`" in text
-
-
 @pytest.mark.parametrize("name", SCENES)
 def test_every_paper_is_cited(name: str) -> None:
     paper = get_scene(name).paper
     assert f"Scene {name}\n" in read("CITATION.cff")
-    for document in ("README.md", "docs/scenes.md", "CITATION.cff"):
+    for document in ("docs/scenes.md", "CITATION.cff"):
         words = " ".join(read(document).split())
         assert paper.title in words
         assert paper.doi in words
 
 
-def test_links_lead_somewhere() -> None:
-    for path in DOCUMENTS:
-        for target in re.findall(r"\]\(([^)#:]+)\)", path.read_text(encoding="utf-8")):
-            assert (path.parent / target).exists(), f"{path.name} links to {target}"
+def anchors(text: str) -> set[str]:
+    """Return the addresses of the headings of a page."""
+    heads = re.findall(r"^#+ (.*)$", re.sub(r"^```.*?^```$", "", text, flags=FENCED), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
 
 
-def test_rules_are_described_as_they_are() -> None:
-    text = read("docs/checks.md")
-    for name, rule in RULES.items():
-        assert f"| `{name}` | {rule.meaning} |" in text
+@pytest.mark.parametrize(
+    "path",
+    [*DOCUMENTS, *ROOT.glob("docs/papers/*.md"), ROOT / "benchmarks" / "README.md"],
+    ids=lambda path: str(path.relative_to(ROOT)),
+)
+def test_links_lead_somewhere(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    for target, anchor in re.findall(r"\]\(([^)#:\s]*)(?:#([^)\s]*))?\)", text):
+        page = path.parent / target if target else path
+        assert page.exists(), f"{path.name} links to {target}"
+        if anchor:
+            found = anchors(page.read_text(encoding="utf-8"))
+            assert anchor in found, f"{path.name} links to {target}#{anchor}"
 
 
 def test_tolerances_are_described_as_they_are() -> None:
@@ -234,55 +228,47 @@ def test_tolerances_are_described_as_they_are() -> None:
 # The README
 
 
-def readme_engine() -> str:
-    """Return the engine that the README plugs in."""
-    (source,) = re.findall(r"^```python\n(.*?)^```$", read("README.md"), re.MULTILINE | re.DOTALL)
-    return source
+def python_of(name: str) -> list[str]:
+    """Return the Python blocks of a page."""
+    return [text for page, text in blocks("python") if page == name]
 
 
-def run_readme_engine(folder: Path, source: str) -> subprocess.CompletedProcess[str]:
-    """Run the README's command beside its engine, which is written to a folder."""
+def run_own_engine(page: str, folder: Path, source: str) -> subprocess.CompletedProcess[str]:
+    """Run a page's command for an engine of the reader's, which is written to a folder."""
     (folder / "my_engine.py").write_text(source, encoding="utf-8")
     (command,) = (
         line
-        for line in read("README.md").splitlines()
+        for line in read(page).splitlines()
         if re.search(OWN_ENGINE, line) and line.startswith("mbcheck ")
     )
     return subprocess.run(
-        [*MAIN, *shlex.split(command)[1:]],
-        cwd=folder,
-        capture_output=True,
-        text=True,
+        [*MAIN, *shlex.split(command)[1:]], cwd=folder, capture_output=True, text=True
     )
 
 
 def test_the_readme_engine_has_ten_lines_and_passes(tmp_path: Path) -> None:
     pytest.importorskip("mujoco")
-    source = readme_engine()
+    (source,) = python_of("README.md")
     body = source.partition("class ")[2].splitlines()[1:]
     assert len([line for line in body if line.strip()]) <= 11
-    ended = run_readme_engine(tmp_path, source)
+    ended = run_own_engine("README.md", tmp_path, source)
     assert ended.returncode == 0, ended.stdout
     assert "0 deviations, 0 errors" in ended.stdout
 
 
 @pytest.mark.slow
-def test_the_readme_shows_what_is_printed_of_its_defect(tmp_path: Path) -> None:
+@pytest.mark.parametrize("page", ["README.md", "docs/tutorial.md"])
+def test_a_page_shows_what_is_printed_of_its_defect(page: str, tmp_path: Path) -> None:
     pytest.importorskip("mujoco")
-    readme = read("README.md")
-    (defect,) = re.findall(r"`(model\.\S+ \*= \S+)`", readme)
-    (shown,) = (text for name, text in blocks("text") if name == "README.md")
-    assert len(shown.splitlines()) <= 12
-    source = readme_engine()
-    before = "        data, rows"
-    assert before in source
-    ended = run_readme_engine(tmp_path, source.replace(before, f"        {defect}\n{before}"))
+    (defect,) = re.findall(r"`(model\.\S+ \*= \S+)`", read(page))
+    (shown,) = (text for name, text in blocks("text") if name == page and "Located" in text)
+    (source,), (accelerations,) = python_of("README.md"), python_of("docs/tutorial.md")
+    reads = "        model = mujoco.MjModel.from_xml_string(system.mjcf)\n"
+    source += f"\n{accelerations}"
+    assert source.count(reads) == 2
+    ended = run_own_engine(page, tmp_path, source.replace(reads, f"{reads}        {defect}\n"))
     assert ended.returncode == 1
-    printed = " ".join(ended.stdout.split())
-    place = 0
-    for part in shown.split("...\n"):
-        place = printed.find(" ".join(part.split()), place)
-        assert place >= 0, part
+    assert_prints(ended.stdout, shown)
 
 
 def test_the_readme_asks_a_question_for_every_kind() -> None:
@@ -291,7 +277,7 @@ def test_the_readme_asks_a_question_for_every_kind() -> None:
 
 
 def test_the_readme_is_short() -> None:
-    assert len(read("README.md").splitlines()) < 120
+    assert len(read("README.md").splitlines()) <= 100
 
 
 def test_the_readme_counts_no_results() -> None:

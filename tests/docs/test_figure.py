@@ -88,3 +88,18 @@ def test_figure_is_called_by_its_path(clone: Path, tmp_path: Path) -> None:
     )
     assert ended.returncode == 2
     assert ended.stderr == "usage: python docs/figure.py PATH\n"
+
+
+def test_the_picture_of_the_readme_shows_which_engine_is_wrong(
+    tmp_path: Path, clone: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for module in ("mujoco", "matplotlib"):
+        pytest.importorskip(module, exc_type=ImportError)
+    monkeypatch.syspath_prepend(clone / "docs")
+    picture = importlib.import_module("picture")
+    found = picture.runs(picture.STEPS[2:4])
+    assert found["right"][0] > 14 * found["right"][1]
+    assert found["wrong"][1] > 0.9 * found["wrong"][0] > 1e-3
+    picture.draw(tmp_path / "picture.png", found)
+    header = (tmp_path / "picture.png").read_bytes()[16:24]
+    assert (int.from_bytes(header[:4]), int.from_bytes(header[4:])) == (800, 500)

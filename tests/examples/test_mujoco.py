@@ -36,7 +36,7 @@ def beside(scene: str, case: str, kinds: tuple[str, ...]) -> None:
     for kind in kinds_of(known):
         for check in checks_of(kind, known, "mujoco") if kind in kinds else ():
             built_in = check.method is None or check.method.name in METHODS
-            if built_in and not check.why_not:
+            if built_in and not check.unsupported_reason:
                 own |= {key(item): item for item in run_check(check, engine=get_engine("mujoco"))}
     both = [(item, own[key(item)]) for item in found if key(item) in own]
     assert both

@@ -15,10 +15,9 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from mbcheck.comparisons.inspect.console import print_inspection
+from mbcheck.comparisons.inspect.batch import print_inspection
 from mbcheck.comparisons.inspect.inspection import Inspection, inspect
-from mbcheck.comparisons.inspect.subject import View
-from mbcheck.comparisons.inspect.views import step_limit_of
+from mbcheck.comparisons.inspect.views import View, step_limit_of
 from mbcheck.comparisons.tradeoff.model import ModelTradeoff, setting_of
 from mbcheck.comparisons.tradeoff.request import TradeoffRequest
 from mbcheck.reference.errors import UsageError
@@ -69,7 +68,7 @@ def test_reports_are_short(inspected: list[Inspection]) -> None:
 def grows(view: View, integrator: str, step: float, steps: int) -> bool:
     """Return whether a small departure grows where constant forces hold the state."""
     assert view.linear is not None
-    loaded = view.linear.simulated.loaded
+    loaded = view.linear.loaded
     lib, model = loaded.mujoco, loaded.sharp("warmstart")
     model.opt.timestep = step
     model.opt.integrator = getattr(lib.mjtIntegrator, f"mjINT_{integrator.upper()}")
@@ -137,4 +136,4 @@ def test_what_is_recommended_meets_its_target_again(inspected: list[Inspection])
         again = [item for item in second.trials if setting_of(item) == chosen]
         answers += [(one.file, chosen.name, item.error) for item in again]
     assert len(answers) >= 8
-    assert [answer for answer in answers if answer[2] > first.asked.target] == []
+    assert [answer for answer in answers if answer[2] > first.request.target] == []

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from mbcheck.comparisons.checks.diagnosis.runs import ANOTHER_MODEL
+from mbcheck.comparisons.checks.diagnosis import ANOTHER_MODEL
 from mbcheck.comparisons.checks.verdict import result_from
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.reference.speed_regulator.soft import NO_DRIFT

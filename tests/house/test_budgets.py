@@ -49,6 +49,19 @@ def test_claims_of_papers_stay_within_their_lines(clone: Path) -> None:
     assert all(count <= budgets.CLAIMS[paper] for paper, count in lines.items())
 
 
+def test_pages_stay_within_their_words(clone: Path) -> None:
+    count = budgets.count_doc_words(clone)
+    assert count <= budgets.DOC_WORDS, "shorten a page by as much"
+    assert (1 + budgets.SLACK) * count >= budgets.DOC_WORDS, "lower the budget"
+
+
+def test_generated_tables_are_no_words_of_a_page(tmp_path: Path) -> None:
+    (tmp_path / "docs").mkdir()
+    (tmp_path / "docs" / "ledger.md").write_text("a b c")
+    (tmp_path / "README.md").write_text("one <!-- table of x -->\n| a |\n<!-- end --> two\n")
+    assert budgets.count_doc_words(tmp_path) == 2
+
+
 def test_what_is_counted() -> None:
     house = [
         Module("comparisons/a/b.py", '"""Return what is told."""\nx = 1\n"""Of it."""\n'),

@@ -29,6 +29,7 @@ def source_files(root: Path) -> set[str]:
     """Return the files, relative to `root`, that the package is to contain."""
     patterns = ["*.py", "py.typed", "models/*/*.xml", "examples/*.py"]
     patterns += ["comparisons/reports/templates/*", "comparisons/papers/*/claims.toml"]
+    patterns += ["comparisons/cli/glossary.toml", "comparisons/documents/schemas/*.json"]
     patterns += [f"{layer}/**/*.py" for layer in ("reference", "models", "comparisons")]
     patterns += [f"tests/{folder}/**/*.py" for folder in ("support", "conformance")]
     files = (path for pattern in patterns for path in root.glob(pattern))

@@ -85,7 +85,7 @@ def test_rule_sees_what_breaks_it(rule: str, path: str, source: str, breach: str
         ("engines_by_name", HERE, "TEXT = 'MuJoCo'"),
         ("engines_by_name", "comparisons/faults/a.py", "NAME = 'mujoco'"),
         ("sibling_kinds", KIND, "from ..comparison import c"),
-        ("sibling_kinds", "comparisons/checks/diagnosis/a.py", "from ..kinds import c"),
+        ("sibling_kinds", "comparisons/checks/diagnosis.py", "from ..kinds import c"),
         ("asked_engines", HERE, "def f(engine): return engine.batch"),
         ("broad_excepts", HERE, "def f():\n    try: g()\n    except EngineError: pass"),
         ("broad_excepts", HERE, "def f():\n    try: g()\n    except Exception:\n        raise"),

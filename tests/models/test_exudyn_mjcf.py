@@ -7,7 +7,7 @@ import xml.etree.ElementTree as ET
 import pytest
 
 from mbcheck.comparisons.checks.suite import plan_cases, run_check
-from mbcheck.comparisons.faults.exudyn import Rebuilt
+from mbcheck.comparisons.faults.exudyn import ExudynAdapter, Rebuilt
 from mbcheck.models import exudyn_mjcf
 from mbcheck.models.mechanism import mechanism
 from mbcheck.models.mjcf import Mjcf, models
@@ -55,8 +55,8 @@ def test_an_attribute_that_is_left_out_is_seen(scene: str, label: str, tag: str,
 
     verdicts = set()
     for check in plan_cases([case], ["exudyn"], ["algebra"], full=True):
-        if not check.why_not and check.model != "one_dof":
-            wrong = Rebuilt(exudyn_mjcf, mechanism=read)
+        if not check.unsupported_reason and check.model != "one_dof":
+            wrong = ExudynAdapter(Rebuilt(exudyn_mjcf, mechanism=read))
             verdicts |= {one.verdict for one in run_check(check, engine=wrong, explain=False)}
     assert verdicts & {"deviation", "error"}
 

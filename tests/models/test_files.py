@@ -74,4 +74,4 @@ def test_every_binding_reaches_the_compiled_model(key: tuple[str, str]) -> None:
     text = model.path.read_text(encoding="utf-8")
     default = compiled(text)
     for place, value in model.bindings.items():
-        assert compiled(bind(text, {place: value}, other)) != default, place
+        assert compiled(bind(text, {place: value(other)})) != default, place

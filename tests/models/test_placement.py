@@ -29,7 +29,11 @@ GRAVITY = np.array([1.5, -4.0, 8.0])
 @pytest.mark.parametrize(("scene", "model"), MODELS)
 def test_it_is_the_same_mechanism(scene: str, model: str, placement: str) -> None:
     source, axes = mjcf.models(scene)[model], world_axes(placement)
-    p = next(c.parameters for c in get_scene(scene).cases if source.why_not(c.parameters) is None)
+    p = next(
+        c.parameters
+        for c in get_scene(scene).cases
+        if source.unsupported_reason(c.parameters) is None
+    )
     text = mjcf.export(source, p).replace('gravity="0 0 0"', f'gravity="{GRAVITY[0]} -4 8"')
     if reason := unplaceable_reason(text, placement):
         pytest.skip(reason)

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from mbcheck.comparisons.engines.adapter import BoundModel
 from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.setup import Setup, run
 from mbcheck.comparisons.faults.mujoco import Edited, MujocoAdapter
@@ -169,9 +168,9 @@ def test_a_model_that_opens_elsewhere_is_refused() -> None:
 
 def test_models_say_what_they_cannot_stand_for() -> None:
     free = PULSE.replace(hub_inertia=0.0)
-    assert "choose scheme B" in str(CHAIN.why_not(free))
+    assert "choose scheme B" in str(CHAIN.unsupported_reason(free))
     for p in (free.replace(scheme="B"), free.replace(hub_radius=0.1), SHORT, PULSE):
-        assert CHAIN.why_not(p) is None
+        assert CHAIN.unsupported_reason(p) is None
     discrete = METHODS["discrete"]
     assert "would fade" in str(
         ENGINE.bind(case_of(SHORT), "chain").unsupported_reason(case_of(SHORT), discrete)
@@ -263,17 +262,11 @@ def test_runs_keep_their_order_through_the_end_of_the_drive(p: RotatingBeam) -> 
     assert coarse[0] / coarse[1] == pytest.approx(2, rel=0.4)
 
 
-class EndlessModel(BoundModel):
-    """A model whose actuators are never switched off."""
-
-    def read_source(self) -> Mjcf:
-        return dataclasses.replace(super().read_source(), stop=lambda p: None)
-
-
 class Endless(MujocoAdapter):
-    """MuJoCo with these models."""
+    """MuJoCo whose models never switch their actuators off."""
 
-    bound = EndlessModel
+    def read_source(self, scene: str, model: str) -> Mjcf:
+        return dataclasses.replace(super().read_source(scene, model), stop=lambda p: None)
 
 
 @pytest.mark.parametrize("p", [SHORT, PULSE])

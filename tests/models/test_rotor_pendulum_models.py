@@ -121,9 +121,9 @@ def test_file_opens_at_rest_with_nothing_superfluous() -> None:
 
 def test_points_have_an_inertia_that_no_check_sees_or_the_model_is_refused() -> None:
     assert INERTIA_FLOOR / (TABLE_1.rotor_mass * TABLE_1.eccentricity**2) < 1e-12
-    assert TREE.why_not(TABLE_1) is None
+    assert TREE.unsupported_reason(TABLE_1) is None
     tiny = TABLE_1.replace(eccentricity=1e-3)
-    assert "no point masses" in str(TREE.why_not(tiny))
+    assert "no point masses" in str(TREE.unsupported_reason(tiny))
 
 
 @pytest.mark.parametrize("placement", ["absolute", "relative"])

@@ -14,7 +14,7 @@ import pytest
 import mbcheck
 from mbcheck.comparisons.engines.isolation import isolated
 from mbcheck.comparisons.terminal import program
-from mbcheck.comparisons.terminal.budget import budgeted
+from mbcheck.comparisons.terminal.program import budgeted
 from mbcheck.reference.cost import (
     BUDGET,
     LOOKED,

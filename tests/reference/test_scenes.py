@@ -54,7 +54,7 @@ def test_an_engine_shows_what_it_can(engine: str) -> None:
     assert set(whole.observables) == set(truth.observables) | violations
     for name, values in truth.observables.items():
         assert whole.observables[name] == pytest.approx(values, abs=2e-3), name
-    with pytest.raises(UsageError, match="does not tell rod_x"):
+    with pytest.raises(UsageError, match="does not return rod_x"):
         mbcheck.simulate(
             "speed_regulator", state=ROTATING, times=[0.5], engine=engine, observe=["rod_x"]
         )

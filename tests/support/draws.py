@@ -308,7 +308,8 @@ def result_of_draw(draw: Draw, patience: float = PATIENCE) -> Result:
         return about.result("-", "skipped", reason)
     check = Check(
         "parameters", dataclasses.replace(case, horizon=horizon), engine.name, model, method,
-        (QUANTITY,), why_not=engine.bind(case, model).unsupported_reason(case, method), step=step,
+        (QUANTITY,), step=step,
+        unsupported_reason=engine.bind(case, model).unsupported_reason(case, method),
     )  # fmt: skip
     if not (np.isfinite(step) and step >= SLOWEST):
         return check.skipped(f"it moves too fast: the step would be {step:.3g} s")[0]

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 import mbcheck
-from mbcheck.comparisons.checks.mistakes.terms import as_placed, with_axes_of_world
+from mbcheck.comparisons.checks.mistakes.parts import as_placed, with_axes_of_world
 from mbcheck.comparisons.engines.adapter import BoundModel
-from mbcheck.comparisons.faults.exudyn import ExudynAdapter
+from mbcheck.comparisons.engines.exudyn.engine import Exudyn
 from mbcheck.comparisons.faults.mujoco import MujocoAdapter
 from mbcheck.examples.mujoco_engine import MujocoPlugin
 from mbcheck.models import kinematics
@@ -116,13 +116,13 @@ WRONG: Mapping[str, tuple[Any, str, str]] = {
     "loops": (
         FlatLoops,
         "speed_regulator",
-        "it is right as the model stands, and wrong where it turns",
+        "it is right as placed by the file, and wrong where it is turned",
     ),
 }
 """Plug-ins, the scene that shows what is wrong with them, and the words for it."""
 
 
-class Rebuilt(ExudynAdapter):
+class Rebuilt(Exudyn):
     """Exudyn whose models are changed once they are built.
 
     Parameters
@@ -142,12 +142,12 @@ class Rebuilt(ExudynAdapter):
         return built
 
 
-def springs_along_the_world(mbs: Any, axes: Array, p: Any) -> None:
-    """Let springs act along the axes of the world."""
+def slides_along_the_world(mbs: Any, axes: Array, p: Any) -> None:
+    """Let bodies slide along the axes of the world."""
     for item in range(mbs.systemData.NumberOfObjects()):
-        if mbs.GetObject(item)["objectType"] == "ConnectorLinearSpringDamper":
-            along = axes.T @ mbs.GetObjectParameter(item, "axisMarker0")
-            mbs.SetObjectParameter(item, "axisMarker0", along)
+        if mbs.GetObject(item)["objectType"] == "Mass1D":
+            turn = axes.T @ mbs.GetObjectParameter(item, "referenceRotation")
+            mbs.SetObjectParameter(item, "referenceRotation", turn)
 
 
 def weights_along_the_world(mbs: Any, axes: Array, p: Any) -> None:
@@ -160,21 +160,13 @@ def weights_along_the_world(mbs: Any, axes: Array, p: Any) -> None:
             mbs.SetObjectParameter(item, "gravity", [p.gravity_x, p.gravity_y, 0])
 
 
-def drives_along_the_world(mbs: Any, axes: Array, p: Any) -> None:
-    """Let the force on a body in space act along the y axis of the world."""
-    kinds = [mbs.GetLoad(load)["loadType"] for load in range(mbs.systemData.NumberOfLoads())]
-    loads = [load for load, kind in enumerate(kinds) if kind == "Coordinate"]
-    for load, share in zip(loads, [0.0, 1.0, 0.0], strict=True) if len(loads) > 1 else ():
-        mbs.SetLoadParameter(load, "load", share * p.force_amplitude)
-
-
-class WithExudynsReactionsAlongTheWorld(ExudynAdapter):
+class WithExudynsReactionsAlongTheWorld(Exudyn):
     """Exudyn whose reactions are told along the axes of the world."""
 
     def system(self, case: Case, model: str) -> Any:
         """Return the assembled system of a case."""
         built, axes = super().system(case, model), world_axes(case.placement)
-        if built.multipliers is None:
+        if built.reactions is None:
             return built
         turn = np.kron(np.eye(2), axes[:2, :2])
-        return replace(built, multipliers=turn @ built.multipliers)
+        return replace(built, reactions=turn @ built.reactions)

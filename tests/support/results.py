@@ -4,6 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 from mbcheck.comparisons.checks.verdict import Result, Subject, Verdict, result_from
+from mbcheck.comparisons.documents.core import hints_of
 
 HOSTILE = "[bold red]\\[/] ]]> <a b='c'> & \x1b[31m\x00\x08\ud800\ufffe\r\n ünïcødé 🦀 | %s {x}"
 
@@ -38,7 +39,8 @@ def result(
 
 def changed(result: Result, **fields: Any) -> Result:
     """Return a result with other fields of its document."""
-    return replace(result_from(result.as_dict() | fields), series=result.series)
+    shown = {name: getattr(result, name) for name in hints_of(Result)}
+    return replace(result_from(shown | fields), series=result.series)
 
 
 MIXED = [

@@ -19,20 +19,20 @@ from ..truth import RANDOM_STATES, random_states
 from ..verdict import Finding, Inconclusive
 
 OPEN = 1e-3
-"""By how much (m, rad, and these per second) a loop that gives way is opened."""
+"""Opening of a soft loop (m, rad, and these per second) at which it is judged."""
 
 CANCELLED = 1e-4
 """`ROUNDING` of so small an entry is 45 units of rounding of the terms that it is the sum of."""
 
 
 def quantities(setup: Setup) -> tuple[str, ...]:
-    """Return the names of what is measured."""
+    """Return the names of the measured quantities."""
     names = ("accelerations", "mass_matrix", *setup.bound.reaction_names)
     return (*names, "model_error") if comparable(setup.bound.equations, setup.case) else names
 
 
 def comparable(equations: ModelEquations, case: Case) -> bool:
-    """Return whether a claim has other equations than the scene in the same coordinates."""
+    """Return True if a model has other equations than the scene in the same coordinates."""
     return not equations.is_exact_for(case) and not get_scene(case.scene).discretisation_coordinates
 
 
@@ -51,7 +51,7 @@ def expected(
     names: tuple[str, ...],
     reactions: tuple[str, ...],
 ) -> dict[str, Array]:
-    """Return what a claim says at states (k, 2 n) of these of its coordinates."""
+    """Return the quantities of model equations at states (k, 2 n) of some of their coordinates."""
     scene = equations.scene
     derivative = scene.right_hand_side(equations.parameters)
     n, c = len(scene.coordinates), scene.coefficients(equations.parameters)
@@ -76,9 +76,9 @@ def expected(
 def opened(setup: Setup, times: Array, states: Array) -> tuple[Array, Array] | None:
     """Return accelerations (k, n) with a loop open, an engine's and those that it should have.
 
-    In the first half of the states (k, 2 n) positions leave the loop, where its stiffness acts; in
-    the others rates, where its damping does. None where loops do not give way, or no joints are
-    told.
+    In the first half of the states (k, 2 n) positions violate the loop, whose stiffness acts; in
+    the other half rates do, and its damping acts. None for a rigid loop, or if the engine names no
+    joints.
     """
     case, equations = setup.case, setup.bound.equations
     if not (setup.bound.has_soft_closure and setup.engine.reads_mjcf) or case.placement:
@@ -112,10 +112,10 @@ def opened(setup: Setup, times: Array, states: Array) -> tuple[Array, Array] | N
 def inertias(
     case: Case, equations: ModelEquations, names: tuple[str, ...]
 ) -> Callable[[Array], Array]:
-    """Return the mass matrices of some coordinates as a function of states (2 n,) of a claim.
+    """Return the mass matrix of some coordinates as a function of states (2 n,) of model equations.
 
-    A loop closed by other equations still has the scene's inertia. Where only some of a
-    claim's coordinates are looked at, the others at rest, it follows from the energy.
+    A loop closed by other equations still has the scene's inertia. For some of the model's
+    coordinates, with the others at rest, it follows from the energy.
     """
     if names == equations.scene.coordinates:
         scene, p = equations.scene, equations.parameters
@@ -139,7 +139,7 @@ def inertias(
 
 
 def measure(setup: Setup) -> Measured:
-    """Compare with the closed form of what the model claims to be, and that with the scene."""
+    """Compare with the closed form of the model's equations, and these with the scene's."""
     equations = setup.bound.solved_equations
     names, times, states = measured_states(setup)
     reactions = setup.bound.reaction_names
@@ -183,7 +183,7 @@ def measure(setup: Setup) -> Measured:
             for item in (answers, truths)
         )
         error = abs(measured - predicted)
-        reason = f"{reason}: what the model is off the scene at any step, against its prediction"
+        reason = f"{reason}: distance of the model from the scene at any step, and its prediction"
         findings.append(Finding("model_error", "1", measured, predicted, error, room, reason))
     return Measured(findings)
 
@@ -191,10 +191,10 @@ def measure(setup: Setup) -> Measured:
 def rounding_of_rates(
     equations: ModelEquations, setup: Setup, times: Array, states: Array, accelerations: Array
 ) -> float:
-    """Return what rounding of parameters, states and terms may leave of accelerations (k, n).
+    """Return the round-off of accelerations (k, n) from that of parameters, states and terms.
 
-    Relative to the largest of each, see `distance`. What double precision leaves is below
-    `ROUNDING` by far.
+    It is relative to the largest of each, see `distance`; in double precision it is far below
+    `ROUNDING`.
     """
     if setup.epsilon == EPS or len(states[0]) != 2 * len(equations.scene.coordinates):
         return 0.0

@@ -1,4 +1,4 @@
-"""Check kind *energy*: drift of what a run conserves, against what the method explains."""
+"""Check kind *energy*: drift of invariants of a run, compared with the drift of the method."""
 
 from __future__ import annotations
 
@@ -30,16 +30,16 @@ ENERGIES = ("energy", "jacobi")
 
 
 def quantities(setup: Setup) -> tuple[str, ...]:
-    """Return the names of what is measured."""
+    """Return the names of the measured quantities."""
     return tuple(f"{name}_drift" for name in invariants_of(scene_equations(setup.case)))
 
 
 def sensor_gaps(setup: Setup, step: float, values: Mapping[str, Array]) -> dict[str, float]:
-    """Return by how much what a run shows of invariants is off its states, relative to its size.
+    """Return the relative distances of reported invariants from those of a run's states.
 
-    That is the largest value, or the terms that cancel in it. None where its states give none. An
-    energy is known up to a constant, the same from another start as well: a step of that tells a
-    factor, where a run keeps its energy.
+    The size is the largest value, or the terms that cancel in it. Empty if the states give no
+    invariant. An energy is known up to a constant, which is the same for another start: a step from
+    there shows a wrong factor even if the run keeps its energy.
     """
     equations = setup.bound.discrete or scene_equations(setup.case)
     scene, c = equations.scene, equations.scene.coefficients(equations.parameters)
@@ -74,8 +74,8 @@ def sensor_gaps(setup: Setup, step: float, values: Mapping[str, Array]) -> dict[
 def measure(setup: Setup) -> Measured:
     """Compare the largest drift with that of the scheme, or of half the step.
 
-    Where the model's own equations do not conserve, its drift is what they make of it. What
-    bends has its own energy, which it conserves whatever the number of its elements.
+    If the model's own equations do not conserve, the reference is their drift. A beam is judged by
+    its model's energy, which it conserves whatever the number of its elements.
     """
     case, step, scheme = setup.case, setup.default_step, setup.scheme
     beam = bool(setup.scene.discretisation_coordinates)
@@ -97,7 +97,7 @@ def measure(setup: Setup) -> Measured:
     if scheme:
         ideal = ideal_rows(setup, [part], step, names)
         others = drift_of(dict(zip(names, ideal, strict=True)))
-        factor, safety, reason = 1.0, SAFETY, f"what {scheme} alone drifts"
+        factor, safety, reason = 1.0, SAFETY, f"the drift of {scheme}"
     else:
         others = drift_of(setup.simulate(step / 2, 2 * samples).values)
         gain = 2**setup.integrator.order
@@ -117,8 +117,8 @@ def measure(setup: Setup) -> Measured:
         if error <= tolerance < gaps.get(name, 0.0):
             raise EngineError(
                 "returned",
-                f"Motion.observables[{name!r}] is off by {gaps[name]:.2g} of it from that by the "
-                "positions and velocities of the run: tell that of the scene, or none",
+                f"Motion.observables[{name!r}] differs by {gaps[name]:.2g} of it from that by the "
+                "positions and velocities of the run: return that of the scene, or none",
             )
         most, true = (float(np.max(np.abs(one[:seen]))) for one in (series, expected[name]))
         true = true if np.any(abs(expected[name]) > room) else 0.0
@@ -131,7 +131,7 @@ def measure(setup: Setup) -> Measured:
 
 
 def refuse_untold(setup: Setup, formula: ModelEquations, values: Mapping[str, Array]) -> None:
-    """Refuse a run that tells neither what is conserved nor the states that it follows from.
+    """Refuse a run that has neither invariants nor the states from which they follow.
 
     Raises
     ------

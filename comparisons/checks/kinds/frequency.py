@@ -22,7 +22,7 @@ near 1e-3, whose rounding is eps / 1e-3 = 2e-13 of the largest force."""
 
 
 def quantities(setup: Setup) -> tuple[str, ...]:
-    """Return the names of what is measured: undamped modes, then eigenvalues with damping."""
+    """Return the names of the measured quantities: undamped modes, then damped eigenvalues."""
     if setup.scene.continuum.spectrum:
         return (*(f"omega_{i}" for i in range(1, elements.COUNT + 1)), "model_error")
     names = tuple(name for name, _, _ in expected(*resting(setup.case)))
@@ -142,7 +142,7 @@ def measure(setup: Setup) -> Measured:
             for item in (measured_modes, [mode for _, mode, _ in equations])
         )
         granted = max(tolerance for _, _, tolerance in equations) / top
-        reason = "what the model's modes are off the scene's, relative to the highest"
+        reason = "distance of the model's modes from the scene's, relative to the highest"
         off = abs(measured - predicted)
         findings.append(Finding("model_error", "1", measured, predicted, off, granted, reason))
     return Measured(findings)

@@ -1,9 +1,9 @@
-"""Kind *limits*: the largest stable step of a method, by bisection on runs, beside the theory.
+"""Kind *limits*: the largest stable step of a method, by bisection on runs, compared with theory.
 
 The engine vibrates freely with a small amplitude about a state of rest, in the shape of the mode
-that the method bears least. What is to be found is the same bisection on powers of the
-amplification matrix, from the same start, by the same measure. A run counts as unstable if an
-observable comes to `GROWTH` times the size that it really has, or if the guard stops it.
+with the smallest stable step. The reference is the same bisection on powers of the amplification
+matrix, from the same start, by the same measure. A run counts as unstable if an observable reaches
+`GROWTH` times its true size, or if the guard stops it.
 """
 
 from __future__ import annotations
@@ -37,14 +37,14 @@ STEPS = 200
 """Steps of the runs of a method without a limit."""
 
 AMPLITUDE = 1e-7
-"""Amplitude of the start [m, rad]: what is not linear in it lies far below what a bisection
-resolves. A soft closure hardens within MuJoCo's ``width`` of 1e-3 m."""
+"""Amplitude of the start [m, rad]: its nonlinear terms are far below the resolution of the
+bisection. A soft closure hardens within MuJoCo's ``width`` of 1e-3 m."""
 
 SEEN = 256
 """Most times at which a run is sampled."""
 
 BEYOND = 1.02
-"""Share of its limit at which a method shows which mode it bears least."""
+"""Multiple of the largest stable step at which the least stable mode shows."""
 
 RESOLUTION = 1e-3
 """Relative width in which the bisection ends."""
@@ -53,15 +53,15 @@ AGREEMENT = 2 * RESOLUTION
 """Largest relative distance of two limits that agree: each is known to `RESOLUTION`."""
 
 UNLIMITED = (1000.0, 100.0, 10.0)
-"""Periods of the fastest mode in a step that a method without a limit must bear; if not the first,
-then which."""
+"""Periods of the fastest mode in a step with which a method without a limit is tried, in this
+order."""
 
 OVERSHOOT = 1.01
 """Factor on the growth of the amplification matrix: round-off with steps of a thousand periods."""
 
 
 def quantities(setup: Setup) -> tuple[str, ...]:
-    """Return the name of what is measured."""
+    """Return the name of the measured quantity."""
     return (QUANTITY,)
 
 
@@ -72,7 +72,7 @@ def measure(setup: Setup) -> Measured:
     """
     scheme = setup.linear_scheme
     if scheme is None:
-        raise CannotJudgeError("no theory of this method")
+        raise CannotJudgeError("no amplification matrix of this method is known")
     rests = places(setup, scheme)
     rests = tuple(at for at in rests if at.name != START) or rests
     at = max(rests, key=fastest_rate)
@@ -105,7 +105,7 @@ def measure(setup: Setup) -> Measured:
 
 
 def bisected(bad: Callable[[float], bool], low: float, high: float) -> float:
-    """Return the largest value that is not bad between two, in steps of the logarithm.
+    """Return the largest good value between two, by bisection of the logarithm.
 
     They are moved by factors of 4 until the lower is good and the higher bad; where there is no
     such pair, the last that was tried is returned.
@@ -131,8 +131,8 @@ def bisected(bad: Callable[[float], bool], low: float, high: float) -> float:
 def without_limit(free: Vibration) -> Finding:
     """Return the finding on a vibration with very long steps, by a method without a limit.
 
-    Generalized-alpha is stable and yet multiplies a start before it settles: as much as its
-    matrix does is granted.
+    Generalized-alpha is stable and yet amplifies a start before it settles: the growth of its
+    matrix is granted.
 
     Raises
     ------
@@ -154,7 +154,7 @@ def without_limit(free: Vibration) -> Finding:
             result = Finding(QUANTITY, "1", np.inf, 0.0, np.inf, GROWTH, words, None, noticed)
             continue
         most = max(GROWTH, OVERSHOOT * free.by_matrix(step, horizon))
-        words += f"{growth:.3g} times as large as it is, {most:.3g} granted"
+        words += f"amplitude {growth:.3g} times its true size, {most:.3g} granted"
         if growth <= most:
             break
         noticed = (*noticing_rules(cautions(setup, horizon)), REFERENCE)
@@ -235,10 +235,10 @@ class Vibration:
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """Observables that are looked at.
+        """Observables that are compared.
 
-        Where something is free to drift, angles that turn do with what round-off gives their
-        speed, and only their rates are looked at.
+        If a coordinate is free to drift, turning angles drift with the round-off of their speed,
+        and only their rates are compared.
         """
         drifting = self.setup.scene.rotations_per_period if np.any(self.at.rates == 0) else ()
         known = set(self.setup.bound.equations.scene.observables) - set(drifting)
@@ -295,7 +295,7 @@ class Vibration:
             return self.largest(self.linear[1] @ states[self.rows, : len(numbers)])
 
     def grows_in_run(self, step: float, horizon: float) -> bool:
-        """Run the engine and return whether the vibration grows, or the guard stops it.
+        """Run the engine; return True if the vibration grows, or the guard stops it.
 
         Raises
         ------

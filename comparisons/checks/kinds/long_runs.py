@@ -1,9 +1,8 @@
-"""Kind *long*: what hundreds of periods leave of energy, phase, closure and clock.
+"""Kind *long*: energy, phase, closure and clock after hundreds of periods.
 
-Every drift of a right engine vanishes with the step: a second run with half of it tells how much is
-left with the whole. Beside that a motion counts as lost where a tenth of its amplitude or of its
-period is gone, however well that is predicted. A soft closure takes energy at any step; of such a
-model only the latter is asked.
+Every drift of a right engine vanishes with the step: a second run with half the step predicts it. A
+motion also counts as lost if a tenth of its amplitude or of its period is gone, however well that
+is predicted. A soft closure dissipates energy at any step: its drift is not judged, its loss is.
 """
 
 from __future__ import annotations
@@ -29,13 +28,13 @@ from ..truth import rounding
 from ..verdict import REFERENCE, Finding, Inconclusive
 
 FREE, CONSERVATIVE, LOCKED, AFTER_PULSE = "free", "conservative", "locked", "after_pulse"
-"""What is followed, as the `watch` of a case: small free vibrations about a state of rest; motion
-without forces and dampers; the rotation on the periodic orbit; what is left when a drive ends."""
+"""Motions, as the `watch` of a case: small free vibrations about a state of rest; motion without
+forces and dampers; rotation on the periodic orbit; motion after a drive has ended."""
 
 AMPLITUDE, AMPLITUDE_IF_PUSHED = 1e-4, 1e-6
-"""Of free vibrations, in the size of the scene (1 rad, its shortest length): what is not linear
-changes frequencies by its square. Where a coordinate has no spring the vibration pushes it away
-with a force of second order, all the time: there the amplitude is less."""
+"""Amplitudes of free vibrations, in the size of the scene (1 rad, its shortest length): nonlinear
+terms change frequencies by their square. The second is for scenes with a coordinate without a
+spring, which a vibration pushes away by a constant force of second order."""
 
 WINDOW = 32
 """Samples of a period at the start and at the end."""
@@ -44,18 +43,18 @@ MARKS = 512
 """Samples of a run whose energy is followed."""
 
 LOSS = 0.1
-"""Part of an amplitude, or of a period, whose loss makes a motion wrong though as predicted."""
+"""Part of an amplitude, or of a period, whose loss makes a motion wrong although predicted."""
 
 MOST_LOST = {"energy": 2 * LOSS, "phase": 2 * np.pi * LOSS}
 """The same of each quantity: relative, and [rad]."""
 
 Drifts = dict[str, tuple[float, float]]
-"""Drift of each quantity over a run, and what round-off and the size of the motion leave of it."""
+"""Drift of each quantity over a run, and its floor by round-off and the size of the motion."""
 
 
 @dataclass(frozen=True)
 class LongRun:
-    """A motion of a setup that is followed for long.
+    """A long run of a setup, and the drifts that it shows.
 
     Attributes
     ----------
@@ -95,14 +94,14 @@ def has_rigid_loops(setup: Setup) -> bool:
 
 
 def followed(setup: Setup) -> tuple[str, ...]:
-    """Return the names of what is followed."""
+    """Return the names of the drifts of a run."""
     if setup.case.watch == AFTER_PULSE:
         return tuple(invariants_of(setup.bound.equations))
     return {FREE: ("energy", "phase"), LOCKED: ("phase",)}.get(setup.case.watch, ("energy",))
 
 
 def quantities(setup: Setup) -> tuple[str, ...]:
-    """Return the names of what is measured."""
+    """Return the names of the measured quantities."""
     names = followed(setup)
     drifting = [f"{name}_drift" for name in names if conserves(setup)]
     lost = [f"{name}_lost" for name in names if name in MOST_LOST]
@@ -138,7 +137,7 @@ def measure(setup: Setup) -> Measured:
     if any(not one.error <= one.tolerance for one in findings):
         noticed = (*noticing_rules(cautions(run.setup, horizon)), REFERENCE)
     asked = {one.quantity: replace(one, noticed_by=noticed) for one in findings}
-    gone = "less is left of the motion than it is distorted by"
+    gone = "the motion has decayed below its distortion"
     return Measured([asked.get(name, Inconclusive(name, gone)) for name in quantities(setup)])
 
 
@@ -253,8 +252,7 @@ def free_vibration(setup: Setup) -> LongRun:
 def conservative(setup: Setup) -> LongRun:
     """Return the loss of energy of a motion, or after a drive of all that it conserves.
 
-    What is lost at the end is the mean of the last eighth; by how much the first one wavers is
-    left open.
+    The loss is the mean over the last eighth; the variation in the first eighth is granted.
     """
     case, step = setup.case, setup.step_size
     after_drive = case.watch == AFTER_PULSE
@@ -281,7 +279,7 @@ def marks(span: float, step: float, count: int) -> Any:
 
 
 def locked(setup: Setup) -> LongRun:
-    """Return by what angle a rotation leaves the periodic orbit."""
+    """Return the phase drift of a rotation on the periodic orbit."""
     scene, case, longest = setup.scene, setup.case, setup.step_size
     orbit = true_orbit(case.scene, case.parameters)
     per_period = int(np.ceil(orbit.period / longest))
@@ -306,4 +304,4 @@ RUNS: Mapping[str, Callable[[Setup], LongRun]] = {
     LOCKED: locked,
     AFTER_PULSE: conservative,
 }
-"""By what a case watches."""
+"""`watch` of a case -> function that prepares its run."""

@@ -1,7 +1,7 @@
 """Check kind *step*: one step from each of some states of the reference.
 
-Between accelerations and a free run: what a method does wrong in a single step shows here, at
-the state where it does, before later steps hide or amplify it.
+A mistake of a method in a single step shows here, at the state where it happens, before later steps
+hide or amplify it.
 """
 
 from __future__ import annotations
@@ -41,20 +41,20 @@ from ..verdict import Finding, Inconclusive
 STATES = 8
 
 SETTLED = 48
-"""Steps after which the limit of a method without a scheme is looked at. One with accelerations of
-its own begins with an error that dies out over some steps (GeneralizedAlpha: 0.9 is left by each)
-and hides what is wrong in fewer. Parts of one step would do, but Newton's tolerance over ever
-shorter steps leaves more and more of a velocity."""
+"""Steps after which a method without a scheme is extrapolated. One with accelerations as variables
+begins with an error that decays over some steps (GeneralizedAlpha: by 0.9 in each) and would hide
+other errors in fewer steps. Parts of one step would do, but Newton's tolerance divided by ever
+shorter steps is an ever larger error of velocities."""
 
 BEGINNING = (8, 16, 32)
-"""Parts of a step that are tried where errors with 1, 2 and 4 do not shrink as declared: a method
-of several steps begins with another one, whose share of the error they tell first."""
+"""Divisions of a step that are tried if errors with 1, 2 and 4 do not shrink as declared: a
+multistep method starts with another one, whose error dominates in few steps."""
 
 OFF_GRID = round(2**30 / 3) / 2**30
 """Part of a step: a clock that adds up steps of 64 bits is exact there, one of 32 bits is not."""
 
 LONGER = 8
-"""How many times its default step a method takes where its error is held from below."""
+"""Multiple of the default step at which the least error of an order is judged."""
 
 
 def quantities(setup: Setup) -> tuple[str, ...]:
@@ -117,7 +117,7 @@ def starts(setup: Setup, step: float, scheme: str | None) -> list[Case]:
 
 
 def measure(setup: Setup) -> Measured:
-    """Judge every observable after the step that errs most beside its tolerance."""
+    """Judge every observable after the step with the largest ratio of error to tolerance."""
     for refinement in range(REFINEMENTS):
         steps = with_step(setup, setup.default_step / 2**refinement)
         if steps.prediction.shrinks:
@@ -189,7 +189,7 @@ def limit_of_steps(
 
 
 def error_from_below(setup: Setup) -> Finding | Inconclusive:
-    """Judge whether one long step from some states errs as little as its order allows."""
+    """Judge if the error of one long step from some states is as large as its order requires."""
     equations, order = setup.bound.solved_equations, setup.integrator.order
     names = setup.scene.observables
     step = min(LONGER * setup.default_step, power_of_two(setup.stable_step_bound))
@@ -220,7 +220,7 @@ def error_from_below(setup: Setup) -> Finding | Inconclusive:
 
 
 def driven_in_time(setup: Setup, equations: ModelEquations) -> bool:
-    """Return whether a drive is evaluated at times, and no body of the model."""
+    """Return True if a drive is a function of time, and no body of the model."""
     return equations.scene.drive is not None and not setup.bound.integrates_drive
 
 
@@ -285,7 +285,7 @@ def residual_of_velocities(
     scheme, name = f"{scheme_of_velocities(setup)}", "scheme_residual"
     kinds = setup.bound.system(setup.case).kinds
     if kinds == ("free",) and scheme.startswith("implicit"):
-        reason = "engines turn a body that floats alone by implicit rules of their own"
+        reason = "engines rotate a single floating body by other implicit rules"
         return Inconclusive(name, reason)
     (of, places, starts), damping = velocities_at(setup, cases), OF_VELOCITIES[scheme]
     ideal = [w + step * mean_acceleration(of, t, q, w, step, damping) for t, q, w in starts]
@@ -300,7 +300,7 @@ def first_order_errors(
     """Return rows of velocities, and by how much (k, n) a step of a right method of order 1 errs.
 
     It takes each argument of the accelerations somewhere between the start and the end of the step,
-    and tells velocities at most half a step off, by accelerations of the start or of the end.
+    and returns velocities at most half a step off, by accelerations of the start or of the end.
     """
     of, places, starts = velocities_at(setup, cases)
     at_end = zip(
@@ -317,7 +317,7 @@ def first_order_errors(
 
 
 def slower(runs: list[Array], order: int) -> Array:
-    """Return by how much errors (k, 1) exceed a prediction of this order that is not met yet.
+    """Return the factor by which errors (k, 1) exceed a prediction before the asymptotic range.
 
     From the ratio r of the changes with h, h/2, h/4 of each row: the error is r / (r - 1) times
     the first change, where the order promises 2^p / (2^p - 1).

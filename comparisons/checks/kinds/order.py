@@ -1,7 +1,7 @@
 """Check kind *order*: errors over halved steps, their slope, and what they extrapolate to.
 
-Where a method of high order meets the round-off floor before its slopes have reached the
-declared order, those of its own scheme on the true equations are what it has to show.
+If a method of high order reaches round-off before its slopes reach the declared order, the slopes
+of its own scheme on the true equations are expected.
 """
 
 from __future__ import annotations
@@ -28,17 +28,17 @@ MOST_MARKS = 16
 """Longest horizon, in coarsest steps: slopes need a short run of many steps."""
 
 WRONG_ORDER = 0.75
-"""Slopes that settle so much below the declared order will not come up to it."""
+"""Slopes that settle this much below the declared order will not reach it."""
 
 SMALL = 1e-4
-"""Relative error below which slopes that stand are believed."""
+"""Relative error below which constant slopes are final."""
 
 FLOOR = 30.0
 """An error counts as above the round-off floor where it is this many times larger."""
 
 
 def quantities(setup: Setup) -> tuple[str, ...]:
-    """Return the names of what is measured."""
+    """Return the names of the measured quantities."""
     if setup.case.watch == "elements":
         bracket = ("bracket",) if setup.bound.frequency_side else ()
         return ("order", "extrapolated", "least_error", *bracket)
@@ -58,7 +58,7 @@ class Halved(NamedTuple):
     errors : list of float
         Largest relative error of each.
     bound : float
-        What round-off and the reference may leave of the last one.
+        Round-off and the error of the reference in the last one.
     """
 
     steps: list[float]
@@ -85,7 +85,7 @@ def measure(setup: Setup) -> Measured:
     steps, floors, runs, errors, bound = halved(setup, right, coarsest, growth)
     below = [] if setup.scheme else [error_from_below(setup, right, coarsest, steps[0], errors[0])]
     if len(errors) < LEAST_POINTS:
-        few = f"only {len(errors)} steps from {coarsest:.3g} s down leave an error above round-off"
+        few = f"only {len(errors)} steps from {coarsest:.3g} s down have an error above round-off"
         return Measured([Inconclusive("order", few), Inconclusive("extrapolated", few), *below])
     slopes = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
     finest, expected = finest_slope(errors), float(order)
@@ -112,7 +112,7 @@ def measure(setup: Setup) -> Measured:
 
 
 def halved(setup: Setup, right: Truth, coarsest: float, growth: float) -> Halved:
-    """Run with halved steps [s], to the times of the truth, until finer ones tell no more."""
+    """Run with halved steps [s], to the times of the truth, until the order is decided."""
     names, count = setup.scene.observables, right.values.shape[1]
     trust = float(np.max(right.bound / right.size))
     runs = Halved([], [], [], [], trust)
@@ -140,13 +140,13 @@ def halved(setup: Setup, right: Truth, coarsest: float, growth: float) -> Halved
 def error_from_below(
     setup: Setup, right: Truth, spacing: float, step: float, error: float
 ) -> Finding | Inconclusive:
-    """Judge whether the run with the coarsest step [s] errs as little as its order allows.
+    """Judge if the error with the coarsest step [s] is as large as its order requires.
 
     The true motion is known at times that are ``spacing`` [s] apart.
     """
     order = setup.integrator.order
     if right.values.shape[1] < order + 2:
-        return Inconclusive("least_error", f"the run is too short to tell of order {order}")
+        return Inconclusive("least_error", f"the run is too short to judge order {order}")
     remainder = taylor_remainder(
         sliding_window_view(right.values, order + 2, axis=1), right.size, order
     ) * (step / spacing) ** (order + 1)
@@ -178,7 +178,7 @@ def ideal_slope(
 
 
 def finest_slope(errors: list[float]) -> float:
-    """Return the last slope, or the mean of the last two where that is more."""
+    """Return the last slope, or the mean of the last two if it is larger."""
     slopes = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
     return float(max(slopes[-1], np.mean(slopes[-2:])))
 
@@ -189,11 +189,11 @@ def noise(steps: int, growth: float, epsilon: float) -> float:
 
 
 def enough(errors: list[float], order: int) -> bool:
-    """Return whether finer steps would not change the verdict.
+    """Return True if finer steps would not change the verdict.
 
-    The last two slopes stand at the declared order with a small error, since large errors may
-    shrink by a high order and what is below them by a lower one; or the last three have settled on
-    a lower order.
+    Either the last two slopes are those of the declared order with a small error, since large
+    errors may shrink at a higher order than small ones; or the last three have settled on a lower
+    order.
     """
     if len(errors) < POINTS:
         return False

@@ -1,10 +1,10 @@
-"""Check kind *parts*: what an engine made of each part of the MJCF that it read.
+"""Check kind *parts*: the share of each part of the MJCF in an engine's model.
 
-Before any run: of its mass matrix and its accelerations at random states, by how much it counts
-each mass, inertia and armature, spring, damper, tendon and actuator, Coriolis forces, gravity
-and loop closures: 1 where it counts them as the file says, 0 where it has dropped them. The
-shares follow by least squares from the generalised forces and inertias of the parts, which
-`models.mechanism` has from the text of the file.
+Before any run, the shares of each mass, inertia and armature, spring, damper, tendon and actuator,
+of Coriolis forces, gravity and loop closures follow from the engine's mass matrix and accelerations
+at random states: 1 for a part as in the file, 0 for one that was dropped. They are a least-squares
+fit of the generalised forces and inertias of the parts, which `models.mechanism` computes from the
+text of the file.
 """
 
 from __future__ import annotations
@@ -35,32 +35,34 @@ from ....reference.scene import Array
 from ...engines.run import contained
 from ...engines.setup import Setup
 from ..comparison import OPERATIONS, ROUNDING, Measured, largest_inertias, matrix_rounding
-from ..mistakes.shares import (
+from ..mistakes.parts import (
     DISTINCT,
     VISIBLE,
     Effect,
     Explanation,
+    added_forces,
+    added_inertias,
     explain,
+    joints_of,
     of_share,
     part_of,
 )
-from ..mistakes.terms import added_forces, added_inertias, joints_of
 from ..truth import random_states
 from ..verdict import Finding, Inconclusive
 
 STATES = 16
 
 UNITS = 8
-"""Units of rounding of each inertial force in a row, all of which `ROUNDING` of its size holds."""
+"""Units of round-off of each inertial force in a row, which `ROUNDING` of its size must cover."""
 
 GRAVITY = 9.81
-"""In m/s^2: the unit of the share of a gravity that the file does not have."""
+"""Unit [m/s^2] of the share of a gravity that the file does not have."""
 
 WHOLE = {
     "mass_matrix": "largest error of an entry, relative to the diagonal",
-    "unexplained": "of the forces, relative: what no share of a part explains",
+    "unexplained": "relative size of the forces that no share of a part explains",
 }
-"""Reasons of what is measured of all parts, where no part is named."""
+"""Reasons of the quantities of all parts together, if no part is named."""
 
 
 def readable(setup: Setup) -> System | None:
@@ -110,7 +112,7 @@ def scale_of(mass: Array) -> Array:
 
 
 def quantities(setup: Setup) -> tuple[str, ...]:
-    """Return the parts of the model, and what they leave unexplained; none without MJCF."""
+    """Return the names of the parts, and of the unexplained rest; none without MJCF."""
     system = readable(setup)
     if system is None:
         return ()
@@ -161,8 +163,8 @@ def of_mass_matrix(
     -------
     findings : list of Finding or Inconclusive
     counted : Mechanism
-        With the masses and inertias that the matrices show: what these make of Coriolis forces and
-        of weights is no fault of its own.
+        With the masses and inertias that the matrices show, so that their effect on Coriolis forces
+        and weights is not a second fault.
     """
     room, names = matrix_rounding(unit, ROUNDING), inertial_names(whole)
     every = [inertias(whole, position) for position in q]
@@ -290,7 +292,7 @@ def need(whole: Mechanism, q: Array, v: Array, a: Array) -> Array:
 
 
 def needed(whole: Mechanism, name: str, q: Array, v: Array, a: Array) -> Array:
-    """Return what is left of all forces (n,) for accelerations by one inertia of a mechanism."""
+    """Return the forces (n,) that one inertia of a mechanism needs for accelerations."""
     only = with_shares(whole, dict.fromkeys(set(inertias(whole, q)) - {name}, 0.0))
     own = inertias(whole, q)[name] @ a
     if name.startswith("armature."):
@@ -339,8 +341,8 @@ def free_motions(whole: Mechanism, position: Array) -> Array:
 def gravity_axes(whole: Mechanism, q: Array, free: list[Array]) -> Array:
     """Return axes (3, 3) of gravities that act at positions (k, n_q), less of them followed by 0.
 
-    The first is that of the file's gravity, so that one part stands for what is left of it, also
-    where a plane in which all moves lies askew in the world.
+    The first is that of the file's gravity, so that one number is its share, also if the plane of
+    motion is inclined in the world.
     """
     pulls = [
         np.array([weight(whole, position, axis) @ motions for axis in np.eye(3)]).T
@@ -354,7 +356,7 @@ def gravity_axes(whole: Mechanism, q: Array, free: list[Array]) -> Array:
 
 
 def of_gravity(gravity: Array, x: Array, moved: Array) -> str:
-    """Return the meaning of shares (3,) beside the gravity (3,) of the file [m/s^2], in words."""
+    """Return the meaning of shares (3,) added to the gravity (3,) of the file [m/s^2], in words."""
     seen = moved <= VISIBLE
     extra, gravity = GRAVITY * x * seen, gravity * seen
     size, sum_of_both = float(np.linalg.norm(gravity)), float(np.linalg.norm(gravity + extra))
@@ -373,14 +375,14 @@ def of_gravity(gravity: Array, x: Array, moved: Array) -> str:
 def findings_of(
     parts: list[Effect], explained: Explanation, of: str
 ) -> Iterator[Finding | Inconclusive]:
-    """Yield the finding on each part's share, or the reason why it cannot be told."""
+    """Yield the finding on each part's share, or the reason why it cannot be determined."""
     for one in parts:
         x, moved = explained.values[one.name], explained.tolerances[one.name]
         seen, right = moved <= VISIBLE, float(one.name != "gravity")
         if not explained.unique:
-            yield Inconclusive(one.name, f"the {of} not those of its parts in any shares")
+            yield Inconclusive(one.name, f"the {of} not a sum of the parts in any shares")
         elif not np.any(seen):
-            said = f"{part_of(one.name)} does not act enough to be told from rounding"
+            said = f"{part_of(one.name)} has too small an effect to be separated from round-off"
             yield Inconclusive(one.name, said)
         else:
             error, room = (float(np.linalg.norm(numbers[seen])) for numbers in (x, moved))
@@ -390,7 +392,7 @@ def findings_of(
 
 
 def closures(whole: Mechanism, state: tuple[Array, ...], room: float) -> Iterator[Finding]:
-    """Yield by how much accelerations open each loop."""
+    """Yield the opening of each loop by accelerations."""
     for i, one in enumerate(whole.closures):
         worst = 0.0
         for position, rate, acceleration in zip(*state[1:], strict=True):
@@ -399,5 +401,5 @@ def closures(whole: Mechanism, state: tuple[Array, ...], room: float) -> Iterato
             drift = gap_drift(whole, position, rate)[place]
             size = float(np.max(np.abs(opening)) + np.max(np.abs(drift)))
             worst = max(worst, float(np.max(np.abs(opening + drift))) / (size or 1.0))
-        reason = f"closure of {one.name}: by how much of its ends' acceleration it opens"
+        reason = f"closure of {one.name}: its opening, as a share of its ends' acceleration"
         yield Finding(f"closure.{one.name}", "1", worst, 0.0, worst, room, reason)

@@ -1,7 +1,7 @@
 """Kinds *parameters*, *starts* and *failures*: one run at an extreme against the reference.
 
-Nothing is refused beforehand, and no part of the run is left out because its error is large: a run
-that is right has the error that its method, step and model predict, and no more than `LOST`.
+Nothing is refused beforehand, and no part of the run is left out for its large error: the error of
+a right run is at most that predicted by its method, step and model, and at most `LOST`.
 """
 
 from __future__ import annotations
@@ -36,14 +36,14 @@ from ..verdict import HALVING, REFERENCE, Finding
 QUANTITY = "motion_error"
 
 ORDER_SLACK = 0.5
-"""By how much the order that halved steps show may lie below the declared one."""
+"""Largest distance of the order shown by halved steps below the declared one."""
 
 LOST = 2 * CAP
 """Relative errors above this are wrong, however well they are predicted; rules and halved steps
-are to speak from half of it on."""
+should warn from half of it on."""
 
 FLOOR = 1e-9
-"""Relative change under halved steps in which nobody looks for an order."""
+"""Relative change under halved steps below which no order is measured."""
 
 FEWEST = 4
 """Fewest steps over which a run can be judged."""
@@ -54,7 +54,7 @@ STIFF = 3e3
 """Decay rate times horizon from which explicit methods take longer than implicit ones."""
 
 GAUSS_TOLERANCES = (1e-11, 1e-9)
-"""Relative tolerances of Gauss collocation where it stands in for DOP853."""
+"""Relative tolerances of Gauss collocation in place of DOP853."""
 
 SHARPEST = CAP / 50
 """Largest relative bound of a reference by which a run is right."""
@@ -111,7 +111,7 @@ class Sampled(NamedTuple):
 
 
 def quantities(setup: Setup) -> tuple[str, ...]:
-    """Return the name of what is measured: the largest error of all observables."""
+    """Return the name of the measured quantity: the largest error of all observables."""
     return (QUANTITY,)
 
 
@@ -146,7 +146,7 @@ def measure(setup: Setup) -> Measured:
 
 
 def builds(setup: Setup) -> bool:
-    """Return whether the engine makes a model of the case at all."""
+    """Return True if the engine builds a model of the case at all."""
     state = setup.scene.state(setup.case.state)[None]
     try:
         setup.bound.mass_matrices(state)
@@ -196,7 +196,7 @@ def compare_run(run: Sampled, values: Array, exact: Truth, model: Truth) -> Find
     most = float(largest(away)[worst] / size[worst])
     tolerance = float(allowed[worst] / size[worst]) if predicted < LOST else 0.0
     reason = (
-        f"error {error:.2g}, predicted {predicted:.2g}, the largest beside its tolerance that of "
+        f"error {error:.2g}, predicted {predicted:.2g}, the largest share of its tolerance in "
         f"{names[worst]}; {halving or f'halving the step shows {changes[0]:.1g}, as it should'}; "
         f"errors of the start grow by {errors_grow:.3g}"
     )
@@ -258,9 +258,9 @@ def growth(run: Sampled, exact: Truth) -> float:
 
 
 def error_of_elements(run: Sampled, values: Array) -> Any:
-    """Return the error (k, n_t) that elements leave of a run, by a run with half as many.
+    """Return the discretisation error (k, n_t) of elements, by a run with half as many.
 
-    None is granted where that run fails, nor to a model that solves equations of its own.
+    None is granted if that run fails, nor to a model with other equations than the scene.
     """
     setup = run.setup
     order = setup.bound.description.element_order if setup.bound.approximates_continuum else 0
@@ -276,7 +276,7 @@ def error_of_elements(run: Sampled, values: Array) -> Any:
 def sizes(names: tuple[str, ...], truth: Truth) -> Array:
     """Return the sizes (k,) of observables; a rate's is no less than its coordinate's over the run.
 
-    So that nothing that stands still measures errors in units of round-off.
+    Otherwise errors of a coordinate at rest would be relative to round-off.
     """
     span = float(truth.times[-1] - truth.times[0]) or 1.0
     known = dict(zip(names, map(float, truth.size), strict=True))
@@ -288,7 +288,7 @@ def sizes(names: tuple[str, ...], truth: Truth) -> Array:
 
 
 def halving_shows(changes: list[float], order: int, floor: float) -> str:
-    """Return the fault in the changes from h to h/2, and from there to h/4, in words."""
+    """Return the fault in the changes from h to h/2, and from h/2 to h/4, in words."""
     change, next_change = changes
     if not change <= CAP / 2:
         return f"halving the step changes it by {change:.2g}"
@@ -299,7 +299,7 @@ def halving_shows(changes: list[float], order: int, floor: float) -> str:
 
 
 def largest(values: Array) -> Array:
-    """Return the largest of each row; what is not a number is infinite."""
+    """Return the largest of each row; NaN counts as infinite."""
     return np.asarray(np.max(np.nan_to_num(np.abs(values), nan=np.inf, posinf=np.inf), axis=1))
 
 

@@ -2,8 +2,8 @@
 
 Each quantity is measured at h, h/2 and h/4. The change between them predicts the error at
 h; what they extrapolate to must be the reference's, on which the same measurement is made.
-Where a case is watched for its outcome, the engine's run must end where the reference's does. Where
-it has a boundary, that is sought in place of the orbit (`boundary`).
+A case with an outcome must end in the same motion as the reference's. A case with a boundary is
+judged by that in place of the orbit (`boundary`).
 """
 
 from __future__ import annotations
@@ -47,11 +47,11 @@ from ..verdict import Finding, Inconclusive
 
 SAMPLES = 64
 PERIODS = 2
-"""Periods over which a perturbation is watched."""
+"""Periods over which a perturbation is followed."""
 
 PERTURBATION = 1e-4
-"""Of the size of each state. Differences are central, so that curvature leaves 1e-8, while
-rounding is 1e-12 of the difference."""
+"""Perturbation, relative to the size of each state. Differences are central, so that the error by
+curvature is 1e-8, while round-off is 1e-12 of the difference."""
 
 QUANTITIES = ("closure", "second_harmonic", "power_balance", "multipliers", "growth")
 
@@ -60,7 +60,7 @@ Flow = Callable[[Array, Array], Array]
 
 
 def quantities(setup: Setup) -> tuple[str, ...]:
-    """Return the names of what is measured."""
+    """Return the names of the measured quantities."""
     if setup.case.boundary is not None:
         return boundary.quantities(setup)
     if setup.case.watch == "outcome":
@@ -120,7 +120,7 @@ def measure_orbit(case: Case, orbit: Orbit, flow: Flow) -> Mapping[str, Array]:
 def model_orbit(
     equations: ModelEquations, scene: str, parameters: Any
 ) -> tuple[Mapping[str, Array], float]:
-    """Return the orbit as measured through the flow that a model claims to have.
+    """Return the orbit as measured through the flow of a model's equations.
 
     Second comes the bound on the error of that flow, relative to the size of each state.
     """
@@ -154,7 +154,7 @@ def model_orbit(
 
 @dataclass(frozen=True)
 class OrbitRuns:
-    """The orbit through an engine with three steps, beside what its model claims.
+    """The orbit of an engine with three steps, and of its model's equations.
 
     Attributes
     ----------
@@ -162,12 +162,12 @@ class OrbitRuns:
         At h, h/2 and h/4.
     estimates : mapping of str to Richardson
     floors : mapping of str to float
-        What rounding and the reference's error cost each quantity.
+        Errors of each quantity by round-off and by the reference.
     sizes : mapping of str to float
     share : float
         Part of the change with the step that the next order makes.
     ratio : float
-        By what halving the step divides the error.
+        Factor by which halving the step divides the error.
     shrinks : bool
         Whether the errors shrink as declared.
     small : bool
@@ -185,12 +185,12 @@ class OrbitRuns:
 
     @property
     def regular(self) -> list[str]:
-        """Names of what converges with the declared order, and so can be extrapolated."""
+        """Names of quantities that converge with the declared order, and so can be extrapolated."""
         return [name for name, one in self.estimates.items() if one.is_regular(self.floors[name])]
 
     @property
-    def drowned(self) -> list[str]:
-        """Names of what rounding may move by more than `CAP`: no value of it would be wrong."""
+    def lost_in_roundoff(self) -> list[str]:
+        """Names of quantities of which round-off may exceed `CAP`."""
         return [name for name in self.floors if self.floors[name] > CAP * self.sizes[name]]
 
     def room(self, name: str) -> float:
@@ -227,7 +227,7 @@ def measured(
 
 
 def measure(setup: Setup) -> Measured:
-    """Measure an orbit, a boundary of stability or where a run ends, as the case says."""
+    """Measure an orbit, a stability boundary or the outcome of a run, as the case says."""
     if setup.case.boundary is not None:
         return Measured(boundary.measure(setup))
     if setup.case.watch == "outcome":
@@ -252,7 +252,7 @@ def of_orbit(setup: Setup) -> list[Finding | Inconclusive]:
             break
     if not orbits.small:
         steps = count * 2**refinement
-        raise CannotJudgeError(f"{steps} steps per period are off the orbit by more than {CAP:.0%}")
+        raise CannotJudgeError(f"errors with {steps} steps per period exceed {CAP:.0%}")
     units = {"second_harmonic": "rad"} | dict(scene.orbit.units)
     findings: list[Finding | Inconclusive] = []
     note = (
@@ -260,9 +260,9 @@ def of_orbit(setup: Setup) -> list[Finding | Inconclusive]:
         f"{orbits.ratio:.3g}, {2**setup.integrator.order} expected"
     )
     for name, estimate in orbits.estimates.items():
-        if name in orbits.drowned:
+        if name in orbits.lost_in_roundoff:
             share = orbits.floors[name] / orbits.sizes[name]
-            findings.append(Inconclusive(name, f"rounding may leave {share:.2g} of its size"))
+            findings.append(Inconclusive(name, f"round-off may reach {share:.2g} of its size"))
             continue
         value = orbits.runs[0][name]
         finding = Finding(
@@ -275,9 +275,9 @@ def of_orbit(setup: Setup) -> list[Finding | Inconclusive]:
             note,
         )
         findings.append(converging(finding, estimate, orbits.floors[name], orbits.shrinks))
-    regular = [name for name in orbits.regular if name not in orbits.drowned]
+    regular = [name for name in orbits.regular if name not in orbits.lost_in_roundoff]
     if not regular:
-        silence = "nothing converges with the declared order that could be extrapolated"
+        silence = "no quantity converges with the declared order, so that none is extrapolated"
         names = ("extrapolated",) if setup.bound.is_exact else ("extrapolated", "model_error")
         return findings + [Inconclusive(name, silence) for name in names]
     limits = {name: orbits.estimates[name].limit for name in regular}
@@ -285,7 +285,7 @@ def of_orbit(setup: Setup) -> list[Finding | Inconclusive]:
     worst = max(away, key=lambda name: away[name] / orbits.room(name))
     reason = f"all of these extrapolated to h -> 0, the worst ({worst}) for its tolerance"
     if irregular := [name for name in right if name not in limits]:
-        reason += f"; without {', '.join(irregular)}, of which halving says nothing yet"
+        reason += f"; without {', '.join(irregular)}, not in the asymptotic range yet"
     findings.append(
         Finding("extrapolated", "1", away[worst], 0.0, away[worst], orbits.room(worst), reason)
     )
@@ -299,7 +299,7 @@ def of_orbit(setup: Setup) -> list[Finding | Inconclusive]:
             for item in (limits, right)
         )
         granted = max(orbits.room(name) / orbits.sizes[name] for name in limits)
-        reason = f"the model's orbit is off the scene's at any step: {equations.scene.title}"
+        reason = f"distance of the model's orbit from the scene's: {equations.scene.title}"
         error = abs(off - predicted)
         findings.append(Finding("model_error", "1", off, predicted, error, granted, reason))
     return findings
@@ -311,12 +311,12 @@ def by_name(names: tuple[str, ...], state: Array) -> dict[str, float]:
 
 
 def size_of(name: str, right: Mapping[str, Array]) -> float:
-    """Return what an error is related to: 1, or the size of a quantity of the scene's own."""
+    """Return the size to which an error is related: 1, or that of a quantity of the scene."""
     return 1.0 if name in QUANTITIES else float(np.max(np.abs(right[name]))) or 1.0
 
 
 def number_of(values: Any, name: str, units: Mapping[str, str]) -> float:
-    """Return the number that stands for values in a report."""
+    """Return the number that represents values in a report."""
     if name not in QUANTITIES and units[name] == "rad":
         return float(np.angle(values[0]))
     return float(np.max(np.abs(values))) if name in QUANTITIES else float(values[0])
@@ -339,10 +339,10 @@ def through(setup: Setup, orbit: Orbit, count: int) -> Mapping[str, Array]:
 
 
 OUTCOME_TOLERANCES = (1e-9, 1e-7)
-"""Of the reference, where only the motion that it settles on counts."""
+"""Tolerances of a reference of which only the final motion counts."""
 
 LOOKS = 16
-"""Samples in the shortest period of a run that is watched for its outcome."""
+"""Samples in the shortest period of a run of which only the outcome counts."""
 
 
 def outcome(setup: Setup) -> Finding:

@@ -2,9 +2,9 @@
 
 A method whose scheme is published must make exactly the error of that scheme
 (`scheme_residual`); for the others the error is predicted from three steps, and what they
-extrapolate to must be the reference (`extrapolated`). Where the model's equations are not
-the scene's, all that is against the model's own, and `model_error` is what remains between
-the two when the step's error is taken away.
+extrapolate to must be the reference (`extrapolated`). If the model's equations are not the scene's,
+all these are compared with the model's own, and `model_error` is the distance between the two
+without the error of the step.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from ..comparison import (
     RunComparison,
     by_extrapolation,
     by_scheme,
+    conclusion,
     ideal_rows,
     last_trusted_sample,
     richardson,
@@ -36,12 +37,12 @@ from ..truth import permitted_horizon, rounding, simulated_horizon, truth
 from ..verdict import Finding, Inconclusive
 
 SAMPLES, RUN_SAMPLES = 32, 256
-"""Samples of a run; more where its peak is looked for between them."""
+"""Samples of a run; more if its peak between them is estimated."""
 
 
 @dataclass(frozen=True)
 class FreeRun(RunComparison):
-    """A run from the case's start beside the truth, and runs with smaller steps.
+    """A run from the case's start compared with the truth, and runs with smaller steps.
 
     Attributes
     ----------
@@ -61,12 +62,12 @@ class FreeRun(RunComparison):
         ((_, numbers),) = self.parts
         return (
             f"h = {self.step:.3g} s over {numbers[self.seen - 1] * self.step:.3g} s; errors "
-            f"grow by {growth:.3g} in {longest:.3g} s"
+            f"grow by a factor of {growth:.3g} within {longest:.3g} s"
         )
 
 
 def quantities(setup: Setup) -> tuple[str, ...]:
-    """Return the names of what is measured: every observable, and the test of the method."""
+    """Return the names of the measured quantities: observables, and the test of the method."""
     last = "scheme_residual" if setup.scheme else "extrapolated"
     scene = setup.scene
     whole = tuple(scene.run_quantities.units) if scene.run_quantities else ()
@@ -95,7 +96,7 @@ def measure(setup: Setup) -> Measured:
     if not setup.bound.is_exact:
         exact = truth(scene_equations(setup.case), setup.case, run.right.times, run.names).values
         off, expected = (run.largest(one - exact) for one in (prediction.limit, run.right.values))
-        reason = f"the model is off the scene by {expected:.2g} of the range at any step: "
+        reason = f"the model differs from the scene by {expected:.2g} of the range at any step: "
         findings.append(
             run.limit(
                 "model_error", off, expected, reason + setup.bound.solved_equations.scene.title
@@ -124,7 +125,7 @@ def with_step(setup: Setup, step: float) -> FreeRun:
     Raises
     ------
     CannotJudgeError
-        If rounding alone may hide what is wrong.
+        If round-off alone may hide a mistake.
     """
     case, scheme, names = setup.case, setup.scheme, setup.bound.observables
     horizon = simulated_horizon(case, step, scheme, setup.epsilon)
@@ -132,7 +133,7 @@ def with_step(setup: Setup, step: float) -> FreeRun:
     _, growth = permitted_horizon(case, step, setup.epsilon)
     room = rounding(int(numbers[-1]), growth, setup.epsilon)
     if room > CAP:
-        raise CannotJudgeError(f"rounding may leave {room:.2g} of each size: nothing is known")
+        raise CannotJudgeError(f"round-off may reach {room:.2g} of each observable: not judged")
     right = truth(setup.bound.solved_equations, case, case.start_time + numbers * step, names)
     values, finer = setup.simulate(step, numbers).matrix(names), list[Array]()
     parts, units = [Part(case, numbers)], setup.scene.units
@@ -189,7 +190,7 @@ def in_window(run: FreeRun) -> FreeRun:
 
 
 def run_quantities(run: FreeRun) -> list[Finding | Inconclusive]:
-    """Judge what a scene derives of a run with h, h/2, h/4 and, of elements, half as many.
+    """Judge quantities derived from runs with h, h/2, h/4 and, for elements, half as many.
 
     Errors that halved steps predict are granted only where they shrink as declared.
     """
@@ -219,5 +220,6 @@ def run_quantities(run: FreeRun) -> list[Finding | Inconclusive]:
         granted = prediction.shrinks * RICHARDSON_SAFETY * predicted + gain * trust
         error = abs(value - reference)
         finding = Finding(name, unit, value, reference, error, granted, reason)
-        findings.append(prediction.concludes(finding, abs(value - float(values[1]))))
+        change = abs(value - float(values[1]))
+        findings.append(conclusion(finding, change, prediction.unfollowed))
     return findings

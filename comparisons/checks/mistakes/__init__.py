@@ -1,5 +1,5 @@
-"""The catalogue of likely mistakes: each is tried on what it predicts.
+"""The catalogue of likely mistakes, each of which is compared by its prediction.
 
-Of what is told (`observables`), of how it moves (`motions`), of what a reader of a file adds, loses
-or takes for another frame (`terms`), and of shares of the parts of a model (`shares`).
+They are mistakes in returned observables (`observables`), in motions (`motions`), and in the parts
+of a model, with terms and frames that a reader of a file adds, drops or confuses (`parts`).
 """

@@ -1,4 +1,4 @@
-"""Mistakes in a motion: each is tried on the motion that it makes."""
+"""Mistakes in a motion: each is compared by the motion that it predicts."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from ....reference.solve import schemes
 from ...engines.setup import Setup
 from ..comparison import EngineRuns, Part
 from ..truth import rows, truth
-from .observables import EXPLAINED, SEEN, Observed, limited, otherwise_observed
+from .observables import EXPLAINED, SEEN, limited, otherwise_observed
 
 LONG = 32
 """Steps of a continuum that take long to predict."""
 
 PARTS = 8
-"""Steps of RK44 in one of a method that is no published scheme."""
+"""Steps of RK44 in one step of a method without a published scheme."""
 
 FOLLOWED = 256
 """Steps in which a reset is looked for."""
@@ -30,35 +30,36 @@ STRETCH, MOST_STRETCH = 1e-7, 1e-3
 """Shares by which steps are tried to be longer, and up to which motions change in proportion."""
 
 SHARES = (32, 8, 2, 1)
-"""Of the samples of a run, one in so many is looked at before more are predicted."""
+"""Divisors of the number of samples of a run: the first share of them is compared before the
+next."""
 
 SAMPLED: tuple[tuple[str, dict[str, Any]], ...] = (
-    ("the force is held: that at the start of each step", {"frozen": 0.0}),
-    ("the force is held: that in the middle of each step", {"frozen": 0.5}),
-    ("the force is held: that at the end of each step", {"frozen": 1.0}),
+    ("the force is constant in each step, as at its start", {"frozen": 0.0}),
+    ("the force is constant in each step, as in its middle", {"frozen": 0.5}),
+    ("the force is constant in each step, as at its end", {"frozen": 1.0}),
     *(
         (
-            "the force is held, one step late: that at the start of the step before",
+            "the force is constant in each step, as at the start of the step before",
             {"frozen": 0.0, "late": 1.0, "waits": waits},
         )
         for waits in (False, True)  # in the middle of it is hardly told from late alone
     ),
     *(
         (
-            "the force is held over several steps: that at the start of the first",
+            "the force is constant over several steps, as at the start of the first",
             {"frozen": 0.0, "hold": count},
         )
         for count in (2, 3, 4, 5, 8, 10, 16, 20)
     ),
 )
-"""How engines and controllers of a lower rate hold a force."""
+"""Ways in which engines and controllers of a lower rate sample a force."""
 
 SHIFTED: tuple[tuple[str, dict[str, Any]], ...] = (
     ("the force is one step late", {"late": 1.0}),
     ("the force is one step late", {"late": 1.0, "waits": True}),
     ("the force is one step early", {"late": -1.0}),
 )
-"""By how many steps they shift it."""
+"""Shifts of the force in time."""
 
 STARTS: dict[str, Callable[[str], bool]] = {
     "": bool,
@@ -71,36 +72,6 @@ STARTS: dict[str, Callable[[str], bool]] = {
     "the start is ignored: it moves as from the origin, at rest": lambda name: False,
 }
 """Which values of a start are kept; all of them first, by no mistake."""
-
-
-@dataclass(frozen=True)
-class Seen(Observed):
-    """What an engine computed in some parts with a step [s], and what it should have."""
-
-    setup: Setup
-    step: float
-    parts: Sequence[Part]
-
-    def left(self, change: Callable[[Part], Hypothesis], most: float) -> float:
-        """Return the largest difference from what an engine with a mistake would have computed.
-
-        Infinite where it is not below ``most``, which the beginning of a part tells mostly.
-        """
-        left, first = 0.0, 0
-        for part in self.parts:
-            count = len(part.numbers)
-            for samples in sorted({-(-count // share) for share in SHARES}):
-                seen = self.values[:, first : first + samples]
-                beginning = part._replace(numbers=part.numbers[:samples])
-                rest = self.away(seen, self.rows_of(change(beginning)))
-                if not rest < most:
-                    return np.inf
-            left, first = max(left, rest), first + count
-        return left
-
-    def rows_of(self, motion: Hypothesis) -> Array:
-        """Return observables (k, n) of a motion."""
-        return motion.rows(self.setup, self.step, self.names)
 
 
 class ChangedDrive(schemes.ScalarEquations):
@@ -118,7 +89,7 @@ class ChangedDrive(schemes.ScalarEquations):
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """What an engine would compute: a motion from the start of a case.
+    """The motion that an engine with a mistake would compute from the start of a case.
 
     Attributes
     ----------
@@ -130,17 +101,17 @@ class Hypothesis:
     scene : optional
         Equations in place of the model's.
     late : float
-        By how many steps the drive is late.
+        Number of steps by which the drive is late.
     waits : bool
-        Whether it stays what it is at the start until then.
+        Whether the drive keeps its initial value until then.
     end : float
-        Time [s] at which it ends all the same.
+        Time [s] at which the drive ends all the same.
     frozen : float or None
-        Where in each step the drive that is held over it is evaluated: 0 is its start, 1 its end.
+        Time in each step at which a sampled drive is evaluated: 0 is its start, 1 its end.
     hold : int
-        Over how many steps it is.
+        Number of steps over which a sampled drive is constant.
     stretch : float
-        By which share steps are longer than asked for.
+        Relative excess of the length of steps.
     """
 
     case: Case
@@ -153,6 +124,10 @@ class Hypothesis:
     frozen: float | None = None
     hold: int = 1
     stretch: float = 0.0
+
+    def rows_of(self, runs: EngineRuns) -> Array:
+        """Return observables (k, n) in place of those of runs."""
+        return self.rows(runs.setup, runs.step, runs.names)
 
     def rows(self, setup: Setup, step: float, names: tuple[str, ...]) -> Array:
         """Return observables (k, n) after these numbers of steps [s]."""
@@ -180,8 +155,26 @@ class Hypothesis:
         return rows(own, np.array(states)[self.numbers].T, names)
 
 
-def mistakes(seen: Seen) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
-    """Yield the mistakes that are tried, each with the motion that it makes of a part."""
+def smallest_rest(seen: EngineRuns, change: Callable[[Part], Hypothesis], most: float) -> float:
+    """Return the largest difference of runs from those of an engine with a mistake.
+
+    It is infinite if it is not below ``most``, which the beginning of a part mostly shows.
+    """
+    left, first = 0.0, 0
+    for part in seen.parts:
+        count = len(part.numbers)
+        for samples in sorted({-(-count // share) for share in SHARES}):
+            values = seen.values[:, first : first + samples]
+            beginning = part._replace(numbers=part.numbers[:samples])
+            rest = seen.away(values, change(beginning).rows_of(seen))
+            if not rest < most:
+                return np.inf
+        left, first = max(left, rest), first + count
+    return left
+
+
+def mistakes(seen: EngineRuns) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
+    """Yield the likely mistakes, each with the motion of a part that it predicts."""
     setup = seen.setup
     starts = []
     for words, keeps in STARTS.items():
@@ -197,7 +190,7 @@ def mistakes(seen: Seen) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
     if setup.scheme is None and setup.integrator.order < 2:
         return  # the error of a right one is of the size of what follows
     if stretch := longer_steps(seen):
-        words = f"its steps are {'longer' if stretch > 0 else 'shorter'} than the one that is given"
+        words = f"its steps are {'longer' if stretch > 0 else 'shorter'} than the given one"
         yield f"{words}, by {abs(stretch):.3g} of it", partial(changed, stretch=stretch)
     yield "samples are one step late", partial(changed, ahead=-1)
     yield "samples are one step early", partial(changed, ahead=1)
@@ -218,10 +211,10 @@ def mistakes(seen: Seen) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
             yield f"its steps are those of {scheme}", partial(changed, scheme=scheme)
 
 
-def longer_steps(seen: Seen) -> float:
-    """Return by which share steps would be longer that explain what is seen best."""
+def longer_steps(seen: EngineRuns) -> float:
+    """Return the relative excess of the length of steps that explains the results best."""
     parts = (changed(part, stretch=STRETCH) for part in seen.parts)
-    slope = (np.hstack([seen.rows_of(one) for one in parts]) - seen.right) / STRETCH / seen.size
+    slope = (np.hstack([one.rows_of(seen) for one in parts]) - seen.right) / STRETCH / seen.size
     size = float(np.sum(slope**2))
     stretch = float(np.sum(slope * (seen.values - seen.right) / seen.size)) / size if size else 0.0
     return stretch if abs(stretch) < MOST_STRETCH else 0.0
@@ -230,21 +223,13 @@ def longer_steps(seen: Seen) -> float:
 def changed(
     part: Part, keeps: Callable[[str], bool] = bool, ahead: int = 0, **how: Any
 ) -> Hypothesis:
-    """Return the motion of a part from what is left of its start, seen some steps ahead."""
+    """Return the motion of a part from some values of its start, sampled some steps ahead."""
     state = {name: value for name, value in part.case.state.items() if keeps(name)}
     return Hypothesis(replace(part.case, state=state), part.numbers + ahead, **how)
 
 
-def seen_in(runs: EngineRuns) -> Seen:
-    """Return runs as what an engine computed, beside what it should have."""
-    size = np.max(np.abs(runs.expected), axis=1, keepdims=True)
-    size, scene = np.where(size > 0, size, 1.0), runs.setup.scene
-    observed = scene.observables, runs.values, runs.expected, size
-    return Seen(scene, *observed, runs.setup, runs.step, runs.parts)
-
-
 def with_expected(setup: Setup, step: float, parts: Sequence[Part], values: Array) -> EngineRuns:
-    """Return what an engine computed with a step [s] (k, n), beside what it should have."""
+    """Return an engine's results (k, n) with a step [s], and the expected ones."""
     names = setup.scene.observables
     if takes_long(setup, parts):  # as the check itself has solved it
         ((case, numbers),) = parts
@@ -253,17 +238,17 @@ def with_expected(setup: Setup, step: float, parts: Sequence[Part], values: Arra
         ).values
     else:
         right = np.hstack([Hypothesis(*part).rows(setup, step, names) for part in parts])
-    return EngineRuns(setup, step, parts, values, right)
+    return EngineRuns.of(setup, step, parts, values, right)
 
 
 def takes_long(setup: Setup, parts: Sequence[Part]) -> bool:
-    """Return whether it takes long to predict parts of a run: many steps of a continuum."""
+    """Return True if predicting parts of a run takes long: many steps of a continuum."""
     longest = max(np.max(part.numbers) for part in parts)
     return bool(setup.scene.discretisation_coordinates) and longest > LONG
 
 
-def explanation(seen: Seen) -> str:
-    """Return the only mistake that explains what is seen, if there is one."""
+def explanation(seen: EngineRuns) -> str:
+    """Return the mistake that alone explains the results; empty if there is none."""
     error = seen.error
     if not SEEN < error < np.inf:
         return ""
@@ -271,7 +256,7 @@ def explanation(seen: Seen) -> str:
     if not takes_long(seen.setup, seen.parts):
         left: dict[str, float] = {}
         for said, change in mistakes(seen):
-            rest = seen.left(change, EXPLAINED * error)
+            rest = smallest_rest(seen, change, EXPLAINED * error)
             left[said] = min(rest, left.get(said, np.inf))
         left = {said: rest for said, rest in left.items() if rest < np.inf}
         second = min(sorted(left.values())[1:], default=np.inf)
@@ -280,8 +265,8 @@ def explanation(seen: Seen) -> str:
     return words[0] if len(words) == 1 else ""
 
 
-def after_drive(seen: Seen) -> Iterator[str]:
-    """Yield that only what follows the end of the drive is wrong."""
+def after_drive(seen: EngineRuns) -> Iterator[str]:
+    """Yield a sentence if only the motion after the end of the drive is wrong."""
     case = seen.setup.case
     end = float(seen.setup.scene.drive_end_time(case.parameters))
     times = [part.case.start_time + part.numbers * seen.step for part in seen.parts]
@@ -291,8 +276,8 @@ def after_drive(seen: Seen) -> Iterator[str]:
         yield f"it is right until the drive ends at t = {end:.4g} s, and wrong after that"
 
 
-def reset(seen: Seen) -> str:
-    """Return when a run is put back to its start, or to the origin, if that is all that it does."""
+def reset(seen: EngineRuns) -> str:
+    """Return the time of a reset to the start or the origin that explains all; empty if none."""
     if seen.setup.scene.discretisation_coordinates:
         return ""
     ((case, numbers),) = seen.parts
@@ -311,16 +296,16 @@ def reset(seen: Seen) -> str:
             """Return the samples after a restart, or all."""
             there = replace(begin, start_time=case.start_time + number * seen.step)
             return seen.away(
-                values[:, :count], seen.rows_of(Hypothesis(there, later[:count] - number))
+                values[:, :count], Hypothesis(there, later[:count] - number).rows_of(seen)
             )
 
-        if seen.away(values, seen.rows_of(Hypothesis(begin, np.array([0])))) < least:
+        if seen.away(values, Hypothesis(begin, np.array([0])).rows_of(seen)) < least:
             when = f"between t = {before:.4g} s and {after:.4g} s"
-            words.append(f"it is put back to {where} {when}, and stays there")
+            words.append(f"it is reset to {where} {when}, and stays there")
             continue
         earliest = max(int(numbers[first - 1]), int(later[0]) - FOLLOWED)
         best = min(range(earliest, int(later[0]) + 1), key=lambda number: left(number, 1))
         if left(best, None) < least:
             at = case.start_time + best * seen.step
-            words.append(f"it is put back to {where} at t = {at:.4g} s")
+            words.append(f"it is reset to {where} at t = {at:.4g} s")
     return words[0] if len(words) == 1 else ""

@@ -1,4 +1,4 @@
-"""Mistakes in what is told of a right motion: units, signs, turns, places, conventions, times."""
+"""Mistakes in returned observables of a right motion: units, signs, turns, names, times."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ FACTORS = {
     "m": {1e3: "millimetres", 1e2: "centimetres"},
     "m/s": {1e3: "millimetres per second"},
 }
-"""What a quantity is multiplied by in units that are not SI, and their name."""
+"""Factors from SI to other units, and the names of these units."""
 
 
 @dataclass(frozen=True)
 class Observed:
-    """Observables of a scene as they are told, and as they should be.
+    """Observables of a scene as returned, and as expected.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Observed:
     names : tuple of str, k of them
     values, right : array (k, n)
     size : array (k, 1)
-        To which errors are related.
+        Size to which errors are related.
     """
 
     scene: Scene
@@ -63,14 +63,14 @@ class Observed:
 
 
 def otherwise_observed(seen: Observed) -> Iterator[str]:
-    """Yield in which other convention, place or measure all that is off is told."""
+    """Yield the other convention, order or unit that explains all errors."""
     error, measures = seen.error, other_measures(seen).values()
     others = ["; ".join(measures)] if measures and all(measures) else []
     yield from [*conventions(seen, error)] or [*exchanged(seen, error), *others]
 
 
 def conventions(seen: Observed, error: float) -> Iterator[str]:
-    """Yield by which other convention a quaternion is told."""
+    """Yield the other convention of a quaternion that explains all errors."""
     if not seen.scene.quaternions or not {*ROTATION} <= {*seen.names}:
         return
     places = [seen.names.index(name) for name in ROTATION]
@@ -88,7 +88,7 @@ def conventions(seen: Observed, error: float) -> Iterator[str]:
 
 
 def exchanged(seen: Observed, error: float) -> Iterator[str]:
-    """Yield which observables stand in each other's place."""
+    """Yield the exchange of observables that explains all errors."""
     scale = np.max(np.abs(seen.right)) or 1.0
     distances = np.max(np.abs(seen.values[:, None] - seen.right[None]), axis=2) / scale
     _, order = linear_sum_assignment(np.log(distances + SEEN))
@@ -101,9 +101,9 @@ def exchanged(seen: Observed, error: float) -> Iterator[str]:
 
 
 def other_measures(seen: Observed, least: float = EXPLAINED) -> dict[str, str]:
-    """Return in what other measure each row is told that is off by more than a share of its size.
+    """Return the unit, sign or turns that explain each row with an error above a share of its size.
 
-    Empty where no other unit, sign or number of turns explains it.
+    The text is empty if none of them explains the row.
     """
     every = zip(seen.names, seen.values, seen.right, seen.size[:, 0].tolist(), strict=True)
     return {
@@ -114,7 +114,7 @@ def other_measures(seen: Observed, least: float = EXPLAINED) -> dict[str, str]:
 
 
 def other_measure(name: str, unit: str, values: Array, reference: Array, size: float) -> str:
-    """Return which other unit, sign or number of turns makes values (k,) of a reference (k,)."""
+    """Return the other unit, sign or number of turns by which values (k,) fit a reference (k,)."""
     error = np.abs(values - reference)
     if not np.all(np.isfinite(error)):
         return ""
@@ -131,7 +131,7 @@ def other_measure(name: str, unit: str, values: Array, reference: Array, size: f
 
 
 def limited(seen: Observed) -> Iterator[str]:
-    """Yield the rates that stop at a round number, of two digits, which right ones exceed."""
+    """Yield the rates that never exceed a round number, of two digits, which right ones exceed."""
     for name, one, right in zip(seen.names, np.abs(seen.values), np.abs(seen.right), strict=True):
         most = float(np.max(one))
         limit = one > most * (1 - SEEN)
@@ -141,7 +141,7 @@ def limited(seen: Observed) -> Iterator[str]:
 
 
 def late(seen: Observed, rates: Array, least: float) -> str:
-    """Return by how much times are off, if that explains the errors of all states.
+    """Return the shift of times that explains the errors of all states; empty if none does.
 
     Parameters
     ----------

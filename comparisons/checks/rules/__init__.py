@@ -1,1 +1,1 @@
-"""Rules: what can be said of a run before it is made."""
+"""Rules: warnings before a run."""

@@ -1,8 +1,8 @@
 """Rules that hold for a run of a scene and for any MJCF file, as functions of plain numbers.
 
-Each rule has one condition, one threshold and one sentence. `cautions` asks them of an engine's run
-of a scene, whose equations, horizon and reference are known; `mbcheck inspect` of a file, of which
-there is neither a horizon nor a reference: where that matters, a rule has a threshold for either.
+Each rule has one condition, one threshold and one sentence. `cautions` applies them to an engine's
+run of a scene, whose equations, horizon and reference are known; `mbcheck inspect` to a file,
+without horizon and reference: where that matters, a rule has a threshold for either.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ OPENING = 1e-3
 """How far a loop may open, in the size of its mechanism, or in rad: beyond, it moves as another."""
 
 NEAR_FLOOR = 100.0
-"""Times the least inertia that an engine takes, below which one only stands for 0."""
+"""Multiple of the least inertia of an engine below which an inertia only replaces 0."""
 
 CLOCK = 1e-9
 """Phase [rad] by which an engine's clock may be off: what a truth with nine digits shows."""
@@ -40,23 +40,23 @@ MEANINGS: Mapping[str, str] = {
     "step_limit": "the step is beyond the method's stability limit",
     "coarse_step": "too few steps in a period: stable, but the phase is lost",
     "closure_softness": "a loop opens under its load",
-    "inertia_floor": "an inertia that is as small as the least that the engine takes",
+    "inertia_floor": "an inertia near the least that the engine accepts",
     "clock_rounding": "the clock adds up rounded steps",
     "ill_conditioned": "rounding leaves few digits of accelerations",
 }
-"""What each of these rules says, in few words."""
+"""Meaning of each of these rules, in few words."""
 
 
 @dataclass(frozen=True)
 class Statement:
-    """What a rule says of a model or a run.
+    """The statement of a rule about a model or a run.
 
     Attributes
     ----------
     message : str
-        What is wrong, with its numbers.
+        The problem, with its numbers.
     fix : str
-        What to do; empty where nothing helps.
+        The remedy; empty if there is none.
     """
 
     message: str
@@ -92,15 +92,15 @@ def step_limit(step: float, limit: float, omega: float, mode: str, method: str) 
 def coarse_step(
     step: float, period: float, phase: float | None = None, most: float = 0.0, method: str = ""
 ) -> Statement | None:
-    """Ask whether a step [s] resolves a motion of this period [s].
+    """Judge if a step [s] resolves a motion of this period [s].
 
-    By the phase that is lost in a run, where that is known; else by `FEW_STEPS`.
+    The criterion is the phase error in a run if it is known, else `FEW_STEPS`.
 
     Parameters
     ----------
     step, period : float
     phase, most : float, optional
-        The phase that the method loses, and the most that is no fault [rad].
+        The phase error of the method, and the largest acceptable one [rad].
     method : str
         The method and the run, in words.
     """
@@ -131,11 +131,11 @@ def closure_softness(
     closure, load : str
         The closure and its load, in words.
     opening, size : float
-        How far it opens, and what that is compared with [m, or 1 rad].
+        Opening, and the size with which it is compared [m, or 1 rad].
     unit : str
         Of these, where one is known.
     turn : float, optional
-        By what angle it opens beside that [rad].
+        Angle by which it opens as well [rad].
     """
     if not (opening > OPENING * size or (turn or 0.0) > OPENING):
         return None
@@ -154,7 +154,7 @@ def inertia_floor(
     if inertia > near * least:
         return None
     place = "below" if inertia <= least else "next to"
-    return Statement(f"{what} of {inertia:.3g} {unit} is {place} what {engine} takes, {least:g}")
+    return Statement(f"{what} of {inertia:.3g} {unit} is {place} the least of {engine}, {least:g}")
 
 
 def clock_rounding(

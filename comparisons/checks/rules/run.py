@@ -1,4 +1,4 @@
-"""A run that is to be made, and the facts that rules look at."""
+"""A planned run, and the facts on which rules depend."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from ...engines.setup import Setup, shortest_period
 from ..free_vibrations import Place, places, start_and_rests
 
 QUARTERS = np.arange(4) * np.pi / 2
-"""Places [rad] of a turn at which loads and turns are looked at."""
+"""Angles [rad] of a turn at which loads and speeds are evaluated."""
 
 
 @dataclass(frozen=True)
 class RunConditions(Setup):
-    """A run that is to be made: a setup, and its horizon [s]."""
+    """A planned run: a setup, and its horizon [s]."""
 
     horizon: float = field(kw_only=True)
 
@@ -31,7 +31,7 @@ class RunConditions(Setup):
 
     @cached_property
     def places(self) -> tuple[Place, ...]:
-        """Where the model's equations are linearised for the scheme; nowhere without one."""
+        """States about which the model's equations are linearised; empty without a scheme."""
         return () if self.linear_scheme is None else places(self, self.linear_scheme)
 
     @cached_property
@@ -61,7 +61,7 @@ class RunConditions(Setup):
     def ripple(self) -> float:
         """Largest angular acceleration of what turns, over the square of the speed.
 
-        A uniform turn costs no method anything, but one that sees bodies move on circles.
+        A uniform turn causes no error, except in methods in Cartesian coordinates.
         """
         scene, case = self.scene, replace(self.case, inconsistency={})
         turns = [scene.coordinates.index(name) for name in scene.rotations_per_period]

@@ -60,20 +60,20 @@ NEWTON_TOLERANCE = 1e-11
 
 A tolerance on the residual would be in the model's newtons, and lie below rounding for a
 stiff spring or above the signal for a light body. Increments of a full Newton iteration
-converge quadratically, so what is left after the last is far smaller than the tolerance
-(those of a modified one fall by a constant factor, and what is left is about as large);
-rounding of coordinates of size 1 (eps) is 4 orders below it.
+converge quadratically, so that the error after the last is far smaller than the tolerance
+(those of a modified iteration fall by a constant factor, and the error is about as large);
+round-off of coordinates of size 1 (eps) is 4 orders below it.
 """
 
 WORK_POINTS = 12
-"""Gauss points on the way along which strain energy is the work done; the forces are smooth
-there: what is left out lies below rounding."""
+"""Gauss points on the path along which strain energy is the work done; the forces are smooth, and
+the truncation error is below round-off."""
 
 SAME = 1e-12
-"""Part of a constraint's row that is left of one that the scene's coordinates keep."""
+"""Largest relative residual of a constraint's row in the span of the scene's coordinates."""
 
 STEADY_ITERATIONS = 20
-"""Of Newton's method for the shape of a beam that turns steadily."""
+"""Most iterations of Newton's method for the shape of a beam in steady rotation."""
 
 NEWTON = Option(
     "newton_tolerance", "m, rad", NEWTON_TOLERANCE, (1e-4, 1e-6, 1e-8, 1e-11), "solver tolerance"
@@ -85,7 +85,7 @@ steps even where automatic steps are switched off."""
 
 LINEAR_STEPS = (2e-5, 1e-5)
 """Relative steps of the forward differences that linearise, whose error of order 1 is extrapolated.
-With Exudyn's own 1e-7 a coordinate that is not 0 at rest leaves 5e-10 of the stiffness to rounding.
+With Exudyn's default, 1e-7, round-off is 5e-10 of the stiffness if a coordinate at rest is not 0.
 """
 
 AT_REST = 1e-9
@@ -129,12 +129,12 @@ class Exudyn(Engine):
         return tuple(models(scene))
 
     def describe_model(self, system: System) -> ModelDescription:
-        """Return what is to be known of a model."""
+        """Return the description of a model."""
         case, source = system.case, self.source(system.case, system.model)
         p = case.parameters
         return ModelDescription(
             constrained=bool(source.constrained),
-            reactions=tuple(source.reactions),
+            reactions=source.reactions,
             equations=source.equations(p) if source.equations else None,
             elements=source.discrete(p) if source.discrete else None,
             element_order=source.element_order(p),
@@ -142,7 +142,7 @@ class Exudyn(Engine):
         )
 
     def unsupported_reason(self, system: System, method: Method | None) -> str | None:
-        """Return why this method cannot run this system, or None."""
+        """Return the reason why this method cannot run this system, or None."""
         source = self.source(system.case, system.model)
         if system.case.inconsistency:
             return "Exudyn's joints take only an assembled mechanism: no loop can start open"
@@ -153,11 +153,11 @@ class Exudyn(Engine):
             )
         if system.case.placement:
             return None  # what `unplaceable_reason` knows
-        reason: str | None = source.why_not(system.case.parameters)
+        reason: str | None = source.unsupported_reason(system.case.parameters)
         return reason
 
     def options(self, system: System, method: Method) -> tuple[Option, ...]:
-        """Return what limits accuracy beside the step: where Newton's method stops."""
+        """Return the options that limit accuracy: the tolerance of Newton's method."""
         return () if is_explicit(method) else (NEWTON,)
 
     def simulate(self, system: System, method: Method, step: float, times: Array) -> Motion:
@@ -218,20 +218,18 @@ class Exudyn(Engine):
         """Return accelerations (n,) at a time and a state.
 
         Mass matrix, forces (with the load at that time) and constraint Jacobian are
-        Exudyn's; its own start accelerations difference that Jacobian to 8 digits only.
+        Exudyn's; the initial accelerations that Exudyn computes have 8 correct digits only.
         """
         return self.motion(system, time, positions, velocities)[0]
 
     def reactions(
         self, system: System, time: float, positions: Array, velocities: Array
     ) -> dict[str, float]:
-        """Return the forces in joints by name: the multipliers that come with accelerations."""
+        """Return the forces in joints by name, from the multipliers of the constraints."""
         multipliers = self.motion(system, time, positions, velocities)[1]
-        rows = self.probe(system.case, system.model).system.multipliers
-        if rows is not None:
-            multipliers = rows @ multipliers
-        places: Mapping[str, int] = self.source(system.case, system.model).reactions
-        return {name: float(multipliers[place]) for name, place in places.items()}
+        rows = self.probe(system.case, system.model).system.reactions
+        names = self.source(system.case, system.model).reactions
+        return {} if rows is None else dict(zip(names, (rows @ multipliers).tolist(), strict=True))
 
     def motion(
         self, system: System, time: float, positions: Array, velocities: Array
@@ -289,7 +287,9 @@ class Exudyn(Engine):
         """
         case, model = system.case, system.model
         if case.parameters.has_gravity and not self.source(case, model).constrained:
-            raise Unsupported(f"differences of {model} leave few digits of K beside weights")
+            raise Unsupported(
+                f"in {model} round-off of the weights leaves few digits of the stiffness K"
+            )
         state = np.append(system.positions, system.velocities)
         with quiet(self.exudyn):
             hub_case = in_hub_frame(case, float(system.positions[0]))
@@ -334,7 +334,7 @@ class Exudyn(Engine):
 
     @contextmanager
     def opened(self, case: Case, model: str) -> Iterator[Any]:
-        """Lend the system of a case, with Exudyn's console silent; free its memory after."""
+        """Build the system of a case, with Exudyn's console silent; free its memory after."""
         with quiet(self.exudyn):
             system = self.system(case, model)
             try:
@@ -379,7 +379,7 @@ class Exudyn(Engine):
         time = settings.timeIntegration
         time.verboseMode = 0
         span = {"startTime": start, "endTime": start + step}
-        with any_values(self.exudyn):  # Exudyn runs before t = 0, but refuses to be told so
+        with any_values(self.exudyn):  # Exudyn runs before t = 0, but refuses such a start time
             time.SetDictionary({**time.GetDictionary(), **span})
         time.numberOfSteps = 1
         time.adaptiveStep = self.adaptive_step
@@ -426,21 +426,18 @@ class Probe:
     def mass(self) -> Array:
         """Return the mass matrix (N, N)."""
         self.solver.ComputeMassMatrix(self.mbs)
-        matrix: Array = np.array(self.solver.GetSystemMassMatrix())[: self.size, : self.size]
-        return matrix
+        return np.array(self.solver.GetSystemMassMatrix()[: self.size, : self.size])
 
     def forces(self) -> Array:
         """Return generalised forces, velocity-dependent inertia terms included (N,)."""
         self.solver.ComputeODE2RHS(self.mbs)
-        forces: Array = np.array(self.solver.GetSystemResidual())[: self.size]
-        return forces
+        return np.array(self.solver.GetSystemResidual()[: self.size])
 
     def stiffness(self) -> Array:
         """Return minus the derivative of the forces (N, N)."""
         only = {"scalarFactor_ODE2": 1.0, "scalarFactor_ODE2_t": 0.0, "scalarFactor_ODE1": 0.0}
         self.solver.ComputeJacobianODE2RHS(self.mbs, **only)
-        matrix: Array = -np.array(self.solver.GetSystemJacobian())[: self.size, : self.size]
-        return matrix
+        return -np.array(self.solver.GetSystemJacobian()[: self.size, : self.size])
 
     def whole_stiffness(self, coordinates: Array, rates: Array) -> Array:
         """Return minus the derivative of all forces (N, N), by differences.
@@ -466,8 +463,7 @@ class Probe:
         self.solver.ComputeJacobianAE(
             self.mbs, **{**none, "scalarFactor_ODE2": 1.0}, velocityLevel=False
         )
-        matrix: Array = np.array(self.solver.GetSystemJacobian())[self.size :, : self.size]
-        return matrix
+        return np.array(self.solver.GetSystemJacobian()[self.size :, : self.size])
 
     def evaluate_constraints(self) -> None:
         """Put how far loops are open [m] into the solver's residual."""
@@ -545,7 +541,7 @@ class Probe:
         Raises
         ------
         EngineError
-            ``singular``, if the scene's rates do not tell the motion here.
+            ``singular``, if the scene's rates do not determine the motion here.
         """
         at = np.array(self.mbs.systemData.GetODE2Coordinates(configuration=self.current))
         if self.system.turning is not None:
@@ -558,7 +554,9 @@ class Probe:
         rows = np.vstack([jacobian, readout])
         wanted = np.vstack([np.zeros((len(jacobian), n)), np.eye(n)])
         if rows.shape[0] != self.size or np.linalg.cond(rows) > 1e12:
-            raise EngineError("singular", "the scene's coordinates do not tell the motion here")
+            raise EngineError(
+                "singular", "the scene's coordinates do not determine the motion here"
+            )
         return np.linalg.solve(rows, wanted)
 
     def turning_integrals(self, coordinates: Array, rates: Array) -> dict[str, Array]:
@@ -619,7 +617,7 @@ class Probe:
     def free_shapes(self) -> Array:
         """Return a basis (N, n) of the shapes that the constraints leave, the angle kept.
 
-        They are linear in the frame that turns. What no constraint holds stands alone in them:
+        They are linear in the frame that turns. Unconstrained coordinates are separate columns:
         summed up with coordinates that stretch, those that bend would lose half their digits.
         """
         still, plane = np.zeros(self.size), self.system.turning.plane
@@ -631,8 +629,8 @@ class Probe:
 
 
 def unplaceable_reason(source: Any, case: Case, model: str) -> str | None:
-    """Return why a model cannot be placed in the world otherwise than it stands, or None."""
-    if reason := source.why_not_placed(case.parameters):
+    """Return the reason why a model cannot be placed in the world in this way, or None."""
+    if reason := source.unplaceable_reason(case.parameters):
         return str(reason)
     if get_scene(case.scene).quaternions and np.linalg.det(world_axes(case.placement)) < 0:
         return f"joints of {model} turn about given axes of frames, which are no mirror images"
@@ -646,12 +644,12 @@ def completed(system: System, positions: Array, matrix: Array) -> Array:
 
 
 def is_explicit(method: Method) -> bool:
-    """Return whether a method is one of the explicit solvers, whatever order is claimed of it."""
+    """Return True if a method is one of the explicit solvers, whatever order is claimed of it."""
     return method.name in {item.name for item in EXPLICIT}
 
 
 def cure(reason: str) -> str:
-    """Return what to do where Exudyn cannot be imported for a reason."""
+    """Return the cure where Exudyn cannot be imported for this reason."""
     if "libGL" in reason:
         return "install OpenGL, on Debian with: apt-get install libgl1"
     return "install it with: pip install exudyn (on Debian it needs libgl1)"
@@ -694,7 +692,7 @@ def place_initial(exudyn: Any, system: Any, state: Array) -> None:
 
 
 def evaluations(solver: Any, method: Method, steps: int) -> int:
-    """Return how often forces were evaluated, those for Newton's Jacobians left out."""
+    """Return the number of evaluations of forces, those for Newton's Jacobians left out."""
     if is_explicit(method):
         return steps * int(solver.GetNumberOfStages())
     return steps + int(solver.it.newtonStepsCount)
@@ -705,9 +703,9 @@ def integrate_samples(
 ) -> tuple[Array, Array, Array, Array, int]:
     """Run an initialised solver from sample to sample.
 
-    One solver does all: its memory (the algorithmic accelerations of GeneralizedAlpha) goes
-    on through a sample, which therefore does not act on the motion. It counts its steps and
-    its time from the start of each leg, which is where its own clock stood.
+    One solver does all: its memory (the algorithmic accelerations of GeneralizedAlpha) persists
+    through a sample, which therefore does not act on the motion. It counts its steps and its time
+    from the start of each leg.
 
     Returns
     -------
@@ -725,36 +723,28 @@ def integrate_samples(
     data, progress = mbs.systemData, solver.it
     indices = np.rint((times - progress.startTime) / step).astype(int)
     legs = np.diff(indices, prepend=0).tolist()
-    size = len(data.GetODE2Coordinates())
-    coordinates, rates = np.empty((len(times), size)), np.empty((len(times), size))
-    angles, clock = np.empty((len(times), len(data.GetDataCoordinates()))), np.empty(len(times))
-    steps = 0
-    for row, leg in enumerate(legs):
+    rows, steps = [], 0
+    for leg in legs:
         if leg:
             progress.startTime = begin = data.GetTime()
             progress.endTime = begin + leg * step
             finished = solver.SolveSteps(mbs, settings)
             steps += progress.currentStepIndex - 1
             if not finished:
-                raise EngineError("solver", gave_up(solver))
-        coordinates[row] = data.GetODE2Coordinates()
-        rates[row] = data.GetODE2Coordinates_t()
-        angles[row] = data.GetDataCoordinates()
-        clock[row] = data.GetTime()
+                reason = " ".join(str(solver.GetErrorString()).split()) or "no reason given"
+                raise EngineError(
+                    "solver",
+                    f"Exudyn's solver found no solution at t = {progress.currentTime:.9g} s; "
+                    f"try a smaller step (Exudyn: {reason})",
+                )
+        parts = data.GetODE2Coordinates(), data.GetODE2Coordinates_t(), data.GetDataCoordinates()
+        rows.append((*map(np.array, parts), data.GetTime()))
+    coordinates, rates, angles, clock = (np.array(part) for part in zip(*rows, strict=True))
     return coordinates, rates, angles, clock, steps
 
 
-def gave_up(solver: Any) -> str:
-    """Return where a solver stopped, and Exudyn's words for it."""
-    reason = " ".join(str(solver.GetErrorString()).split()) or "no reason given"
-    return (
-        f"Exudyn's solver found no solution at t = {solver.it.currentTime:.9g} s; "
-        f"try a smaller step (Exudyn: {reason})"
-    )
-
-
 def changes(solver: Any, step: float) -> tuple[str, ...]:
-    """Return what the solver changed on its own.
+    """Return the inputs that the solver changed.
 
     Fixed steps stay the same to the bit; one that may adapt also shrinks by rounding where
     a leg ends.

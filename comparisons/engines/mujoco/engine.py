@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from copy import copy
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import lru_cache
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,22 +37,6 @@ not, see docs/extremes.md."""
 
 MODELS = 256
 """Compiled models that are kept, of 0.25 MB each: a map runs its points repeatedly."""
-
-
-@dataclass(frozen=True)
-class Order:
-    """What is to be compiled: a system, and where it is stepped a method and a step [s].
-
-    Systems with the same text have one model.
-    """
-
-    system: System = field(compare=False)
-    method: str = "Euler"
-    step: float | None = None
-    text: str = field(init=False)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "text", self.system.mjcf)
 
 
 class MuJoCo(Engine):
@@ -87,7 +70,7 @@ class MuJoCo(Engine):
         self.compiled = lru_cache(MODELS)(self.compile)
 
     def unsupported_reason(self, system: System, method: Method | None) -> str | None:
-        """Return why this method cannot run this system, or None."""
+        """Return the reason why this method cannot run this system, or None."""
         if method is not None and method.name == "discrete" and system.drivers:
             return (
                 "discrete makes springs implicit and so damps the oscillator that drives this "
@@ -96,16 +79,9 @@ class MuJoCo(Engine):
         return None
 
     def options(self, system: System, method: Method) -> tuple[Option, ...]:
-        """Return how exactly constraints are solved, where they are hard enough for it to show."""
+        """Return the tolerance of the constraint solver if constraints are hard enough."""
         hard = any(closure.solref[0] < 0 for closure in system.closures)
         return (SOLVER_TOLERANCE,) if hard else ()
-
-    def with_option(self, name: str, value: float) -> Self:
-        """Return this engine with an option set."""
-        other = copy(self)
-        setattr(other, name, value)
-        other.compiled = lru_cache(MODELS)(other.compile)
-        return other
 
     # Runs
 
@@ -118,7 +94,8 @@ class MuJoCo(Engine):
             ``step``, if it is so long that MuJoCo would soften a closure silently.
         """
         with self.opened(system):
-            compiled = self.compiled(Order(system, method.name, step))
+            settings = method.name, step, self.solver_tolerance
+            compiled = self.compiled(system.mjcf, system.model, *settings)
             data = self.data(compiled, system.start_time, system.positions, system.velocities)
             motion = integrate(self.mujoco, compiled, data, times, system.drive_end)
             return self.with_sensors(system, compiled, data, motion)
@@ -178,7 +155,7 @@ class MuJoCo(Engine):
     def reactions(
         self, system: System, time: float, positions: Array, velocities: Array
     ) -> dict[str, float]:
-        """Return the forces in joints that are asked for, by name."""
+        """Return the forces in the joints of `System.reactions`, by name."""
         with self.opened(system):
             compiled, data = self.at(system, time, positions, velocities)
             self.mujoco.mj_rnePostConstraint(compiled, data)
@@ -190,15 +167,15 @@ class MuJoCo(Engine):
     @contextmanager
     def opened(self, system: System) -> Iterator[None]:
         """Keep MuJoCo silent, and give it the controls of a system."""
-        controls = system.controls if takes_controls(system) else None
-        with quiet(self.mujoco), controlled(self.mujoco, controls):
+        driven = any(term.kind == "actuator" and term.amplitude for term in system.terms)
+        with quiet(self.mujoco), controlled(self.mujoco, system.controls if driven else None):
             yield
 
     def at(
         self, system: System, time: float, positions: Array, velocities: Array
     ) -> tuple[Any, Any]:
         """Return model and data with all forces and accelerations at a time and a state."""
-        compiled = self.compiled(Order(system))
+        compiled = self.compiled(system.mjcf, system.model)
         end = system.drive_end
         switch(compiled, off=end is not None and time >= end)
         data = self.data(compiled, time, positions, velocities)
@@ -213,25 +190,32 @@ class MuJoCo(Engine):
 
     # Models
 
-    def compile(self, order: Order) -> Any:
-        """Return a compiled model.
+    def compile(
+        self,
+        text: str,
+        model: str,
+        method: str = "Euler",
+        step: float | None = None,
+        tolerance: float | None = None,
+    ) -> Any:
+        """Return a compiled model, for runs with a method and a step [s].
 
         Raises
         ------
         EngineError
             ``step``, see `simulate`.
         """
-        compiled = self.load(order.system)
-        compiled.opt.integrator = getattr(self.mujoco.mjtIntegrator, integrator_name(order.method))
-        if order.step is not None:
-            self.refuse_softening(compiled, order)
-            compiled.opt.timestep = order.step
-            if self.solver_tolerance is not None:
-                compiled.opt.tolerance = self.solver_tolerance
+        compiled = self.load(text)
+        compiled.opt.integrator = getattr(self.mujoco.mjtIntegrator, integrator_name(method))
+        if step is not None:
+            self.refuse_softening(compiled, model, step)
+            compiled.opt.timestep = step
+            if tolerance is not None:
+                compiled.opt.tolerance = tolerance
         return compiled
 
-    def load(self, system: System) -> Any:
-        """Return the compiled model of a system.
+    def load(self, text: str) -> Any:
+        """Return the compiled model of a text.
 
         Raises
         ------
@@ -239,11 +223,11 @@ class MuJoCo(Engine):
             ``model``, if MuJoCo takes a centre of mass for the place of its body's frame.
         """
         with controlled(self.mujoco, None):  # it compiles none under a hook in Python
-            compiled = self.mujoco.MjModel.from_xml_string(system.mjcf)
+            compiled = self.mujoco.MjModel.from_xml_string(text)
         self.refuse_lost_offsets(compiled)
         return compiled
 
-    def refuse_softening(self, compiled: Any, order: Order) -> None:
+    def refuse_softening(self, compiled: Any, model: str, step: float) -> None:
         """Refuse a step at which MuJoCo gives a closure a longer time constant (refsafe).
 
         Raises
@@ -253,12 +237,11 @@ class MuJoCo(Engine):
         """
         times = compiled.eq_solref[:, 0]
         longest = np.min(times[times > 0], initial=np.inf) / 2
-        if order.step is not None and order.step > longest:
+        if step > longest:
             raise EngineError(
                 "step",
-                f"with steps above {longest:g} s MuJoCo softens the closure of "
-                f"{order.system.model} silently (refsafe), so {order.step:.6g} s would be a "
-                "run of another model",
+                f"with steps above {longest:g} s MuJoCo softens the closure of {model} silently "
+                f"(refsafe), so {step:.6g} s would be a run of another model",
             )
 
     def refuse_lost_offsets(self, compiled: Any) -> None:
@@ -287,17 +270,11 @@ def integrator_name(method: str) -> str:
     return f"mjINT_{method.upper()}"
 
 
-def takes_controls(system: System) -> bool:
-    """Return whether actuators of a system take controls that depend on time."""
-    return any(term.kind == "actuator" and term.amplitude for term in system.terms)
-
-
 def joint_force(mujoco: Any, compiled: Any, data: Any, element: str) -> Array:
     """Return a force (3,) in the world's axes, of an element as in `System.reactions`."""
     kind, name = element.split(":")
     if kind == "body":
-        force: Array = -data.cfrc_int[compiled.body(name).id, 3:]  # it is that on the body
-        return force
+        return np.asarray(-data.cfrc_int[compiled.body(name).id, 3:])  # it is that on the body
     rows = data.efc_id == compiled.equality(name).id
-    force = data.efc_force[rows & (data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY)]
-    return force
+    rows = rows & (data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY)
+    return np.asarray(data.efc_force[rows])

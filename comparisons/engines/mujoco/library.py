@@ -34,7 +34,7 @@ def import_mujoco() -> Any:
 
 
 def cure(reason: str) -> str:
-    """Return what to do where MuJoCo cannot be imported, whatever the reason."""
+    """Return the cure where MuJoCo cannot be imported, whatever the reason."""
     install = "install it with: pip install mujoco"
     if GL not in os.environ:
         return install
@@ -114,7 +114,7 @@ def integrate(
 def recorded(
     mujoco: Any, compiled: Any, start: float, data: Any, states: Array, before: Mapping[str, bytes]
 ) -> Motion:
-    """Return what was recorded.
+    """Return the motion of a recorded run.
 
     Parameters
     ----------

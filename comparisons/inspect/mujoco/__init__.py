@@ -1,1 +1,1 @@
-"""What MuJoCo tells of a model."""
+"""Access to models by MuJoCo."""

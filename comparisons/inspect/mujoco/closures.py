@@ -1,18 +1,18 @@
-r"""Closed loops of an MJCF model: how soft they are, and how far that lets them open.
+r"""Closed loops of an MJCF model: their softness, and their opening under load.
 
 MuJoCo's constraint ("Computation", constraint model) pulls the residual r of a loop with
 ``f = (A + R)^-1 (-b r' - d k r - a_0)``, ``R = (1 - d) / d A`` for a body's approximate inverse
-inertia A. Under a load that needs the force f_0 of the exact loop, it stays open by
+inertia A. Under a load that needs the force f_0 of the exact loop, the loop stays open by
 
     r = -R f_0 / (d k),
 
-whatever the step, and departures from that die away as ``r'' + d b r' + d^2 k r = 0``.
+whatever the step, and departures from this opening decay as ``r'' + d b r' + d^2 k r = 0``.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from scipy.optimize import brentq
@@ -20,12 +20,10 @@ from scipy.optimize import brentq
 from ....reference.scene import Array
 from ....reference.soft_constraint import clamped, impedance, reference_spring
 from ...documents.fields import HIDDEN, NULLABLE, Number
+from ..tuning import NUMERICS
 from .facts import integrator, word
 from .linear import LinearProbe, solved
 from .model import Loaded, State
-
-LEAST = 1e-15
-"""Openings below are rounding (m, rad)."""
 
 
 @dataclass(frozen=True)
@@ -35,32 +33,32 @@ class ClosedLoop:
     Attributes
     ----------
     number : int
-        Of the equality.
+        Number of the equality.
     name : str
-        name, or kind and number
+        name, or kind and number if it has none
     kind : {"connect", "weld", "joint", "tendon"}
-        element
+        element of MJCF
     state : str
-        state
+        state of the file
     solref, solimp : tuple of float
-        as the file has it
+        value in the file
     effective : tuple of float
-        solref as MuJoCo takes it at the file's timestep
+        solref as MuJoCo uses it at the file's timestep
     impedance : float
-        d, open as far as predicted [1]
+        impedance d at the predicted opening [1]
     omega : float
-        nominal circular frequency of the closure itself [rad/s]
+        nominal circular frequency of the closure [rad/s]
     decay : float
-        nominal rate at which departures die away [1/s]
+        nominal rate at which departures decay [1/s]
     force : float
-        load: norm of the exact closure's force [N, Nm]
+        load: norm of the force of the exact closure [N, Nm]
     opening : float
-        how far the load opens it, whatever the step [m], of a joint or tendon in its unit; null if
-        nothing holds it
+        opening under the load, whatever the step [m], for a joint or tendon in its unit; null if
+        nothing resists it
     turn : float or None
-        the same of a weld's rotation [rad]; null for the others
+        rotation of a weld under the load [rad]; null for other closures
     now : float
-        how far it is open in the state itself
+        opening in the state
     """
 
     number: int = field(metadata=HIDDEN)
@@ -80,13 +78,13 @@ class ClosedLoop:
 
 
 KINDS = ("connect", "weld", "joint", "tendon")
-"""Equalities that are looked at one by one; flexes have as many as edges."""
+"""Equalities that are listed one by one; those of flexes are too many, one for each edge."""
 
 
 def closures(loaded: Loaded, state: State) -> list[ClosedLoop]:
     """Return the closures of a model in a state, the stiffest first."""
     lib = loaded.mujoco
-    listed = [i for i in range(loaded.model.neq) if kind_of(loaded, i) in KINDS]
+    listed = [i for i in range(loaded.model.neq) if equality_kind(loaded, i) in KINDS]
     if not listed:
         return []
     probe = LinearProbe(loaded, state)
@@ -96,23 +94,18 @@ def closures(loaded: Loaded, state: State) -> list[ClosedLoop]:
     data = probe.data
     equality = data.efc_type == int(lib.mjtConstraint.mjCNSTR_EQUALITY)
     owner, residual = np.array(data.efc_id)[equality], np.array(data.efc_pos)[equality]
-    inverse = np.array(data.efc_R)[equality] / compliance(np.array(data.efc_KBIP)[equality, 2])
-    rows = {i: owner == i for i in listed if i in owner}
-    every = (
+    stiff = np.array(data.efc_KBIP)[equality, 2]
+    inverse = np.array(data.efc_R)[equality] * stiff / (1 - stiff)
+    every = [
         closure(loaded, state.name, i, inverse[at], forces[at], residual[at])
-        for i, at in rows.items()
-    )
+        for i, at in ((i, owner == i) for i in listed if i in owner)
+    ]
     return sorted(every, key=lambda one: -one.omega)
 
 
-def kind_of(loaded: Loaded, number: int) -> str:
-    """Return what kind of equality one is, as MJCF names it."""
+def equality_kind(loaded: Loaded, number: int) -> str:
+    """Return the kind of an equality, as MJCF names it."""
     return word(loaded.mujoco.mjtEq, loaded.model.eq_type[number]).lower()
-
-
-def compliance(impedance: Any) -> Any:
-    """Return by what share of its inverse inertia a constraint of impedance d gives way."""
-    return (1 - impedance) / impedance
 
 
 def closure(
@@ -130,9 +123,9 @@ def closure(
     force : array (rows,)
         Forces f_0 of the exact loop [N, Nm].
     residual : array (rows,)
-        How far it is open [m, rad].
+        Opening in the state [m, rad].
     """
-    model, kind = loaded.model, kind_of(loaded, number)
+    model, kind = loaded.model, equality_kind(loaded, number)
     solref = float(model.eq_solref[number, 0]), float(model.eq_solref[number, 1])
     solimp = tuple(map(float, model.eq_solimp[number]))
     used, clamps = effective(loaded, solref), clamped(solimp)
@@ -158,7 +151,7 @@ def closure(
 
 
 def effective(loaded: Loaded, solref: tuple[float, float]) -> tuple[float, float]:
-    """Return ``solref`` as MuJoCo takes it: a positive time constant is at least two steps."""
+    """Return ``solref`` as MuJoCo uses it: a positive time constant is at least two steps."""
     raised = not loaded.disabled("refsafe") and integrator(loaded) != "discrete"
     if solref[0] > 0 and raised:
         return max(solref[0], 2 * float(loaded.model.opt.timestep)), solref[1]
@@ -166,22 +159,20 @@ def effective(loaded: Loaded, solref: tuple[float, float]) -> tuple[float, float
 
 
 def opening(solimp: tuple[float, ...], spring: float, load: Array) -> tuple[float, Array]:
-    """Return the impedance d and how far (rows,) a closure opens.
-
-    d depends on the opening, and the opening on d.
+    """Return the impedance d and the opening (rows,) of a closure, which depend on each other.
 
     Parameters
     ----------
     solimp : tuple of float
-        Within MuJoCo's limits.
+        Clamped to MuJoCo's limits.
     spring : float
-        k [1/s^2]
+        Stiffness k [1/s^2].
     load : array (rows,)
         Inverse inertia times force.
     """
 
     def opened(stiff: float) -> Array:
-        return np.asarray(compliance(stiff) * load / (stiff * spring))
+        return np.asarray((1 - stiff) / stiff * load / (stiff * spring))
 
     def excess(stiff: float) -> float:
         return float(impedance(np.sum(opened(stiff) ** 2), solimp)) - stiff
@@ -190,6 +181,10 @@ def opening(solimp: tuple[float, ...], spring: float, load: Array) -> tuple[floa
     if not spring > 0:
         return high, np.full(len(load), np.inf) * (load > 0)
     stiff = float(impedance(0.0, solimp))
-    if np.linalg.norm(opened(low)) > LEAST and excess(low) * excess(high) <= 0 and low != high:
+    if (
+        np.linalg.norm(opened(low)) > NUMERICS.min_opening
+        and excess(low) * excess(high) <= 0
+        and low != high
+    ):
         stiff = float(brentq(excess, low, high, xtol=1e-15))
     return stiff, opened(stiff)

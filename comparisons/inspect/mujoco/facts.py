@@ -1,18 +1,20 @@
-"""What is in an MJCF model: its tree, its counts, its options, and which geoms can touch."""
+"""Facts about an MJCF model: its tree, its counts, its options, and the geoms that can touch."""
 
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ...documents.fields import Number
+from ..tuning import EFFORT, NUMERICS
 from .model import Loaded
 
 DOFS = {"free": 6, "ball": 3, "slide": 1, "hinge": 1}
-"""Type of a joint -> its degrees of freedom."""
+"""Type of a joint -> number of degrees of freedom."""
 
 COUNTED = {
     "nq": "nq",
@@ -29,19 +31,10 @@ COUNTED = {
     "meshes": "nmesh",
     "flexes": "nflex",
 }
-"""Name of a count -> MuJoCo's; the world is no body here."""
-
-DRAWS = 40
-"""Random positions within the ranges of joints."""
-
-DEEP = 1e-3
-"""How deep bodies may lie in each other, in the model's size."""
-
-MOST_DOFS = 200
-"""With more degrees of freedom none are drawn."""
+"""Name of a count -> field of ``MjModel``; the world does not count as a body."""
 
 INTEGRATORS = ("Euler", "implicit", "implicitfast", "RK4", "discrete")
-"""As MJCF spells them; an old MuJoCo lacks the last."""
+"""Integrators as MJCF spells them; old releases of MuJoCo lack the last."""
 
 
 @dataclass(frozen=True)
@@ -51,21 +44,21 @@ class JointFacts:
     Attributes
     ----------
     name : str
-        name, or kind and number
+        name, or kind and number if it has none
     kind : {"free", "ball", "slide", "hinge"}
         type
     dofs : int
         degrees of freedom
     axis : tuple (3,) or None
-        of a slide or hinge, in the body's frame; null of the others
+        axis of a slide or hinge in the frame of the body; null for other joints
     stiffness : float
-        [N/m, Nm/rad]; null if not finite
+        stiffness [N/m, Nm/rad]; null if not finite
     damping : float
-        [Ns/m, Nms/rad], of its first degree of freedom; null if not finite
+        damping [Ns/m, Nms/rad] of the first degree of freedom; null if not finite
     armature : float
-        [kg, kg m^2]; null if not finite
+        armature [kg, kg m^2]; null if not finite
     range : tuple (2,) or None
-        limits [m, rad]; null without any
+        limits [m, rad]; null if there are none
     """
 
     name: str
@@ -85,19 +78,19 @@ class BodyFacts:
     Attributes
     ----------
     name : str
-        name, or kind and number
+        name, or kind and number if it has none
     parent : str
-        name of the parent; world
+        name of the parent, or world
     depth : int
-        bodies between it and the world
+        number of bodies between it and the world
     mass : float
-        [kg]
+        mass [kg]
     centre : tuple (3,)
-        centre of mass in its frame [m]
+        centre of mass in the frame of the body [m]
     inertia : tuple (3,)
         principal moments of inertia [kg m^2]
     joints : tuple of JointFacts
-        its joints
+        joints between it and its parent
     """
 
     name: str
@@ -111,34 +104,34 @@ class BodyFacts:
 
 @dataclass(frozen=True)
 class Options:
-    """How the file is simulated.
+    """Options with which the file is simulated.
 
     Attributes
     ----------
     integrator : str
-        as MJCF spells it
+        integrator, as MJCF spells it
     timestep : float
-        [s]
+        timestep [s]
     solver : str
-        of constraints
+        solver of constraints
     tolerance : float
-        of the solver
+        tolerance of the solver
     iterations : int
-        of the solver
+        largest number of iterations of the solver
     cone : str
-        of friction
+        type of the friction cone
     jacobian : str
         dense, sparse or auto
     gravity : tuple (3,)
-        [m/s^2]; 0 if it is switched off
+        gravity [m/s^2]; 0 if it is switched off
     energy : bool
-        whether energy is computed
+        true if energy is computed
     autoreset : bool
-        whether a run that fails starts anew
+        true if a run that diverges is reset to its start
     contact : bool
-        whether bodies can touch at all
+        true if contacts are computed
     refsafe : bool
-        whether constraints that are faster than two timesteps are softened
+        true if constraints with time constants below two timesteps are softened
     """
 
     integrator: str
@@ -157,58 +150,78 @@ class Options:
 
 @dataclass(frozen=True)
 class Facts:
-    """What is in a model.
+    """Content of a model.
 
     Attributes
     ----------
+    file : str
+        the file, as it was given
+    files : tuple of str
+        the file, and the files that it includes
     name : str
-        Of the model, in the file.
-    bodies : tuple of Body
-        In the order of the tree, without the world.
-    counts : dict of str to int
-    mass : float
-        Of all bodies [kg].
-    size : float
-        MuJoCo's ``extent`` [m].
+        name of the model; empty if the file gives none
     options : Options
+        options with which the file is simulated
+    counts : mapping of str to int
+        number of positions nq, degrees of freedom nv, bodies, joints, geoms, ...
+    mass : float
+        mass of all bodies [kg]
+    size : float
+        MuJoCo's extent [m]
+    bodies : tuple of BodyFacts
+        bodies in the order of the tree, without the world
     """
 
+    file: str
+    files: tuple[str, ...]
     name: str
-    bodies: tuple[BodyFacts, ...]
-    counts: dict[str, int]
+    options: Options
+    counts: Mapping[str, int]
     mass: float
     size: float
-    options: Options
+    bodies: tuple[BodyFacts, ...]
 
 
-def facts(loaded: Loaded) -> Facts:
-    """Return what is in a model."""
-    m = loaded.model
+def facts(loaded: Loaded, file: str) -> Facts:
+    """Return the content of a model that was read from a file, as it was given."""
+    m, lib = loaded.model, loaded.mujoco
     counts = {name: int(getattr(m, field)) for name, field in COUNTED.items()}
-    depths = [-1]  # of the world; a parent comes before its children
+    depths = [-1]  # the world; a parent comes before its children
     for parent in m.body_parentid[1:]:
         depths.append(depths[parent] + 1)
     return Facts(
+        file=file,
+        files=loaded.source.files,
         name=loaded.source.root.attributes.get("model", ""),
-        bodies=tuple(body(loaded, number, depths[number]) for number in range(1, m.nbody)),
+        options=Options(
+            integrator=integrator(loaded),
+            timestep=float(m.opt.timestep),
+            solver=word(lib.mjtSolver, m.opt.solver),
+            tolerance=float(m.opt.tolerance),
+            iterations=int(m.opt.iterations),
+            cone=word(lib.mjtCone, m.opt.cone).lower(),
+            jacobian=word(lib.mjtJacobian, m.opt.jacobian).lower(),
+            gravity=(0.0, 0.0, 0.0) if loaded.disabled("gravity") else floats(m.opt.gravity),
+            energy=loaded.enabled("energy"),
+            autoreset=not loaded.disabled("autoreset"),
+            contact=not (loaded.disabled("contact") or loaded.disabled("constraint")),
+            refsafe=not loaded.disabled("refsafe"),
+        ),
         counts=counts | {"bodies": m.nbody - 1},
         mass=float(np.sum(m.body_mass[1:])),
         size=float(m.stat.extent),
-        options=options(loaded),
-    )
-
-
-def body(loaded: Loaded, number: int, depth: int) -> BodyFacts:
-    """Return a body with its joints."""
-    m = loaded.model
-    return BodyFacts(
-        name=loaded.name("body", number),
-        parent=loaded.name("body", m.body_parentid[number]) if depth else "world",
-        depth=depth,
-        mass=float(m.body_mass[number]),
-        centre=floats(m.body_ipos[number]),
-        inertia=floats(m.body_inertia[number]),
-        joints=tuple(joint(loaded, int(i)) for i in np.flatnonzero(m.jnt_bodyid == number)),
+        bodies=tuple(
+            BodyFacts(
+                name=loaded.name("body", i),
+                parent=loaded.name("body", m.body_parentid[i]) if depths[i] else "world",
+                depth=depths[i],
+                mass=float(m.body_mass[i]),
+                centre=floats(m.body_ipos[i]),
+                inertia=floats(m.body_inertia[i]),
+                joints=tuple(joint(loaded, int(j)) for j in np.flatnonzero(m.jnt_bodyid == i)),
+            )
+            for i in range(1, m.nbody)
+        ),
     )
 
 
@@ -229,39 +242,20 @@ def joint(loaded: Loaded, number: int) -> JointFacts:
     )
 
 
-def options(loaded: Loaded) -> Options:
-    """Return how a file is simulated."""
-    lib, opt = loaded.mujoco, loaded.model.opt
-    return Options(
-        integrator=integrator(loaded),
-        timestep=float(opt.timestep),
-        solver=word(lib.mjtSolver, opt.solver),
-        tolerance=float(opt.tolerance),
-        iterations=int(opt.iterations),
-        cone=word(lib.mjtCone, opt.cone).lower(),
-        jacobian=word(lib.mjtJacobian, opt.jacobian).lower(),
-        gravity=(0.0, 0.0, 0.0) if loaded.disabled("gravity") else floats(opt.gravity),
-        energy=loaded.enabled("energy"),
-        autoreset=not loaded.disabled("autoreset"),
-        contact=not (loaded.disabled("contact") or loaded.disabled("constraint")),
-        refsafe=not loaded.disabled("refsafe"),
-    )
-
-
 def integrator(loaded: Loaded) -> str:
-    """Return the integrator of the file as MJCF spells it."""
+    """Return the integrator of the file, as MJCF spells it."""
     name = word(loaded.mujoco.mjtIntegrator, loaded.model.opt.integrator)
     return next((one for one in INTEGRATORS if one.upper() == name), name.lower())
 
 
 def integrators(loaded: Loaded) -> list[str]:
-    """Return the integrators that this MuJoCo has."""
+    """Return the integrators of this release of MuJoCo."""
     kinds = loaded.mujoco.mjtIntegrator
     return [name for name in INTEGRATORS if hasattr(kinds, f"mjINT_{name.upper()}")]
 
 
 def word(kinds: Any, value: int) -> str:
-    """Return the last word of the member of an enumeration that has a value."""
+    """Return the last word of the name of an enumeration's value."""
     return str(kinds(int(value)).name).rpartition("_")[2]
 
 
@@ -274,19 +268,19 @@ def floats(values: Any) -> tuple[float, ...]:
 
 
 def can_touch(loaded: Loaded, contact: bool) -> np.ndarray:
-    """Return which geoms (ngeom,) can touch another, if contact is on."""
+    """Return the geoms (ngeom,) that can touch another one; none if contact is off."""
     m = loaded.model
     if not contact:
         return np.zeros(m.ngeom, dtype=bool)
     geoms = np.any(partners(loaded, excluded=True), axis=1)[kinds_of_geom(loaded)[1]]
     geoms[np.concatenate([m.pair_geom1, m.pair_geom2]).astype(int)] = True
-    if m.nflex:  # a flex is no geom, and may touch all of them
+    if m.nflex:  # a flex is not a geom, and may touch all of them
         geoms |= (m.geom_contype | m.geom_conaffinity) != 0
     return np.asarray(geoms)
 
 
 def kinds_of_geom(loaded: Loaded) -> tuple[np.ndarray, np.ndarray]:
-    """Return the kinds (k, 3) of geoms by body, contype, conaffinity, and each one's (ngeom,)."""
+    """Return kinds (k, 3) of geoms: body, contype, conaffinity; and the kind of each (ngeom,)."""
     m = loaded.model
     columns = np.stack([m.geom_bodyid, m.geom_contype, m.geom_conaffinity], axis=1)
     kinds, which = np.unique(columns, axis=0, return_inverse=True)
@@ -299,12 +293,12 @@ def exclusions(loaded: Loaded) -> list[tuple[int, int]]:
 
 
 def partners(loaded: Loaded, excluded: bool) -> np.ndarray:
-    """Return which kinds of geoms (k, k) can touch, by MuJoCo's filters."""
+    """Return the pairs of kinds of geoms (k, k) that can touch, by MuJoCo's filters."""
     m = loaded.model
     bodies, types, affinities = kinds_of_geom(loaded)[0].T
     welded = m.body_weldid[bodies]
-    asked = (types[:, None] & affinities) != 0
-    pairs = (asked | asked.T) & (welded[:, None] != welded)
+    matching = (types[:, None] & affinities) != 0
+    pairs = (matching | matching.T) & (welded[:, None] != welded)
     if not loaded.disabled("filterparent"):
         child = m.body_weldid[m.body_parentid[welded]][:, None] == welded
         child &= (welded != 0) & (welded[:, None] != 0)
@@ -316,19 +310,19 @@ def partners(loaded: Loaded, excluded: bool) -> np.ndarray:
 
 
 def meetings(loaded: Loaded) -> dict[tuple[int, int], int]:
-    """Return in how many of `DRAWS` positions two geoms of one tree lie in each other.
+    """Count the random positions, of `EffortLimits.draws`, in which two geoms of one tree overlap.
 
-    Random ones, within the ranges of the joints; pairs that never do are left out.
+    Positions lie within the ranges of the joints; pairs that never overlap are left out.
     """
     m, lib, draw = loaded.model, loaded.mujoco, np.random.default_rng(2)
-    if not m.nv or m.nv > MOST_DOFS:
+    if not m.nv or m.nv > EFFORT.max_overlap_dofs:
         return {}
     data, size = lib.MjData(m), float(m.stat.extent)
     moved = np.flatnonzero(loaded.of_kind("jnt_type", "hinge", "slide"))
     free = np.where(loaded.of_kind("jnt_type", "hinge"), np.pi, 0.1 * size)
     low, high = np.where(m.jnt_limited != 0, np.asarray(m.jnt_range).T, [-free, free])
     counts: Counter[tuple[int, int]] = Counter()
-    for _ in range(DRAWS):
+    for _ in range(EFFORT.draws):
         data.qpos[:] = m.qpos0
         data.qpos[m.jnt_qposadr[moved]] = draw.uniform(low[moved], high[moved])
         lib.mj_kinematics(m, data)
@@ -338,7 +332,7 @@ def meetings(loaded: Loaded) -> dict[tuple[int, int], int]:
             {
                 (int(contact.geom[0]), int(contact.geom[1]))
                 for contact in data.contact
-                if -float(contact.dist) > DEEP * size and contact.geom[0] >= 0
+                if -float(contact.dist) > NUMERICS.deep * size and contact.geom[0] >= 0
             }
         )
     trees = m.body_treeid[m.geom_bodyid]

@@ -1,36 +1,208 @@
 r"""Small motions about a state of an MJCF model, from MuJoCo's own forces.
 
-``M a + C v + K q = 0`` for small departures from a state in which constant forces would hold the
-model: where it rests anyhow, there are none. What floats freely is not held but falls, with the
+``M a + C v + K q = 0`` for small departures from a state that constant forces keep at rest; in a
+state of rest they vanish. Bodies that float freely are not kept at rest but fall, with the
 acceleration a_0. Positions are displaced in the tangent space (`mj_integratePos`), so that ball and
 free joints have as many coordinates as degrees of freedom. With the exact forces lambda_0 of closed
 loops,
 
     F(q, v) = M(q) a_0 + bias - passive - actuator - J(q)^T lambda_0,   K = dF/dq, C = dF/dv,
 
-and small motions that leave the loops closed are Z z with J Z = 0. As *simulated*, loops,
-limits, contacts and dry friction are the springs and dampers that MuJoCo has in their place, in the
-directions that they have in the state.
+and small motions that leave the loops closed are Z z with J Z = 0. As *simulated*, loops, limits,
+contacts and dry friction are MuJoCo's springs and dampers, in the directions of the state. A row of
+a constraint pulls with ``D (a_ref - J a)``, ``a_ref = -b v - d k r``. Its k and b follow from
+``solref``: a positive time constant below two timesteps is raised to that (`refsafe`), so that
+
+    b(h) = f b(0),   k(h) = f^2 k(0),   f = min(1, T / (2 h))
+
+for the time constant T of the file; the integrator ``discrete`` leaves T as it is.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import null_space
 
-from ....reference.amplification import ComplexArray
+from ....reference.amplification import ComplexArray, Vibrations
 from ....reference.differences import by_differences, derivative
 from ....reference.scene import Array
-from ..spectrum import LinearMotion
-from .model import Loaded, NotFiniteError, State
-from .rows import Soft, jacobian_rows, soft_rows, with_soft_rows
+from ..tuning import NUMERICS
+from .model import Flags, Loaded, NotFiniteError, State
+
+# Constraints as springs and dampers ----------------------------------------------------------
+
+
+class Soft(NamedTuple):
+    """Springs and dampers that MuJoCo's constraints add to small motions in a state.
+
+    Attributes
+    ----------
+    jacobian : array (rows, nv)
+    weight, damping, stiffness : array (rows,)
+        1 / R, b [1/s] and d k [1/s^2] of each row, before time constants are raised.
+    constant : array (rows,)
+        Time constants T [s] that may be raised; 0 for all others.
+    dry : array (rows,)
+        True for dry friction that sticks.
+    names : tuple of str
+    contacts, limits : int
+        Number of active ones.
+    """
+
+    jacobian: Array
+    weight: Array
+    damping: Array
+    stiffness: Array
+    constant: Array
+    dry: Flags
+    names: tuple[str, ...]
+    contacts: int
+    limits: int
+
+    def at(self, step: float) -> Soft:
+        """Return the rows as MuJoCo uses them at a step [s]."""
+        raised = (self.constant > 0) & (self.constant < 2 * step)
+        share = np.where(raised, self.constant / (2 * step), 1.0)
+        return self._replace(damping=share * self.damping, stiffness=share**2 * self.stiffness)
+
+    def sliding(self) -> Soft:
+        """Return the rows without dry friction, which then slides."""
+        parts = ("jacobian", "weight", "damping", "stiffness", "constant", "dry")
+        left = {part: getattr(self, part)[~self.dry] for part in parts}
+        names = tuple(name for name, dry in zip(self.names, self.dry, strict=True) if not dry)
+        return self._replace(**left, names=names)
+
+    @property
+    def raised_from(self) -> float:
+        """Step [s] from which on a time constant is raised; infinite if none is."""
+        return float(np.min(self.constant[self.constant > 0], initial=np.inf)) / 2
+
+
+def jacobian_rows(model: Any, data: Any) -> Array:
+    """Return the Jacobian (nefc, nv) of all constraints; its buffer may be longer."""
+    count = int(data.nefc)
+    return np.array(data.efc_J)[: count * model.nv].reshape(count, model.nv)
+
+
+def soft_rows(loaded: Loaded, state: State) -> Soft:
+    """Return the active constraints of a state, linearised there."""
+    model, types = loaded.sharp(), loaded.mujoco.mjtConstraint
+    data = loaded.data(state, model)
+    loaded.mujoco.mj_forward(model, data)
+    nefc = int(data.nefc)
+    kinds = np.array(data.efc_type)[:nefc]
+    rows = acting(loaded, data, kinds)
+    jacobian, weight = jacobian_rows(model, data)[rows], np.array(data.efc_D)[:nefc][rows]
+    names = tuple(row_name(loaded, data, int(row), int(kinds[row])) for row in np.flatnonzero(rows))
+    contacts = sum(contact.efc_address >= 0 for contact in data.contact)
+    long = NUMERICS.long_step
+    most = springs(loaded, state, long)
+    spring, damper, impedance, _ = springs(loaded, state, NUMERICS.short_step)[rows].T
+    with np.errstate(all="ignore"):
+        share = np.nan_to_num(most[rows, 1] / damper, nan=1.0, posinf=1.0)
+    limits = [types.mjCNSTR_LIMIT_JOINT, types.mjCNSTR_LIMIT_TENDON]
+    return Soft(
+        jacobian=jacobian,
+        weight=weight,
+        damping=damper,
+        stiffness=impedance * spring,
+        constant=np.where(np.abs(share - 1) > NUMERICS.same_damper, 2 * long * share, 0.0),
+        dry=np.asarray(is_dry(loaded, kinds[rows])),
+        names=names,
+        contacts=contacts,
+        limits=int(np.sum(np.isin(kinds[rows], [int(kind) for kind in limits]))),
+    )
+
+
+def springs(loaded: Loaded, state: State, step: float) -> Array:
+    """Return stiffness, damping and impedance of each row (nefc, 4) at a step [s]."""
+    model = loaded.sharp()
+    model.opt.timestep = step
+    data = loaded.data(state, model)
+    loaded.mujoco.mj_forward(model, data)
+    return np.array(data.efc_KBIP).reshape(-1, 4)[: int(data.nefc)]
+
+
+def is_dry(loaded: Loaded, kinds: Array) -> Flags:
+    """Return the rows that are dry friction of joints and tendons."""
+    types = loaded.mujoco.mjtConstraint
+    dry = (int(types.mjCNSTR_FRICTION_DOF), int(types.mjCNSTR_FRICTION_TENDON))
+    return np.asarray(np.isin(kinds, dry))
+
+
+def row_name(loaded: Loaded, data: Any, row: int, kind: int) -> str:
+    """Return the name of the constraint to which a row belongs."""
+    word = loaded.mujoco.mjtConstraint(kind).name.removeprefix("mjCNSTR_").lower()
+    number = int(data.efc_id[row])
+    if word == "equality":
+        return f"equality {loaded.name('equality', number)}"
+    if word.startswith("contact"):
+        pair = [int(geom) for geom in data.contact[number].geom]
+        return "contact of " + " and ".join(
+            loaded.name("geom", geom) if geom >= 0 else "a flex" for geom in pair
+        )
+    what, _, where = word.partition("_")
+    if where == "dof":
+        return f"{what} of {loaded.joint_names[number]}"
+    return f"{what} of {loaded.name(where, number)}"
+
+
+def acting(loaded: Loaded, data: Any, kinds: Array) -> Array:
+    """Return the rows (nefc,) that yield in proportion to the load, neither open nor sliding."""
+    types = loaded.mujoco.mjtConstraint
+    force, most = np.array(data.efc_force), np.array(data.efc_frictionloss)
+    holds = np.abs(force) < most
+    rows = (kinds == int(types.mjCNSTR_EQUALITY)) | np.where(
+        is_dry(loaded, kinds), holds, force != 0
+    )
+    for contact in data.contact:  # those of an elliptic cone act together
+        first, count = int(contact.efc_address), int(contact.dim)
+        if first >= 0 and kinds[first] == int(types.mjCNSTR_CONTACT_ELLIPTIC):
+            rows[first : first + count] = force[first] != 0
+    return np.asarray(rows)
+
+
+def with_soft_rows(soft: Soft, mass: Array, matrix: Array, rate: Array) -> Array:
+    """Return C or K (nv, nv) with MuJoCo's soft constraints, by their b or d k.
+
+    Their forces are ``D (a_ref - J a)``, so that ``(M + J^T D J) a = f + J^T D a_ref``.
+    """
+    if not len(soft.weight):
+        return matrix
+    root = 1 / np.sqrt(np.diag(mass))
+    scale, rows = np.outer(root, root), soft.jacobian * root
+    left = mass * scale + rows.T @ (soft.weight[:, None] * rows)
+    right = matrix * scale + rows.T @ ((soft.weight * rate)[:, None] * rows)
+    return np.asarray(mass @ (root[:, None] * np.linalg.solve(left, right)) / root)
+
+
+# Small motions --------------------------------------------------------------------------------
+
+
+class LinearMotion(NamedTuple):
+    """Small motions, and the parts that an integrator treats implicitly; arrays (..., n, n)."""
+
+    mass: Array
+    damping: Array
+    stiffness: Array
+    late_damping: Array
+    late_stiffness: Array
+
+    def vibrations(self, step: float) -> Vibrations:
+        """Return the vibrations on which semi-implicit Euler with a step [s] is this integrator.
+
+        An implicit stiffness K_1 acts within a step h as an implicit damping h K_1, and the total
+        damping grows by the same: ``(M + h C_1 + h^2 K_1) v+ = (M - h (C - C_1)) v - h K q``.
+        """
+        more = step * self.late_stiffness
+        return Vibrations(self.mass, self.damping + more, self.stiffness, self.late_damping + more)
 
 
 class Parts(NamedTuple):
-    """Parts (nv, nv) of the damping and the stiffness, and the whole of each."""
+    """Parts (nv, nv) of the damping and the stiffness, and their sums."""
 
     bias: Array
     passive: Array
@@ -41,26 +213,47 @@ class Parts(NamedTuple):
     stiffness: Array
 
 
-MOSTLY = 0.5
-"""Share of what resists a mode from which on constraints set it."""
+class Linear(NamedTuple):
+    """Small motions about a state.
 
+    As simulated, they have all of MuJoCo's constraints, which are soft, see `motion`; with loops
+    closed exactly, without contacts, limits and dry friction, they are mass, damping and stiffness
+    in the directions ``free``.
 
-class Simulated(NamedTuple):
-    """Small motions as MuJoCo's integrators see them: mass (nv, nv), forces, and constraints."""
+    Attributes
+    ----------
+    loaded : Loaded
+    mass : array (nv, nv)
+    parts : Parts
+        Damping and stiffness, and their parts.
+    rows : Soft
+        Active constraints of the state.
+    free : array (nv, k)
+        Directions in which closed loops let it move.
+    acceleration : array (nv,)
+        Accelerations in the state, loops closed exactly.
+    """
 
     loaded: Loaded
     mass: Array
     parts: Parts
     rows: Soft
+    free: Array
+    acceleration: Array
+
+    @property
+    def closed(self) -> int:
+        """Number of independent directions that closed loops block."""
+        return int(self.free.shape[0] - self.free.shape[1])
 
     def motion(self, integrator: str, step: float, sliding: bool = False) -> LinearMotion:
-        """Return them with what an integrator takes at the end of a step [s].
+        """Return the motions, with the parts that an integrator treats implicitly in a step [s].
 
-        MuJoCo's documentation ("Computation", numerical integration): Euler has the dampers of
-        joints, ``implicit`` all forces but those of constraints, ``implicitfast`` the symmetric
-        part of these without the bias forces, both within the sparsity of the mass matrix.
-        ``discrete`` adds springs and what constraints are, in all of their parts that dissipate or
-        hold. ``sliding`` leaves out dry friction that holds.
+        MuJoCo's documentation ("Computation", numerical integration): Euler treats the dampers of
+        joints implicitly, ``implicit`` all forces but those of constraints, ``implicitfast`` the
+        symmetric part of these without the bias forces, both within the sparsity of the mass
+        matrix. ``discrete`` adds springs and constraints, in all parts that dissipate or resist.
+        ``sliding`` leaves out dry friction that sticks.
         """
         loaded, mass, parts = self.loaded, self.mass, self.parts
         soft = self.rows.sliding() if sliding else self.rows
@@ -74,7 +267,7 @@ class Simulated(NamedTuple):
         return LinearMotion(mass, damping, stiffness, *late)
 
     def setting_row(self, vector: ComplexArray, omega: float, sliding: bool) -> str | None:
-        """Return the constraint that holds most of a mode (nv,), if constraints hold most of it."""
+        """Return the constraint that resists a mode (nv,) most, if constraints dominate."""
         soft = self.rows.sliding() if sliding else self.rows
         if not len(soft.weight):
             return None
@@ -93,7 +286,7 @@ class Simulated(NamedTuple):
             )
             for matrices in (late, [a - b for a, b in zip(late, own, strict=True)])
         )
-        if not of_rows > MOSTLY * all_of:
+        if not of_rows > NUMERICS.constraint_share * all_of:
             return None
         pulls = np.abs(soft.jacobian @ vector) ** 2 * soft.weight
         return soft.names[int(np.argmax(pulls * (omega * soft.damping + soft.stiffness)))]
@@ -105,9 +298,9 @@ class Simulated(NamedTuple):
 
 
 def late_parts(loaded: Loaded, parts: Parts, integrator: str) -> tuple[Array, Array]:
-    """Return the damping and stiffness (nv, nv) that an integrator takes late, constraints apart.
+    """Return the damping and stiffness (nv, nv) that an integrator treats implicitly.
 
-    See `Simulated.motion`.
+    Constraints are not among them, see `Linear.motion`.
     """
     nothing = np.zeros_like(parts.damping)
     sparse = related(np.asarray(loaded.model.dof_parentid))
@@ -121,13 +314,13 @@ def late_parts(loaded: Loaded, parts: Parts, integrator: str) -> tuple[Array, Ar
     if integrator == "implicitfast":
         return np.where(sparse, (smooth + smooth.T) / 2, 0) + gyroscopic, nothing
     if integrator == "discrete":
-        dampers = holding(parts.passive) + holding(parts.actuator)
-        return dampers + gyroscopic, holding(parts.spring) + holding(parts.servo)
+        dampers = nonnegative_part(parts.passive) + nonnegative_part(parts.actuator)
+        return dampers + gyroscopic, nonnegative_part(parts.spring) + nonnegative_part(parts.servo)
     return nothing, nothing
 
 
 def related(parents: Array) -> Array:
-    """Return whether two degrees of freedom (nv, nv) lie on one branch of the tree."""
+    """Return True for pairs of degrees of freedom (nv, nv) on one branch of the tree."""
     branch = np.eye(len(parents), dtype=bool)
     for dof, parent in enumerate(parents):
         if parent >= 0:
@@ -136,66 +329,29 @@ def related(parents: Array) -> Array:
 
 
 def standalone(loaded: Loaded) -> Array:
-    """Return where the rows and columns (nv, nv) of free bodies without jointed children are."""
+    """Return True for rows and columns (nv, nv) of free bodies without jointed children."""
     m = loaded.model
     same = m.body_treeid[m.dof_bodyid][:, None] == m.body_treeid[m.dof_bodyid]
     free = loaded.of_kind("jnt_type", "free")[m.dof_jntid]
     return np.asarray(same & free & (np.sum(same, axis=1) == 6))
 
 
-def holding(matrix: Array) -> Array:
+def nonnegative_part(matrix: Array) -> Array:
     """Return the symmetric part without directions in which it is negative."""
     if not matrix.size or not np.any(matrix):
         return matrix
     half = (matrix + matrix.T) / 2
     own, rows = np.abs(np.diag(half)), np.max(np.abs(half), axis=1)
-    own = np.where(own > RANK * rows, own, rows)  # a force that turns along has no diagonal
+    own = np.where(
+        own > NUMERICS.rank * rows, own, rows
+    )  # a force that turns along has no diagonal
     scale = np.sqrt(np.where(own > 0, own, 1.0))
     values, vectors = np.linalg.eigh(half / np.outer(scale, scale))
     return np.asarray((vectors * np.maximum(values, 0)) @ vectors.T * np.outer(scale, scale))
 
 
-DIFFERENCE = 1e-3
-"""Step of differences [rad], and share of the model's size [m]."""
-
-ROUNDING = 64 * float(np.finfo(float).eps)
-"""What values leave in a difference, as a share of them."""
-
-RANK = 1e-9
-"""A row of a scaled Jacobian that is a share of this of the others says nothing new."""
-
-
-class Linear(NamedTuple):
-    """Small motions about a state, arrays (nv, nv).
-
-    Attributes
-    ----------
-    mass, damping, stiffness
-        Loops closed exactly; contacts, limits and dry friction left out.
-    free : array (nv, k)
-        Directions in which closed loops let it move.
-    simulated : Simulated
-        With all of MuJoCo's constraints, as soft as they are, and what integrators take late.
-    acceleration : array (nv,)
-        In the state, loops closed exactly.
-    rows : Soft
-        Constraints that give way in the state.
-    closed : int
-        Independent directions that closed loops take away.
-    """
-
-    mass: Array
-    damping: Array
-    stiffness: Array
-    free: Array
-    simulated: Simulated
-    acceleration: Array
-    rows: Soft
-    closed: int
-
-
 class LinearProbe:
-    """Forces near a state; loops only are constraints.
+    """Forces near a state, with loops as the only constraints.
 
     Parameters
     ----------
@@ -209,7 +365,8 @@ class LinearProbe:
         self.data = loaded.data(state, self.model)
         self.lib.mj_fwdPosition(self.model, self.data)
         self.closed = tuple(self.loop_rows())
-        self.scale = slide_scale(loaded)
+        size = min(1.0, float(loaded.model.stat.extent)) or 1.0
+        self.scale = np.where(loaded.sliding_dofs, size, 1.0)
 
     def put(self, position: Array, velocity: Array) -> None:
         """Set a state."""
@@ -224,7 +381,7 @@ class LinearProbe:
     def forces(self, acceleration: Array) -> tuple[Array, Array, Array, Array]:
         """Return inertia and bias forces (nv,), passive and actuator forces, and J (rows, nv).
 
-        The rows of J are those that closed loops have in the probe's state.
+        The rows of J are those of closed loops in the state of the probe.
         """
         data = self.data
         data.qacc[:] = acceleration
@@ -236,10 +393,10 @@ class LinearProbe:
         return inertia, data.qfrc_passive.copy(), np.array(data.qfrc_actuator), jacobian
 
     def loop_rows(self) -> dict[tuple[int, int], Array]:
-        """Return the Jacobian's row (nv,) of each equality and component, where the data is.
+        """Return the Jacobian's row (nv,) of each equality and component at the current data.
 
-        MuJoCo leaves out an equality whose Jacobian is zero, so that rows come and go with the
-        position; `forces` keeps those that the state has.
+        MuJoCo leaves out an equality whose Jacobian is zero, so that the rows vary with the
+        position; `forces` keeps those of the state.
         """
         owners = np.array(self.data.efc_id)[: self.data.ne]
         components = np.arange(len(owners)) - np.searchsorted(owners, owners)
@@ -247,20 +404,13 @@ class LinearProbe:
         return dict(zip(keys, jacobian_rows(self.model, self.data), strict=False))
 
     def mass(self) -> Array:
-        """Return the mass matrix (nv, nv) where the data is."""
+        """Return the mass matrix (nv, nv) at the current data."""
         mass = np.empty((self.model.nv, self.model.nv))
-        for row, unit in zip(mass, np.eye(len(mass)), strict=True):  # mj_fullM is versions apart
+        for row, unit in zip(
+            mass, np.eye(len(mass)), strict=True
+        ):  # the arguments of mj_fullM depend on the version
             self.lib.mj_mulM(self.model, self.data, row, unit)
         return mass
-
-
-def slide_scale(loaded: Loaded) -> Array:
-    """Return by what steps of differences are multiplied (nv,): lengths share the model's size."""
-    m = loaded.model
-    size = min(1.0, float(m.stat.extent)) or 1.0
-    slide, free = (loaded.of_kind("jnt_type", kind)[m.dof_jntid] for kind in ("slide", "free"))
-    first = np.arange(m.nv) - m.jnt_dofadr[m.dof_jntid] < 3
-    return np.where(slide | (free & first), size, 1.0)
 
 
 class Solved(NamedTuple):
@@ -289,7 +439,9 @@ def solved(probe: LinearProbe) -> Solved:
     rows = jacobian * root
     if not len(rows):
         return Solved(root * free, np.zeros(0), jacobian, mass)
-    inverse = np.linalg.pinv(rows @ np.linalg.solve(scaled, rows.T), rcond=RANK, hermitian=True)
+    inverse = np.linalg.pinv(
+        rows @ np.linalg.solve(scaled, rows.T), rcond=NUMERICS.rank, hermitian=True
+    )
     forces = -inverse @ (rows @ free + curvature(probe))
     return Solved(root * (free + np.linalg.solve(scaled, rows.T @ forces)), forces, jacobian, mass)
 
@@ -297,7 +449,7 @@ def solved(probe: LinearProbe) -> Solved:
 def curvature(probe: LinearProbe) -> Array:
     """Return ``dJ/dt v`` (rows,) in the state of a probe."""
     velocity = probe.state.velocity
-    step = DIFFERENCE / (np.max(np.abs(velocity), initial=0.0) or 1.0)
+    step = NUMERICS.difference / (np.max(np.abs(velocity), initial=0.0) or 1.0)
 
     def rates(time: float) -> Array:
         probe.put(probe.displaced(time * velocity), velocity)
@@ -332,28 +484,19 @@ def linearise(loaded: Loaded, state: State) -> Linear:
     stiffness, spring, servo = slopes(by_position, probe.scale, np.abs(at.mass) @ np.abs(fall))
     bias, passive, actuator = slopes(by_velocity, probe.scale)
     if loaded.model.opt.density or loaded.model.opt.viscosity:
-        # drag as |v| v has no slope at rest, where differences see one in proportion to their step
-        half = slopes(by_velocity, probe.scale, step=DIFFERENCE / 2)
+        # drag as |v| v has no slope at rest, where differences show one in proportion to their step
+        half = slopes(by_velocity, probe.scale, step=NUMERICS.difference / 2)
         bias, passive, actuator = 2 * half - np.array([bias, passive, actuator])
     damping = bias + passive + actuator
     parts = Parts(bias, passive, actuator, spring, servo, damping, stiffness)
     if not all(np.all(np.isfinite(matrix)) for matrix in parts):
         raise NotFiniteError(f"forces near the state {state.name!r} are not finite")
-    free, rows = unconstrained(at), soft_rows(loaded, state)
-    return Linear(
-        mass=at.mass,
-        damping=damping,
-        stiffness=stiffness,
-        free=free,
-        simulated=Simulated(loaded, at.mass, parts, rows),
-        acceleration=at.acceleration,
-        rows=rows,
-        closed=loaded.model.nv - free.shape[1],
-    )
+    rows = soft_rows(loaded, state)
+    return Linear(loaded, at.mass, parts, rows, unconstrained(at), at.acceleration)
 
 
 def falling(loaded: Loaded, jacobian: Array) -> Array:
-    """Return the accelerations (nv,) of what floats freely in gravity, no loop tying it."""
+    """Return the accelerations (nv,) of bodies that float freely in gravity, outside of loops."""
     m, accelerations = loaded.model, np.zeros(loaded.model.nv)
     dofs = m.jnt_dofadr[loaded.of_kind("jnt_type", "free")][:, None] + np.arange(3)
     tied = np.any(jacobian[:, dofs], axis=(0, 2)) | loaded.disabled("gravity")
@@ -365,11 +508,11 @@ def slopes(
     function: Callable[[Array], Array],
     scale: Array,
     cancelled: Array | float = 0.0,
-    step: float = DIFFERENCE,
+    step: float = NUMERICS.difference,
 ) -> Array:
     """Return the derivatives (count, n, n) of a function (count, n) of a displacement (n,), at 0.
 
-    What may be rounding is 0: of the values, and of what has cancelled in them (n,).
+    Derivatives within the round-off of the values, and of ``cancelled`` terms (n,), are 0.
     """
     sizes = []
 
@@ -379,7 +522,9 @@ def slopes(
         return values.reshape(len(values), -1).T
 
     slope = by_differences(at_places, np.zeros(len(scale)), step=step)[1] / scale
-    noise = ROUNDING * np.maximum(sizes[0], cancelled)[:, :, None] / (step * scale)
+    noise = (
+        NUMERICS.difference_roundoff * np.maximum(sizes[0], cancelled)[:, :, None] / (step * scale)
+    )
     slope = slope.reshape(noise.shape)
     return np.where(np.abs(slope) > noise, slope, 0.0)
 
@@ -391,5 +536,7 @@ def unconstrained(at: Solved) -> Array:
     norms = np.linalg.norm(rows, axis=1)
     rows = rows[norms > 0] / norms[norms > 0, None]
     return (
-        np.asarray(root[:, None] * null_space(rows, rcond=RANK)) if len(rows) else np.eye(len(root))
+        np.asarray(root[:, None] * null_space(rows, rcond=NUMERICS.rank))
+        if len(rows)
+        else np.eye(len(root))
     )

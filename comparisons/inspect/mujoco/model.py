@@ -1,4 +1,4 @@
-"""A model as MuJoCo compiles it, beside the text that it came from."""
+"""An MJCF model: its text, and the model that MuJoCo compiles from it."""
 
 from __future__ import annotations
 
@@ -19,13 +19,14 @@ from ....reference.errors import MbcheckError, UsageError
 from ....reference.scene import Array
 from ...engines.mujoco.library import import_mujoco, quiet
 from ...engines.run import contained
+from ..tuning import NUMERICS
 from .source import ROOT, Element, Source, read
 
 Flags = NDArray[np.bool_]
 Numbers = NDArray[np.integer[Any]]
 
 ENGINE = "mujoco"
-"""Name under which the version of MuJoCo stands in documents."""
+"""Name of MuJoCo among the versions of a document."""
 
 LISTS: Mapping[str, str] = {
     "body": "bodies",
@@ -44,10 +45,10 @@ LISTS: Mapping[str, str] = {
     "pair": "pairs",
     "exclude": "excludes",
 }
-"""Kind of object -> where an ``MjSpec`` lists it."""
+"""Kind of object -> attribute of ``MjSpec`` that lists it."""
 
 SECTIONS = ("tendon", "equality", "actuator", "sensor")
-"""Kinds whose elements are told by the section of this name that holds them, not by their tags."""
+"""Kinds whose elements are recognised by their section, which has this name, not by their tag."""
 
 TAGS = {"joint": ("joint", "freejoint")}
 
@@ -67,35 +68,26 @@ KINDS = {
     "wrap_type": ("mjtWrap", "mjWRAP"),
     "body_sameframe": ("mjtSameFrame", "mjSAMEFRAME"),
 }
-"""Field of ``MjModel`` -> the enumeration that it is of, and how its members begin."""
+"""Field of ``MjModel`` -> its enumeration, and the prefix of the members."""
 
 NOT_A_NUMBER = re.compile(r"(?:^|\s)[+-]?nan(?:\s|$)", re.IGNORECASE)
 
 NUMERIC = re.compile(r"[\s0-9.eE+-]*", re.ASCII)
 
-LARGEST = 1e100
-"""Largest number of the text that is taken; products of larger ones leave the range of floats."""
-
 OPENED = "as opened"
-"""State `qpos0`, in which a viewer opens a model."""
+"""Name of the state `qpos0`, in which a viewer opens a model."""
 
 DYNAMIC = ("qpos", "qvel", "act", "ctrl", "mocap_pos", "mocap_quat", "time")
 """Fields of ``MjData`` in which two states may differ."""
 
-AT_LIMIT = 1e-9
-"""Share of its range within which a joint stands at a limit."""
-
-LOST = ("badqpos", "badqvel", "badqacc")
-"""Warnings of MuJoCo's after which a state is lost."""
-
 EXACT = {"tolerance": 0.0, "iterations": 200, "ls_tolerance": 1e-6, "ls_iterations": 100}
-"""Options with which MuJoCo's solver goes on to rounding."""
+"""Options with which MuJoCo's solver iterates to round-off."""
 
 
 class State(NamedTuple):
-    """A state that the file tells: ``keys`` are the keyframes that hold it, or `OPENED`.
+    """A state of the file: ``keys`` are the keyframes that define it, or `OPENED`.
 
-    ``number`` is that of the keyframe, None for `OPENED`.
+    ``number`` is the number of the keyframe, None for `OPENED`.
     """
 
     keys: tuple[str, ...]
@@ -105,13 +97,13 @@ class State(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Its keyframes in one word, or what else it is."""
+        """Names of the keyframes that define it, joined by equals signs."""
         return " = ".join(self.keys)
 
 
 @dataclass(frozen=True)
 class Loaded:
-    """A model, its text, and what MuJoCo said of it.
+    """A model with its text and MuJoCo's warnings.
 
     Attributes
     ----------
@@ -121,7 +113,7 @@ class Loaded:
     spec, model
         ``MjSpec`` and ``MjModel``.
     warnings : tuple of str
-        MuJoCo's own, of compiling.
+        Warnings of MuJoCo's compiler.
     """
 
     mujoco: Any
@@ -133,10 +125,10 @@ class Loaded:
 
     @cached_property
     def places(self) -> dict[tuple[str, int], Element]:
-        """Where each object (kind, id) stands in the text, where that is known.
+        """Element of the text for each object (kind, id), as far as it can be identified.
 
-        By line, which MuJoCo does not know in included files; by name; else by order, if as many
-        objects as elements are left.
+        Objects are identified by line, which MuJoCo does not know in included files, by name, or
+        else by order, if equally many objects and elements remain.
         """
         places: dict[tuple[str, int], Element] = {}
         for kind, listed in LISTS.items():
@@ -165,7 +157,7 @@ class Loaded:
 
     @cached_property
     def numbers(self) -> dict[Element, list[int]]:
-        """The objects that each element of the text became, by their ids."""
+        """Ids of the objects that each element of the text became."""
         numbers: dict[Element, list[int]] = {}
         for (_, number), element in self.places.items():
             numbers.setdefault(element, []).append(number)
@@ -173,8 +165,8 @@ class Loaded:
 
     @cached_property
     def elements(self) -> tuple[tuple[str, Element], ...]:
-        """The elements that become objects, with their kinds."""
-        elements = self.source.walk()
+        """Elements that become objects, with their kinds."""
+        elements = self.source.root.walk()
         return tuple((kind, element) for element in elements if (kind := kind_of(element)))
 
     def name(self, kind: str, number: SupportsInt) -> str:
@@ -188,14 +180,14 @@ class Loaded:
         return int(getattr(getattr(self.mujoco, enumeration), f"{prefix}_{name.upper()}"))
 
     def of_kind(self, field: str, *kinds: str) -> Flags:
-        """Return where a field of the model, one of `KINDS`, is one of these kinds."""
+        """Return the objects (n,) whose field of the model, one of `KINDS`, is of these kinds."""
         return np.isin(
             getattr(self.model, field), [self.member(*KINDS[field], kind) for kind in kinds]
         )
 
     @cached_property
     def states(self) -> tuple[State, ...]:
-        """All states that the file tells, each once; the one that it opens in comes first."""
+        """Distinct states of the file, the one in which it opens first."""
         m = self.model
         every = [State((OPENED,), m.qpos0.copy(), np.zeros(m.nv), None)]
         every += [
@@ -211,12 +203,23 @@ class Loaded:
         return tuple(states.values())
 
     def at_limits(self, state: State) -> list[str]:
-        """Return the joints that stand at the end of their range in a state, to rounding."""
+        """Return the joints that are at an end of their range in a state, up to round-off."""
         m = self.model
-        one = self.of_kind("jnt_type", "slide", "hinge") & (m.jnt_limited != 0)
         off = np.abs(state.position[m.jnt_qposadr][:, None] - m.jnt_range)
-        near = np.min(off, axis=1) <= AT_LIMIT * np.max(np.abs(m.jnt_range), axis=1)
-        return [self.name("joint", number) for number in np.flatnonzero(one & near)]
+        near = np.min(off, axis=1) <= NUMERICS.at_limit * np.max(np.abs(m.jnt_range), axis=1)
+        return [self.name("joint", i) for i in np.flatnonzero(self.limited_joints & near)]
+
+    @property
+    def limited_joints(self) -> Flags:
+        """Hinges and slides (njnt,) that have limits."""
+        return (self.model.jnt_limited != 0) & self.of_kind("jnt_type", "slide", "hinge")
+
+    @property
+    def sliding_dofs(self) -> Flags:
+        """Degrees of freedom (nv,) that translate: slides, and the first three of free joints."""
+        m = self.model
+        slide, free = (self.of_kind("jnt_type", kind)[m.dof_jntid] for kind in ("slide", "free"))
+        return np.asarray(slide | (free & (np.arange(m.nv) - m.jnt_dofadr[m.dof_jntid] < 3)))
 
     def data(self, state: State, model: Any = None) -> Any:
         """Return MuJoCo's data in a state."""
@@ -228,10 +231,10 @@ class Loaded:
         return data
 
     def sharp(self, *disabled: str) -> Any:
-        """Return a copy of the model whose accelerations are exact, some parts switched off.
+        """Return a copy of the model with exact accelerations, some parts switched off.
 
-        Euler, because ``discrete`` has steps in the place of accelerations; Newton's method to
-        rounding.
+        Its integrator is Euler, since ``discrete`` has no accelerations, only steps; its solver is
+        Newton's method, iterated to round-off.
         """
         lib = self.mujoco
         model = copy.copy(self.model)
@@ -240,47 +243,52 @@ class Loaded:
         model.opt.jacobian = lib.mjtJacobian.mjJAC_DENSE
         for name, value in EXACT.items():
             setattr(model.opt, name, value)
-        for name in ("autoreset", "sensor", "warmstart", *disabled):
-            model.opt.disableflags |= self.member("mjtDisableBit", "mjDSBL", name)
+        self.switch_off(model, "autoreset", "sensor", "warmstart", *disabled)
         return model
 
+    def switch_off(self, model: Any, *names: str) -> None:
+        """Switch off parts of a model by MuJoCo's flags."""
+        for name in names:
+            model.opt.disableflags |= self.member("mjtDisableBit", "mjDSBL", name)
+
     @cached_property
-    def fatal(self) -> tuple[int, ...]:
-        """The warnings of `LOST`, by their numbers."""
-        return tuple(self.member("mjtWarning", "mjWARN", name) for name in LOST)
+    def fatal_warnings(self) -> tuple[int, ...]:
+        """Numbers of MuJoCo's warnings after which the state is lost."""
+        names = ("badqpos", "badqvel", "badqacc")
+        return tuple(self.member("mjtWarning", "mjWARN", name) for name in names)
 
     def lost(self, data: Any) -> bool:
-        """Return whether MuJoCo has counted a state that is not finite, or huge."""
-        return any(data.warning[number].number for number in self.fatal)
+        """Return True if MuJoCo has counted a non-finite or huge state."""
+        return any(data.warning[number].number for number in self.fatal_warnings)
 
     def disabled(self, name: str) -> bool:
-        """Return whether a flag of MuJoCo switches something off."""
+        """Return True if a flag of MuJoCo switches this part off."""
         return bool(self.model.opt.disableflags & self.member("mjtDisableBit", "mjDSBL", name))
 
     def enabled(self, name: str) -> bool:
-        """Return whether a flag of MuJoCo switches something on."""
+        """Return True if a flag of MuJoCo switches this part on."""
         return bool(self.model.opt.enableflags & self.member("mjtEnableBit", "mjENBL", name))
 
     def compiled(self, text: str) -> Any:
-        """Return the model of another text, in the folder of this one; None if it is wrong."""
+        """Return the model of another text in the folder of the file; None if it is invalid."""
         with quiet(self.mujoco), warnings.catch_warnings():
             warnings.simplefilter("ignore")
             try:
                 spec = self.mujoco.MjSpec.from_string(text)
                 spec.modelfiledir = str(self.path.parent)
                 return spec.compile()
-            except Exception:  # MuJoCo has several ways to say no
+            except Exception:  # MuJoCo raises several types
                 return None
 
     def dumped(self, model: Any) -> bytes:
-        """Return a compiled model as the bytes that tell whether another is the same."""
+        """Return a compiled model as bytes, which are equal for equal models."""
         buffer = np.zeros(self.mujoco.mj_sizeModel(model), np.uint8)
         self.mujoco.mj_saveModel(model, None, buffer)
         return buffer.tobytes()
 
     @cached_property
     def bits(self) -> bytes:
-        """The compiled model of the file as these bytes."""
+        """Compiled model of the file as bytes."""
         return self.dumped(self.model)
 
     def compiles_alike(self, text: str) -> bool:
@@ -288,14 +296,14 @@ class Loaded:
         model = self.compiled(text)
         return model is not None and self.dumped(model) == self.bits
 
-    @property
+    @cached_property
     def joint_names(self) -> tuple[str, ...]:
-        """The name of the joint of each degree of freedom."""
+        """Name of the joint of each degree of freedom."""
         return tuple(self.name("joint", joint) for joint in self.model.dof_jntid)
 
 
 def kind_of(element: Element) -> str | None:
-    """Return what kind of object an element of the text becomes, if any."""
+    """Return the kind of object that an element of the text becomes, if any."""
     section = element.parent
     if section is None or element.tag == "default" or element.within("default"):
         return None
@@ -307,7 +315,7 @@ def kind_of(element: Element) -> str | None:
 
 
 def in_order(elements: Sequence[Element]) -> list[Element]:
-    """Return elements in MuJoCo's order: what belongs to a body stands before its children's."""
+    """Return elements in MuJoCo's order: parts of a body before those of its children."""
     owners = [next((id(a) for a in one.ancestors() if a.tag == "body"), 0) for one in elements]
     first = {owner: place for place, owner in reversed(list(enumerate(owners)))}
     return [elements[i] for i in sorted(range(len(elements)), key=lambda i: first[owners[i]])]
@@ -332,22 +340,22 @@ def load(path: str | Path) -> Loaded:
         try:
             spec = mujoco.MjSpec.from_file(str(place))
             model = spec.compile()
-        except Exception as error:  # ValueError, FatalError, and what else a version has
+        except Exception as error:  # ValueError, FatalError, and others, depending on the version
             failure = " ".join(str(error).split()) or type(error).__name__
         else:
             failure = ""
     if failure:
         words = failure.removeprefix("Error: ")
-        raise UsageError(f"MuJoCo cannot compile {place.name}: {words}{asked_by(source, words)}")
+        raise UsageError(f"MuJoCo cannot compile {place.name}: {words}{includer(source, words)}")
     lines = [line.removeprefix("WARNING:").strip() for line in console.text.splitlines()]
-    if not lines:  # older versions of MuJoCo tell only one way
+    if not lines:  # older versions of MuJoCo print nothing
         lines = [" ".join(str(warning.message).split()) for warning in caught]
     return Loaded(mujoco, place, source, spec, model, tuple(line for line in lines if line))
 
 
-def asked_by(source: Source, failure: str) -> str:
-    """Return which line asks for a file that a message of MuJoCo's names, if one does."""
-    for element in source.walk():
+def includer(source: Source, failure: str) -> str:
+    """Return the line that includes the file which a message of MuJoCo names, if any."""
+    for element in source.root.walk():
         files = [Path(x).name for key, x in element.attributes.items() if key.startswith("file")]
         if any(name and name in failure for name in files) and " line " not in failure:
             return f" ({element.file}, line {element.line})"
@@ -355,22 +363,22 @@ def asked_by(source: Source, failure: str) -> str:
 
 
 def refuse_numbers(source: Source) -> None:
-    """Refuse values that are no numbers, or too large to compute with."""
-    for element in source.walk():
+    """Refuse values that are not numbers, or too large to compute with."""
+    for element in source.root.walk():
         for name, value in element.attributes.items():
             where = f"{element.file}, line {element.line}: {name} of {element.address}"
             if NOT_A_NUMBER.search(value) and name not in ("name", "class", "file"):
                 raise UsageError(f"{where} is not a number: {value.strip()[:40]!r}")
             numeric = "e" in value.lower() and NUMERIC.fullmatch(value)
-            if numeric and max(map(abs, numbers(value)), default=0.0) > LARGEST:
+            if numeric and max(map(abs, numbers(value)), default=0.0) > NUMERICS.max_number:
                 raise UsageError(f"{where} is out of any range: {value.strip()[:40]!r}")
 
 
 def numbers(text: str) -> list[float]:
-    """Return the numbers of an attribute; none if it holds something else."""
+    """Return the numbers of an attribute; none if it has another form."""
     try:
         return [float(word) for word in text.split()]
-    except ValueError:  # MuJoCo says what it makes of it
+    except ValueError:  # MuJoCo reports it
         return []
 
 

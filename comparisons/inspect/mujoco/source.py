@@ -15,20 +15,20 @@ from ....reference.errors import UsageError
 from ...documents.reading import read_bytes
 
 ROOT = "mujoco"
-"""Tag of the root of an MJCF file."""
+"""Tag of the root element of every MJCF file."""
 
 WAIVER = re.compile(r"allow\s+(\w+)\s*(?:,\s*(.*?))?\s*:(?:\s+(.*))?", re.DOTALL)
 """``allow RULE[, element]: reason``; the colon ends the element where a blank follows it."""
 
 COMMENT = "mbcheck:"
-"""How a comment begins that is meant for this program."""
+"""Beginning of a comment that addresses this program."""
 
 
 @dataclass(eq=False)
 class Element:
-    """One element of the text, where it stands; ``parent`` is None for the root.
+    """An element of the text with its position; ``parent`` is None for the root.
 
-    ``offset`` counts the bytes of its file that stand before it.
+    ``offset`` is the number of bytes before it in its file.
     """
 
     tag: str
@@ -41,11 +41,11 @@ class Element:
 
     @property
     def name(self) -> str | None:
-        """Its attribute of this name."""
+        """Value of the attribute ``name``."""
         return self.attributes.get("name")
 
     def ancestors(self) -> Iterator[Element]:
-        """Yield its ancestors, the nearest first."""
+        """Yield the ancestors, the nearest first."""
         element = self.parent
         while element is not None:
             yield element
@@ -53,15 +53,15 @@ class Element:
 
     @property
     def address(self) -> str:
-        """How it is named in reports: ``tag:name``, ``tag:name/tag`` or ``tag``."""
+        """Name in reports: ``tag:name``, ``tag:name/tag`` or ``tag``."""
         return address([(one.tag, one.name) for one in (self, *self.ancestors())][::-1])
 
     def within(self, *tags: str) -> bool:
-        """Return whether an ancestor has one of these tags."""
+        """Return True if an ancestor has one of these tags."""
         return any(one.tag in tags for one in self.ancestors())
 
     def walk(self) -> Iterator[Element]:
-        """Yield itself and all below it, in the order of the text."""
+        """Yield this element and all below it, in the order of the text."""
         waiting = [self]
         while waiting:
             element = waiting.pop()
@@ -80,14 +80,14 @@ class Waiver:
     Attributes
     ----------
     rule : str
-        Empty if the comment is no waiver that can be read.
+        Empty if the comment has not the form of a waiver.
     pattern : str or None
-        Which element it is for; ``*`` and ``?`` are wildcards. None for all.
+        Name of the elements, with the wildcards ``*`` and ``?``; None for all.
     reason : str
     text, file, line
-        The comment as it stands.
+        The comment and its position.
     required : bool
-        Whether it is about this model alone, and is to waive something.
+        True if it concerns this model alone, so that an unused one is a finding.
     """
 
     rule: str
@@ -99,7 +99,7 @@ class Waiver:
     required: bool = True
 
     def covers(self, rule: str, element: str) -> bool:
-        """Return whether it allows a finding of a rule on an element ``tag:name``."""
+        """Return True if it allows a finding of a rule on an element ``tag:name``."""
         name = element.partition("/")[0].partition(":")[2] or element
         named = self.pattern is None or any(fnmatchcase(w, self.pattern) for w in (element, name))
         return rule == self.rule and bool(self.reason) and named
@@ -114,18 +114,14 @@ class Source:
     waivers: tuple[Waiver, ...]
     files: tuple[str, ...]
 
-    def walk(self) -> Iterator[Element]:
-        """Yield all elements, in the order of the text."""
-        return self.root.walk()
-
     def tagged(self, *tags: str) -> list[Element]:
         """Return all elements with one of these tags."""
-        return [element for element in self.walk() if element.tag in tags]
+        return [element for element in self.root.walk() if element.tag in tags]
 
     def text(self, leave_out: Collection[Attribute] = ()) -> str:
         """Return the model as one text, includes inserted, without some attributes."""
         omitted, made = set(leave_out), dict[Element, ET.Element]()
-        for element in self.walk():
+        for element in self.root.walk():
             attributes = element.attributes.items()
             left = {key: value for key, value in attributes if (element, key) not in omitted}
             made[element] = ET.Element(element.tag, left)
@@ -139,7 +135,7 @@ class OtherRootError(UsageError):
 
 
 def read(path: Path, instead: bytes | None = None) -> Source:
-    """Read a file, or bytes instead of what it holds, and all that it includes.
+    """Read a file, or the bytes ``instead`` of its content, and the files that it includes.
 
     Raises
     ------
@@ -150,7 +146,7 @@ def read(path: Path, instead: bytes | None = None) -> Source:
     files: list[str] = []
     root = parse(path, path.parent, waivers, files, instead)
     if root.tag != ROOT:
-        hint = "; URDF is to be converted first" if root.tag == "robot" else ""
+        hint = "; convert URDF to MJCF first" if root.tag == "robot" else ""
         raise OtherRootError(
             f"{path.name} is not MJCF: its root is <{root.tag}>, not <{ROOT}>{hint}"
         )
@@ -190,8 +186,12 @@ def parse(
             insert(element, folder, waivers, files)
 
     def comment(text: str) -> None:
-        if text.strip().startswith(COMMENT):
-            waivers.append(waiver(text.strip(), name, parser.CurrentLineNumber))
+        text, line = text.strip(), parser.CurrentLineNumber
+        if text.startswith(COMMENT):
+            match = WAIVER.fullmatch(text.removeprefix(COMMENT).strip())
+            rule, pattern, reason = match.groups() if match else ("", None, "")
+            reason = " ".join((reason or "").split())
+            waivers.append(Waiver(rule, pattern, reason, text, name, line))
 
     parser.StartElementHandler, parser.EndElementHandler = enter, leave
     parser.CommentHandler = comment
@@ -205,7 +205,7 @@ def parse(
 
 
 def insert(include: Element, folder: Path, waivers: list[Waiver], files: list[str]) -> None:
-    """Put what a file holds in the place of the element that includes it."""
+    """Replace an ``include`` by the elements of the file that it names."""
     parent, name = include.parent, include.attributes.get("file")
     assert parent is not None
     if not name:
@@ -230,8 +230,8 @@ def content(path: Path, name: str) -> bytes:
     """
     if path.suffix.lower() == ".mjb":
         raise UsageError(
-            f"{name} is a compiled model, which has no text to inspect: give the MJCF that it "
-            "was compiled from"
+            f"{name} is a compiled model, which has no text to inspect: give the MJCF file "
+            "from which it was compiled"
         )
     raw = read_bytes(path, label=name)
     if not raw.strip():
@@ -239,10 +239,3 @@ def content(path: Path, name: str) -> bytes:
     if b"\0" in raw[:4096] and not raw.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise UsageError(f"{name} is not XML but a binary file")
     return raw
-
-
-def waiver(text: str, file: str, line: int) -> Waiver:
-    """Return what a comment for this program says."""
-    match = WAIVER.fullmatch(text.removeprefix(COMMENT).strip())
-    rule, pattern, reason = match.groups() if match else ("", None, "")
-    return Waiver(rule, pattern, " ".join((reason or "").split()), text, file, line)

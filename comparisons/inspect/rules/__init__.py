@@ -1,1 +1,1 @@
-"""What inspection finds, by the part of a model in which it looks."""
+"""Rules of inspection, grouped by the part of a model that they examine."""

@@ -1,35 +1,38 @@
-"""Rules about how a model moves: its step, its loops, its states, its energy."""
+"""Rules about the motion of a model: its step, its loops, its states, its energy, its growth."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import islice
+from typing import Any
 
 import numpy as np
 
+from ....reference.scene import Array
 from ....reference.soft_constraint import IMPEDANCES
 from ...checks.rules import conditions
-from ..mujoco.closures import ClosedLoop
-from ..mujoco.facts import DEEP, DRAWS
-from ..mujoco.model import OPENED
-from ..mujoco.trial import edited
-from ..subject import Hit, InspectedModel, StepLimit, View
+from ..mujoco.linear import Linear
+from ..mujoco.model import OPENED, Loaded
+from ..subject import Hit, InspectedModel
+from ..tuning import EFFORT, NUMERICS, THRESHOLDS
+from ..views import Shape, StepLimit, View, view_of
+from .drives import drives, sign_attribute
 from .remedies import (
-    MARGIN,
-    NEAR,
     all_stay_finite,
     closure_remedy,
-    option,
+    edited,
+    growth,
+    in_words,
+    integrator_remedy,
+    joint_edits,
+    moments,
     rounded,
+    short_run,
+    stays_finite,
     step_remedies,
+    with_option,
 )
-from .stability import fed_by_drive, grows_in_run
-
-OPEN = 1e-6
-"""How far a loop may be open as the file has it: in the model's size, or in rad."""
-
-WEIGHTLESS = 1e-12
-"""Share of its weight, at its size, that a joint may feel of gravity where it feels none."""
 
 
 def step_limit(s: InspectedModel) -> Iterator[Hit]:
@@ -39,23 +42,24 @@ def step_limit(s: InspectedModel) -> Iterator[Hit]:
             s.timestep, limit.limit, limit.omega or math.nan, place, limit.integrator
         )
         if statement is not None:
-            fix = remedies(s, limit) or "no integrator and no step that was tried holds a run"
+            fix = remedies(s, limit) or "no integrator and no step that was tried is stable"
             share = limit.share_of(s.timestep)
             yield s.about("option", message=statement.message, fix=fix, measure=share)
 
 
 def remedies(s: InspectedModel, limit: StepLimit) -> str:
-    """Return what makes the file's step stable; what grows at every step is to be mended first."""
+    """Return edits that make the step stable, once no motion grows whatever the step."""
     for view in s.views:
         for mode in fed_by_drive(view):
-            if view.linear is not None and grows_in_run(s, view, mode):
-                joint = s.loaded.joint_names[mode.place(view.linear.mass)]
-                long = [one.integrator for one in s.steps if one.limit >= MARGIN * s.timestep]
+            if grows_in_run(s, view, mode):
+                least = THRESHOLDS.remedy_margin * s.timestep
+                long = [one.integrator for one in s.steps if one.limit >= least]
                 there = " or ".join(f'integrator="{name}"' for name in long)
                 stable = f"; for all other motions {there} is stable" if long else ""
                 return (
-                    f"first mend what feeds the motion of {joint} (unstable_mode): with that no "
-                    f"run can show that an integrator or a step holds{stable}"
+                    f"first mend the growing motion of {s.loaded.joint_names[mode.dof]} "
+                    "(unstable_mode): as long as it grows, no run can show that an integrator or a "
+                    f"step is stable{stable}"
                 )
     return step_remedies(s, limit)
 
@@ -63,7 +67,7 @@ def remedies(s: InspectedModel, limit: StepLimit) -> str:
 def near_step_limit(s: InspectedModel) -> Iterator[Hit]:
     for limit in s.limits_of_file:
         share = limit.share_of(s.timestep)
-        if NEAR < share <= 1:
+        if THRESHOLDS.near_step_limit < share <= 1:
             message = (
                 f"{limit.integrator} is stable up to {limit.limit:.4g} s (a mode of "
                 f"{limit.omega:.4g} 1/s, {limit.place}) in the state {limit.state!r}, and the "
@@ -73,8 +77,9 @@ def near_step_limit(s: InspectedModel) -> Iterator[Hit]:
 
 
 def coarse_step(s: InspectedModel) -> Iterator[Hit]:
-    near = any(limit.share_of(s.timestep) > NEAR for limit in s.limits_of_file)
-    if s.shortest_period is not None and not near:  # which says it louder
+    most = THRESHOLDS.near_step_limit
+    near = any(limit.share_of(s.timestep) > most for limit in s.limits_of_file)
+    if s.shortest_period is not None and not near:  # `near_step_limit` reports it
         yield from s.state(conditions.coarse_step(s.timestep, s.shortest_period), "option")
 
 
@@ -84,31 +89,31 @@ def not_finite(s: InspectedModel) -> Iterator[Hit]:
 
 
 def closure_softness(s: InspectedModel) -> Iterator[Hit]:
-    said: dict[int, Hit] = {}
+    hits: dict[int, Hit] = {}
     for one in sorted(s.closures, key=lambda item: -item.opening):
         statement = conditions.closure_softness(
             f"{one.kind} {one.name}",
             one.opening,
-            size_of(s, one),
+            s.size_of(one),
             f"its load of {one.force:.3g} in the state {one.state!r} (solref "
             f"{spaced(one.effective)}, impedance {one.impedance:.4g})",
             turn=one.turn,
         )
-        if statement is None or one.number in said or is_handle(s, one.number):
-            continue  # the state where it opens most has said it
+        if statement is None or one.number in hits or is_handle(s, one.number):
+            continue  # reported for the state where it opens most
         left_out = load_leaves_out(s, one.state)
-        words = f"; the load leaves out {left_out}" if left_out else ""
+        words = f"; the load does not include {left_out}" if left_out else ""
         fix = closure_remedy(s, one) or (
             "no setting of solref and solimp that was tried closes it at this step; shorten the "
-            "timestep, or relieve it"
+            "timestep, or reduce its load"
         )
         message, measure = statement.message + words, max(one.opening, one.turn or 0.0)
-        said[one.number] = s.hit("equality", one.number, message, fix=fix, measure=measure)
-    yield from said.values()
+        hits[one.number] = s.hit("equality", one.number, message, fix=fix, measure=measure)
+    yield from hits.values()
 
 
 def is_handle(s: InspectedModel, number: int) -> bool:
-    """Return whether an equality ties a body to a mocap body, which drags it softly on purpose."""
+    """Return True if an equality ties a body to a mocap body, which drags it softly on purpose."""
     m, kinds = s.model, s.loaded.of_kind("eq_type", "connect", "weld")
     if not kinds[number]:
         return False
@@ -119,7 +124,7 @@ def is_handle(s: InspectedModel, number: int) -> bool:
 
 
 def load_leaves_out(s: InspectedModel, state: str) -> str:
-    """Return what acts in a state, and is no part of the load of a closure there."""
+    """Return the forces of a state that the load of a closure does not include."""
     for one in s.views:
         if one.linear is not None and one.state.name == state:
             friction = [*s.model.dof_frictionloss, *s.model.tendon_frictionloss]
@@ -133,18 +138,13 @@ def load_leaves_out(s: InspectedModel, state: str) -> str:
 
 
 def closure_open(s: InspectedModel) -> Iterator[Hit]:
-    said: dict[int, Hit] = {}
+    hits: dict[int, Hit] = {}
     for one in s.closures:
-        if one.now > OPEN * size_of(s, one):
+        if one.now > THRESHOLDS.open_loop * s.size_of(one):
             message = f"{one.kind} {one.name} is open by {one.now:.3g} in the state {one.state!r}"
             hit = s.hit("equality", one.number, message, measure=one.now)
-            said.setdefault(one.number, hit)
-    yield from said.values()
-
-
-def size_of(s: InspectedModel, closure: ClosedLoop) -> float:
-    """Return in what a closure's opening is measured: the model's size [m], or 1 rad."""
-    return s.facts.size if closure.kind in ("connect", "weld") else 1.0
+            hits.setdefault(one.number, hit)
+    yield from hits.values()
 
 
 def spaced(values: Iterable[float]) -> str:
@@ -153,20 +153,20 @@ def spaced(values: Iterable[float]) -> str:
 
 
 def solref_raised(s: InspectedModel) -> Iterator[Hit]:
-    least = 2 * s.timestep * (s.facts.options.refsafe and s.facts.options.integrator != "discrete")
+    least = 2 * s.timestep * (s.options.refsafe and s.options.integrator != "discrete")
     fixes = dict[float, str]()
     for kind, number, (constant, ratio), _ in constraints(s):
         if 0 < constant < least * (1 - 1e-9):
             step = rounded(constant / 2, up=False, digits=4)
             if step not in fixes:
-                tried = edited(s.loaded, option("timestep", step))
+                tried = with_option(s.loaded, "timestep", step)
                 holds = all_stay_finite(tried, s.loaded.states)
                 fixes[step] = f'timestep="{step:g}" or shorter' if holds else ""
             message = (
-                f"solref has a time constant of {constant:g} s, and MuJoCo silently takes "
-                f"{least:.4g} s, two timesteps, in its place"
+                f"solref has a time constant of {constant:g} s; MuJoCo silently uses two "
+                f"timesteps, {least:.4g} s"
             )
-            taken = f'solref="{least:.16g} {ratio:.16g}", which is what MuJoCo takes now'
+            taken = f'solref="{least:.16g} {ratio:.16g}", as MuJoCo uses now'
             # a geom's solref is mixed with that of what it touches
             fix = "; or ".join(filter(None, [fixes[step], "" if kind == "geom" else taken]))
             yield s.hit(kind, number, message, attribute="solref", fix=fix)
@@ -174,11 +174,11 @@ def solref_raised(s: InspectedModel) -> Iterator[Hit]:
 
 def solimp_clamped(s: InspectedModel) -> Iterator[Hit]:
     hardest = IMPEDANCES[1]
-    taken = f"MuJoCo takes {hardest:g}, its largest, without a word"
+    used = f"MuJoCo silently uses {hardest:g}, its largest"
     for kind, number, _, solimp in constraints(s):
         if max(solimp[:2]) > hardest:
             beyond = spaced(float(d) for d in solimp[:2] if d > hardest)
-            yield s.hit(kind, number, f"solimp has impedances of {beyond}; {taken}")
+            yield s.hit(kind, number, f"solimp has impedances of {beyond}; {used}")
 
 
 def constraints(s: InspectedModel) -> Iterator[tuple[str, int, np.ndarray, np.ndarray]]:
@@ -194,27 +194,28 @@ def constraints(s: InspectedModel) -> Iterator[tuple[str, int, np.ndarray, np.nd
 
 
 def contact_depth(s: InspectedModel) -> Iterator[Hit]:
-    for view in starts(s) if s.facts.options.contact else ():
+    for view in starts(s) if s.options.contact else ():
         data = s.loaded.data(view.state)
         s.loaded.mujoco.mj_fwdPosition(s.model, data)
         contacts = [(-float(contact.dist), contact.geom) for contact in data.contact]
+        always = {pair for pair, count in s.meetings.items() if count == EFFORT.draws}
         deep = [
             (depth, pair)
             for depth, pair in contacts
-            if depth > DEEP * s.facts.size and s.meetings.get((int(pair[0]), int(pair[1]))) != DRAWS
+            if depth > NUMERICS.deep * s.size and (int(pair[0]), int(pair[1])) not in always
         ]
         if deep:
             depth, geoms = max(deep, key=lambda one: one[0])
             names = " and ".join(s.loaded.name("geom", i) for i in geoms)
             more = f" ({len(deep)} contacts are as deep)" if len(deep) > 1 else ""
-            message = f"in the state {view.state.name!r}, {names} lie {depth:.3g} m in each other"
+            message = f"in the state {view.state.name!r}, {names} overlap by {depth:.3g} m"
             yield s.hit("geom", geoms[0], message + more, measure=depth)
 
 
 def starts(s: InspectedModel) -> list[View]:
     """Return the states from which runs start: the keyframes.
 
-    Without any, programs mostly set one; the one in which the file opens counts for the house.
+    Without keyframes programs mostly set a state; then `qpos0` counts for rules of the house.
     """
     keyframes = [one for one in s.views if one.state.keys != (OPENED,)]
     return keyframes or (list(s.views) if s.strict else [])
@@ -223,11 +224,11 @@ def starts(s: InspectedModel) -> list[View]:
 def keyframe_outside_range(s: InspectedModel) -> Iterator[Hit]:
     m = s.model
     low, high = m.jnt_range.T
-    limited = (m.jnt_limited != 0) & s.loaded.of_kind("jnt_type", "slide", "hinge")
     slack = 1e-9 * np.max(np.abs(m.jnt_range), axis=1)
     for view in starts(s):
         values = view.state.position[m.jnt_qposadr]
-        for i in np.flatnonzero(limited & ((values < low - slack) | (values > high + slack))):
+        outside = (values < low - slack) | (values > high + slack)
+        for i in np.flatnonzero(s.loaded.limited_joints & outside):
             yield s.hit(
                 "joint",
                 i,
@@ -238,14 +239,13 @@ def keyframe_outside_range(s: InspectedModel) -> Iterator[Hit]:
 
 def no_keyframe(s: InspectedModel) -> Iterator[Hit]:
     if s.model.nv and not s.model.nkey:
-        yield s.about(
-            "worldbody", message="the file has no keyframe: where a run starts is not told"
-        )
+        message = "the file has no keyframe, which would define the initial state of a run"
+        yield s.about("worldbody", message=message)
 
 
 def auto_reset(s: InspectedModel) -> Iterator[Hit]:
-    if s.facts.options.autoreset:
-        message = "auto-reset is on: a run that diverges is set back to its start"
+    if s.options.autoreset:
+        message = "auto-reset is on: a run that diverges is reset to its start"
         yield s.about("option/flag", "option", message=message)
 
 
@@ -254,13 +254,13 @@ def clock_rounding(s: InspectedModel) -> Iterator[Hit]:
 
 
 def energy_off(s: InspectedModel) -> Iterator[Hit]:
-    if not s.facts.options.energy and conservative(s):
-        message = "nothing here feeds or takes energy, and the flag that keeps its books is off"
+    if not s.options.energy and conservative(s):
+        message = "the model conserves energy, and the flag that records it is off"
         yield s.about("option/flag", "option", message=message)
 
 
 def conservative(s: InspectedModel) -> bool:
-    """Return whether nothing feeds or takes energy of a model."""
+    """Return True if a model conserves energy."""
     m = s.model
     spent = (m.dof_damping, m.dof_frictionloss, m.tendon_damping, m.tendon_frictionloss)
     limits = (m.jnt_limited, m.tendon_limited, s.can_touch)
@@ -271,26 +271,215 @@ def conservative(s: InspectedModel) -> bool:
 def ill_conditioned(s: InspectedModel) -> Iterator[Hit]:
     statements = (
         conditions.ill_conditioned(
-            view.linear.mass, f"in the state {view.state.name!r}", conditions.FEW_DIGITS
+            linear.mass, f"in the state {view.state.name!r}", conditions.FEW_DIGITS
         )
-        for view in s.views
-        if view.linear is not None
+        for view, linear in s.linear_views
     )
     return s.state(next(filter(None, statements), None), "worldbody")
 
 
 def idle_gravity(s: InspectedModel) -> Iterator[Hit]:
     lib, m = s.loaded.mujoco, s.model
-    if not any(s.facts.options.gravity) or not m.nv:
+    if not any(s.options.gravity) or not m.nv:
         return
     data, generator = lib.MjData(m), np.random.default_rng(0)
-    weight = float(np.sum(m.body_mass)) * float(np.linalg.norm(m.opt.gravity)) * s.facts.size
+    weight = float(np.sum(m.body_mass)) * float(np.linalg.norm(m.opt.gravity)) * s.size
     for _ in range(3):
         data.qpos[:], data.qvel[:] = m.qpos0, 0
         lib.mj_integratePos(m, data.qpos, generator.uniform(-1, 1, m.nv), 1.0)
         lib.mj_fwdPosition(m, data)
         lib.mj_fwdVelocity(m, data)
-        if np.max(np.abs(data.qfrc_bias)) > WEIGHTLESS * weight:
+        if np.max(np.abs(data.qfrc_bias)) > THRESHOLDS.gravity_share * weight:
             return
-    message = f"gravity {spaced(s.facts.options.gravity)} moves no joint in any configuration"
+    message = f"gravity {spaced(s.options.gravity)} moves no joint in any configuration"
     yield s.about("option", message=message)
+
+
+# Growth, whatever the step --------------------------------------------------------------------
+
+UNKNOWN = (
+    "no integrator and no shorter step that was tried is stable: look for stiff or light parts"
+)
+"""Remedy of a run that fails with all that was tried."""
+
+
+def is_fed_by_drive(linear: Linear, mode: Shape) -> bool:
+    """Return True if an actuator or a damper supplies most of the mean power fed into a mode.
+
+    In ``f = -C v - K q`` a negative symmetric K feeds a mode that diverges; a negative C and the
+    skew part of K feed it in each cycle.
+    """
+    parts, rate = linear.parts, mode.rate
+
+    def product(matrix: Array) -> complex:
+        """Real part by the symmetric part of a matrix, imaginary part by the skew one."""
+        return complex(np.vdot(mode.vector, matrix @ mode.vector))
+
+    servo = product(parts.servo)
+    powers = [
+        -(rate.conjugate() * 1j * servo.imag).real,
+        -(abs(rate) ** 2) * product(parts.actuator).real,
+        -(abs(rate) ** 2) * product(parts.passive).real,
+        -rate.real * servo.real,
+    ]
+    foreign = sum(max(0.0, power) for power in powers)
+    own = max(0.0, -rate.real * product(parts.stiffness - parts.servo).real)
+    return foreign > THRESHOLDS.fed_share * (foreign + own)
+
+
+def growing(view: View) -> list[Shape]:
+    """Return the modes, with soft constraints, that grow fast enough to be seen in a run."""
+    return [
+        mode
+        for mode in view.simulated
+        if mode.kind == "unstable"
+        and mode.rate.real > THRESHOLDS.min_growth
+        and view.steady_hinge is None
+    ]
+
+
+def fed_by_drive(view: View) -> Iterator[Shape]:
+    """Yield the growing modes that drives or dampers feed, rather than gravity and springs."""
+    for mode in growing(view):
+        if view.linear is not None and is_fed_by_drive(view.linear, mode):
+            yield mode
+
+
+def unstable_mode(s: InspectedModel) -> Iterator[Hit]:
+    joints = set[str]()
+    for one in s.views:
+        for mode in fed_by_drive(one):
+            joint = s.loaded.joint_names[mode.dof]
+            if joint in joints or not grows_in_run(s, one, mode):
+                continue
+            joints.add(joint)
+            fed_by = feeders(s, one, mode)
+            actuators = ", ".join(s.loaded.name("actuator", i) for i in fed_by)
+            source = f"actuators {actuators} feed" if actuators else "negative damping feeds"
+            swing = f" and oscillates at {mode.rate.imag:.4g} rad/s" if mode.rate.imag else ""
+            message = (
+                f"in the state {one.state.name!r} a motion of {joint} grows by a factor of e in "
+                f"{1 / mode.rate.real:.3g} s ({mode.rate.real:.3g} 1/s){swing}, whatever the step: "
+                f"{source} it"
+            )
+            number = int(s.model.dof_jntid[mode.dof])
+            fix = sign_remedy(s, one, fed_by) or damping_remedy(s, one, number)
+            fix = fix or (
+                "reverse the sign of the gain, or of the gear" if actuators else "reverse its sign"
+            )
+            yield s.hit("joint", number, message, fix=fix)
+
+
+def grows_in_run(s: InspectedModel, view: View, mode: Shape) -> bool:
+    """Return True if a run shows that a mode grows."""
+    folds = THRESHOLDS.growth_folds
+    factor = growth_in_run(s.loaded, view, mode, folds / mode.rate.real)
+    return factor is not None and factor > np.exp(folds / 2)
+
+
+def growth_in_run(loaded: Loaded, view: View, mode: Shape, horizon: float) -> float | None:
+    """Return the growth factor along a mode in a run of a length [s]; None if it is too long.
+
+    The step resolves all modes by `Numerics.steps_per_radian` if there is time for that, else this
+    one, and all others by `Numerics.min_steps_per_radian`.
+    """
+    fastest, timestep = max(one.omega for one in view.simulated), float(loaded.model.opt.timestep)
+    many, few = NUMERICS.steps_per_radian, NUMERICS.min_steps_per_radian
+    step = max(min(timestep, 1 / (many * fastest)), horizon / NUMERICS.run_steps)
+    if step > min(timestep, 1 / max(many * mode.omega, few * fastest)):
+        return None
+    return growth(loaded, view.state, np.real(mode.vector), step, horizon)
+
+
+def feeders(s: InspectedModel, view: View, mode: Shape) -> list[int]:
+    """Return the actuators that push along a mode and react to position or speed."""
+    m = s.model
+    reacts = s.loaded.of_kind("actuator_biastype", "affine", "muscle") & np.any(
+        m.actuator_biasprm[:, 1:3] != 0, axis=1
+    )
+    power = np.abs(moments(s.loaded, view.state) @ mode.vector) * reacts
+    large: list[int] = np.flatnonzero(
+        power > THRESHOLDS.named_power * np.max(power, initial=0.0)
+    ).tolist()
+    return large
+
+
+def ends_growth(s: InspectedModel, one: View, change: Callable[[Any], None]) -> bool:
+    """Return True if no mode grows in a state after an edit: by the modes, and in a run."""
+    tried = edited(s.loaded, change)
+    again = view_of(tried, one.state)
+    if again.linear is None or growing(again):
+        return False
+    slowest = max(again.simulated, key=lambda mode: mode.rate.real)
+    horizon = THRESHOLDS.growth_folds / max(mode.rate.real for mode in growing(one))
+    factor = growth_in_run(tried, again, slowest, horizon)
+    return factor is not None and factor < np.exp(1)
+
+
+def sign_remedy(s: InspectedModel, one: View, feeding: Sequence[int]) -> str | None:
+    """Return the attributes of actuators with a wrong sign, if reversing it ends the growth."""
+    wrong = [
+        (servo.actuator, column, sign_attribute(s, servo.actuator, what))
+        for servo in drives(s)
+        for column, what, resists in ((1, "position", servo.stiffness), (2, "speed", servo.damping))
+        if servo.actuator in feeding and resists < 0
+    ]
+
+    def change(model: Any) -> None:
+        for actuator, column, _ in wrong:
+            model.actuator_biasprm[actuator, column] *= -1
+
+    if not wrong or not ends_growth(s, one, change):
+        return None
+    return "reverse the sign of " + " and ".join(
+        f"{attribute} of {s.loaded.name('actuator', actuator)}" for actuator, _, attribute in wrong
+    )
+
+
+def damping_remedy(s: InspectedModel, one: View, joint: int) -> str | None:
+    """Return a damping of a joint that ends the growth, if any does."""
+    assert one.linear is not None
+    dofs = s.model.dof_jntid == joint
+    unit = THRESHOLDS.damping_unit * float(np.max(np.diag(one.linear.mass)[dofs]))
+    edits = joint_edits(s, "damping", dofs, unit * max(mode.omega for mode in growing(one)))
+    return next((words for words, change in edits if ends_growth(s, one, change)), None)
+
+
+def run_fails(s: InspectedModel) -> Iterator[Hit]:
+    beyond = any(limit.share_of(s.timestep) > 1 for limit in s.limits_of_file)
+    beyond |= any(view.failed or any(fed_by_drive(view)) for view in s.views)
+    if beyond or s.model.nv > EFFORT.max_remedy_dofs:  # other rules report it
+        return
+    named = [one for one in s.loaded.states if one.keys != (OPENED,)]
+    for state in (named or list(s.loaded.states))[: EFFORT.runs]:
+        step, _ = short_run(s.loaded, state)
+        if step is None:
+            continue
+        spins = [view.reason for view in s.views if view.state is state and view.reason]
+        why = f" (no modes: {spins[0]})" if spins else ""
+        message = (
+            f"a run from the state {state.name!r} with constant controls diverges in step {step}, "
+            f"at {step * s.timestep:.3g} s{why}"
+        )
+        fixes, lost = integrator_remedy(s, [state])
+        shorter = (rounded(share * s.timestep, up=False) for share in THRESHOLDS.shorter_steps)
+        stable = (x for x in shorter if stays_finite(with_option(s.loaded, "timestep", x), state))
+        fixes += [f'timestep="{step:g}"' for step in islice(stable, 1)]
+        yield s.about("option", message=message, fix=in_words(fixes, lost) or UNKNOWN)
+        return
+
+
+def unstable_equilibrium(s: InspectedModel) -> Iterator[Hit]:
+    most = THRESHOLDS.rest_acceleration * max(1.0, float(np.linalg.norm(s.options.gravity)))
+    for one in s.views:
+        linear, modes = one.linear, growing(one)
+        if linear is None or linear.rows.contacts or not modes:
+            continue
+        mode = max(modes, key=lambda mode: mode.rate.real)
+        if np.max(np.abs(linear.acceleration)) <= most and not is_fed_by_drive(linear, mode):
+            message = (
+                f"the state {one.state.name!r} is an unstable equilibrium, like an inverted "
+                f"pendulum: a motion of {s.loaded.joint_names[mode.dof]} grows by a factor of e in "
+                f"{1 / mode.rate.real:.3g} s"
+            )
+            yield s.hit("joint", s.model.dof_jntid[mode.dof], message)

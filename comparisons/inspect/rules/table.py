@@ -1,8 +1,8 @@
-"""The rules of inspection, a row each: what it finds, why that matters, what to do, what it needs.
+"""The rules of inspection, a row each: mistake, reason, remedy, function and required input.
 
-A rule says what is wrong, or what the model could do without; it needs no run of the user's. An
-*error* makes results wrong or fails, a *warning* may, a *note* is what the scene does not require,
-or what a reader of results should know.
+A rule finds mistakes, or redundant parts. An *error* makes results wrong, or makes a run fail, a
+*warning* may do so, a *note* is a part that the model does not need, or a fact that a reader of
+results should know.
 """
 
 from __future__ import annotations
@@ -12,25 +12,27 @@ from functools import partial
 
 from ...checks.rules.conditions import MEANINGS
 from ..subject import ModelRule
-from . import bodies, drives, motion, parts, stability, text
+from ..tuning import THRESHOLDS
+from . import drives, motion, parts, text
 
 RULES: Mapping[str, ModelRule] = {
-    # how it moves
+    # motion
     "step_limit": ModelRule(
         "error",
         MEANINGS["step_limit"],
-        "Above its largest stable step an integrator feeds the fastest mode in every step: the "
-        "run blows up, or stays finite and is wrong. The limit follows from the eigenvalues of "
-        "small motions about the file's states, and from what the integrator makes of them.",
-        "shorten the timestep, choose an integrator with a larger limit, or soften what sets it",
+        "Above its largest stable step an integrator amplifies the fastest mode in every step: "
+        "the run diverges, or stays finite and is wrong. The limit follows from the eigenvalues "
+        "of small motions about the file's states, and from the scheme of the integrator.",
+        "shorten the timestep, choose an integrator with a larger limit, or soften the part "
+        "that sets it",
         motion.step_limit,
         needs="modes",
     ),
     "near_step_limit": ModelRule(
         "warning",
-        "the timestep is close to the integrator's stability limit",
-        "The limit is that of small motions about the file's states. Elsewhere, and with contacts, "
-        "the model may be stiffer.",
+        "the timestep is close to the largest stable step",
+        "The limit holds for small motions about the file's states. Elsewhere, and with "
+        "contacts, the model may be stiffer.",
         "shorten the timestep, or choose an integrator with a larger limit",
         motion.near_step_limit,
         needs="modes",
@@ -38,44 +40,46 @@ RULES: Mapping[str, ModelRule] = {
     "coarse_step": ModelRule(
         "note",
         MEANINGS["coarse_step"],
-        "A mode that is seen by a few steps in its period is stable at best: its phase, and with "
-        "most integrators its amplitude, are lost.",
-        "shorten the timestep if that motion matters; waive it if it does not",
+        "A mode resolved by a few steps in its period is stable at best: its phase, and "
+        "with most integrators its amplitude, are wrong.",
+        "shorten the timestep if that motion matters; waive the finding if it does not",
         motion.coarse_step,
         needs="modes",
         house=True,
     ),
     "unstable_mode": ModelRule(
         "error",
-        "a motion that an actuator or a negative damper feeds",
+        "a motion that grows because an actuator or a negative damper feeds it",
         "It grows from any disturbance, with every integrator and step: positive feedback, or a "
-        "servo whose stiffness has a rotational part, as of servos on the three axes of a ball "
-        "joint away from its reference. A run of the model has shown the growth.",
-        "add damping, turn the sign of the gain, or move the state to the servo's reference",
-        stability.unstable_mode,
+        "servo whose stiffness has a skew part, as servos on the three axes of a ball joint "
+        "have away from their reference. A run of the model has shown the growth.",
+        "add damping, reverse the sign of the gain, or move the state to the reference of the "
+        "servo",
+        motion.unstable_mode,
         needs="modes",
     ),
     "unstable_equilibrium": ModelRule(
         "note",
-        "a state of rest that is no minimum of the potential",
+        "a state of rest away from a minimum of the potential",
         "An inverted pendulum rests there until something disturbs it.",
-        "waive it if a controller is to hold it",
-        stability.unstable_equilibrium,
+        "waive it if a controller is to stabilise it",
+        motion.unstable_equilibrium,
         needs="modes",
     ),
     "run_fails": ModelRule(
         "error",
-        "a run from a state of the file fails",
-        "Five seconds from there, or 20,000 steps, with the controls of the state held: what turns "
-        "fast, touches, or reaches a limit is in no small motion, and may be too much for a step.",
-        "another integrator, or a shorter timestep",
-        stability.run_fails,
+        "a run from a state of the file diverges",
+        "Runs last five seconds, or 20,000 steps, with the constant controls of the state. Fast "
+        "rotation, contacts and joint limits are no part of small motions, and may be too much "
+        "for the step.",
+        "choose another integrator, or a shorter timestep",
+        motion.run_fails,
         needs="runs",
     ),
     "not_finite": ModelRule(
         "error",
         "forces are not finite in a state of the file",
-        "A run from there fails in its first step, or is reset without a word.",
+        "A run from there fails in its first step, or is silently reset.",
         "look for values that are zero, huge or missing: inertias, lengths, stiffnesses",
         motion.not_finite,
         needs="states",
@@ -83,9 +87,9 @@ RULES: Mapping[str, ModelRule] = {
     "closure_softness": ModelRule(
         "warning",
         MEANINGS["closure_softness"],
-        "MuJoCo's constraints are soft. A loop that needs the force f stays open by R f / (d k), "
-        "whatever the step, with R = (1 - d) / d times the bodies' inverse inertia: the file moves "
-        "as another mechanism than the one it shows.",
+        "MuJoCo's constraints are soft. A loop that needs the force f stays open by R f / (d "
+        "k), whatever the step, with R = (1 - d) / d times the bodies' inverse inertia: the "
+        "mechanism that moves is not the one of the file.",
         "close it harder, with a higher impedance or a shorter time constant, as far as the "
         "largest stable step allows",
         motion.closure_softness,
@@ -93,32 +97,33 @@ RULES: Mapping[str, ModelRule] = {
     ),
     "closure_open": ModelRule(
         "warning",
-        "a loop is open as the file has it",
-        "The run starts with a kick that closes it, and energy that nothing explains.",
-        "place the bodies, or the keyframe, so that the loop is closed",
+        "a loop is open in a state of the file",
+        "The run starts with a jolt that closes it, and with energy from nowhere.",
+        "move the bodies, or change the keyframe, so that the loop is closed",
         motion.closure_open,
         needs="states",
     ),
     "solref_raised": ModelRule(
         "warning",
         "MuJoCo softens a constraint because of the timestep",
-        "A positive time constant below two timesteps is raised to that (refsafe), silently: "
-        "results then depend on the timestep in a way that no integrator explains.",
-        "shorten the timestep to half of the time constant, or write the one that is taken",
+        "MuJoCo silently raises a positive time constant below two timesteps to that value "
+        "(refsafe): results then depend on the timestep in a way that no integrator explains.",
+        "shorten the timestep to half of the time constant, or write the time constant that "
+        "MuJoCo uses",
         motion.solref_raised,
     ),
     "solimp_clamped": ModelRule(
         "warning",
-        "an impedance beyond MuJoCo's largest",
-        "Impedances are silently kept at 0.9999 or below, so the constraint is softer than the "
-        "file says.",
-        "write the value that is taken",
+        "an impedance above the largest that MuJoCo uses",
+        "MuJoCo silently limits impedances to 0.9999, so the constraint is softer than the file "
+        "says.",
+        "write the value that MuJoCo uses",
         motion.solimp_clamped,
     ),
     "contact_depth": ModelRule(
         "warning",
-        "bodies lie in each other as the file has them",
-        "The run starts with a push that parts them.",
+        "bodies overlap in a state of the file",
+        "The run starts with a push that separates them.",
         "move them apart, or exclude the pair",
         motion.contact_depth,
         needs="states",
@@ -133,7 +138,7 @@ RULES: Mapping[str, ModelRule] = {
     ),
     "no_keyframe": ModelRule(
         "note",
-        "no initial condition is told",
+        "no keyframe defines an initial state",
         "Whoever opens the file guesses how a run is to start.",
         "add a keyframe, <key name='start'/> if it is the state as opened",
         motion.no_keyframe,
@@ -141,10 +146,10 @@ RULES: Mapping[str, ModelRule] = {
     ),
     "auto_reset": ModelRule(
         "warning",
-        "a run that fails starts anew",
-        "MuJoCo sets a model that diverges back to its start and goes on, and zeroes its controls: "
-        "a crashed run looks like one that came to rest. The counter of warnings stays at 1.",
-        '<option><flag autoreset="disable"/></option>',
+        "a run that diverges is reset to its start",
+        "MuJoCo resets a model that diverges, goes on, and sets its controls to zero: a crashed "
+        "run looks like one that came to rest. The counter of warnings stays at 1.",
+        'write <option><flag autoreset="disable"/></option>',
         motion.auto_reset,
         house=True,
     ),
@@ -152,99 +157,102 @@ RULES: Mapping[str, ModelRule] = {
         "note",
         MEANINGS["clock_rounding"],
         "The time of the model is a sum of steps. Unless the step is a power of two, it drifts: "
-        "4e-11 s in 1e5 steps, which limits what is compared with a truth to nine digits.",
-        "choose the power of two that is next to it",
+        "by 4e-11 s in 1e5 steps, which limits a comparison with a reference to nine digits.",
+        "choose the nearest power of two",
         motion.clock_rounding,
         house=True,
     ),
     "energy_off": ModelRule(
         "note",
-        "a conservative model does not keep its energy's books",
-        "Where nothing feeds or takes energy, its drift is the error of the integration, for free.",
-        '<option><flag energy="enable"/></option>',
+        "a conservative model does not record its energy",
+        "Without sources and losses, the drift of the energy is the error of the integration, "
+        "at no cost.",
+        'write <option><flag energy="enable"/></option>',
         motion.energy_off,
         house=True,
     ),
     "ill_conditioned": ModelRule(
         "warning",
         MEANINGS["ill_conditioned"],
-        "Digits are lost as the logarithm of the mass matrix' condition number, here in units of "
-        "its own diagonal, so that light and heavy parts side by side do not count.",
-        "look for chains of very unequal masses, and joints that nearly do the same",
+        "Accelerations lose as many digits as the condition number of the mass matrix has. The "
+        "matrix is scaled by its diagonal, so that light and heavy parts next to each other do "
+        "not count.",
+        "look for chains of very unequal masses, and for joints that nearly do the same",
         motion.ill_conditioned,
         needs="modes",
     ),
     "idle_gravity": ModelRule(
         "note",
         "gravity moves nothing",
-        "No joint gives way to it in any configuration that was tried.",
-        'gravity="0 0 0"',
+        "No joint moves under gravity in any configuration that was tried.",
+        'write gravity="0 0 0"',
         motion.idle_gravity,
         house=True,
     ),
-    # what it consists of
+    # parts
     "welded_body": ModelRule(
         "note",
         "a body without joint at the end of a branch",
-        "It is a part of its parent, and MuJoCo treats it so; as a body of its own it costs a "
-        "frame, and hides where the mass is.",
+        "It is a part of its parent, and MuJoCo treats it so; as a separate body it costs a "
+        "frame, and conceals where the mass is.",
         "move its geoms and its mass to its parent",
         parts.welded_body,
         house=True,
     ),
     "empty_body": ModelRule(
         "note",
-        "a body that holds nothing",
-        "It has no effect on anything.",
+        "a body without mass, geoms, sites and children",
+        "It has no effect.",
         "remove it",
         parts.empty_body,
         house=True,
     ),
     "locked_joint": ModelRule(
         "warning",
-        "a joint that is held where it is",
-        "A joint that cannot move costs a degree of freedom and a constraint, and gives way softly "
-        "where a rigid connection would not.",
-        "remove the joint and what holds it",
+        "a joint that cannot move",
+        "It costs a degree of freedom and a constraint, and yields softly where a rigid "
+        "connection would not.",
+        "remove the joint and the equality or range that fixes it",
         parts.locked_joint,
     ),
     "idle_joint": ModelRule(
         "warning",
         "a joint that nothing moves",
-        "In random states of the rest of the model, nothing accelerates it from rest: no spring, "
-        "gravity, actuator or coupling reaches it.",
-        "remove it, or add the force that is missing",
+        "In random states of the rest of the model, nothing accelerates it from rest: no "
+        "spring, gravity, actuator or coupling acts on it.",
+        "remove it, or add the missing force",
         parts.idle_joint,
     ),
     "contact_unused": ModelRule(
         "warning",
         "contact is on, and nothing can touch",
-        "Collision detection runs in every step in vain; whoever adds a geom gets contacts that no "
-        "one asked for.",
-        '<option><flag contact="disable"/></option>',
+        "Collision detection runs in every step without effect; whoever adds a geom gets "
+        "unintended contacts.",
+        'write <option><flag contact="disable"/></option>',
         parts.contact_unused,
         house=True,
     ),
     "geom_never_touches": ModelRule(
         "note",
         "a geom for contact without a partner",
-        "contype and conaffinity say that it collides, and no other geom answers.",
-        'contype="0" conaffinity="0", or the bits that were meant',
+        "Its contype and conaffinity allow contact, but match no other geom.",
+        'write contype="0" conaffinity="0", or the intended bits',
         parts.geom_never_touches,
         house=True,
     ),
     "contact_leftovers": ModelRule(
         "note",
         "a pair or an exclusion without effect",
-        "It speaks of a contact that cannot be.",
+        "It concerns a contact that cannot occur.",
         "remove it",
         parts.contact_leftovers,
         house=True,
     ),
     "geom_mass": ModelRule(
         "note",
-        "mass of a geom beside an explicit inertial",
-        "A body with an <inertial> takes no mass from its geoms; a reader takes it for granted.",
+        "a mass or density of a geom next to an explicit inertial",
+        "A body with an <inertial> ignores the masses of its geoms; a reader expects them to "
+        "count.",
         "remove the attribute, or the <inertial>",
         parts.geom_mass,
         house=True,
@@ -252,79 +260,80 @@ RULES: Mapping[str, ModelRule] = {
     "inertia_floor": ModelRule(
         "warning",
         MEANINGS["inertia_floor"],
-        "MuJoCo refuses inertias of 1e-15 and less, so that a point mass has to have one. What a "
-        "joint with next to no inertia does is rounding.",
-        "check that what moves it is heavier by many orders, and waive it; else give it inertia",
+        "MuJoCo refuses inertias of 1e-15 and less, so that a point mass needs one. The motion "
+        "of a joint with almost no inertia is round-off.",
+        "check that its drive is heavier by many orders of magnitude, and waive it; else give "
+        "it inertia",
         parts.inertia_floor,
         needs="modes",
     ),
     "inertia_raised": ModelRule(
         "warning",
         "the compiler changes masses or inertias",
-        "What is simulated is not what the file says.",
-        "write the inertias that are meant, and remove the setting",
+        "The simulated masses or inertias are not those of the file.",
+        "write the intended inertias, and remove the setting",
         parts.inertia_raised,
     ),
     "merged_centre": ModelRule(
         "warning",
         "MuJoCo moves a centre of mass",
-        "Below 1e-6 m it is taken for the body's frame, without a word, whatever the size of the "
-        "model.",
+        "MuJoCo silently moves a centre of mass within 1e-6 m of the body's frame to its "
+        "origin, whatever the size of the model.",
         "choose a larger unit of length, or put it at 0",
         parts.merged_centre,
     ),
     "huge_armature": ModelRule(
         "warning",
-        "an armature that hides what its joint moves",
-        "Armature is added to the inertia of a joint, not of a body. It damps no motion but slows "
-        "it down: loads on the link hardly move the joint, and it often stands in for a shorter "
-        "step.",
-        "use the rotor's inertia times the gear squared; waive it if that is what it is",
+        "an armature that dominates the inertia that its joint moves",
+        "Armature is added to the inertia of a joint, not of a body. It does not damp motion "
+        "but slows it down: loads on the link hardly move the joint. It often takes the place "
+        "of a shorter step.",
+        "use the rotor's inertia times the gear ratio squared; waive the finding if it is that",
         parts.huge_armature,
         needs="modes",
         house=True,
     ),
     "negative_damping": ModelRule(
         "warning",
-        "a damper that feeds energy",
+        "a damper that adds energy",
         "It lets motions grow.",
-        "turn its sign, or waive it if a source is meant",
+        "reverse its sign, or waive it if a source of energy is intended",
         parts.negative_damping,
     ),
     "range_ignored": ModelRule(
         "warning",
-        "a range that limits nothing",
-        "A range counts if its lower end is below its upper one, and limits are not switched off: "
-        "MuJoCo says nothing if not.",
+        "a range without effect",
+        "A range counts only if its lower end is below its upper one, and limits are not "
+        "switched off; MuJoCo does not report it otherwise.",
         'give a range from low to high, and remove limited="false"',
         parts.range_ignored,
     ),
     "idle_actuator": ModelRule(
         "warning",
         "an actuator whose force is always 0",
-        "Neither its gain nor its bias lets anything through.",
+        "It has neither a gain nor a bias, or no gear.",
         "give it a gain or a bias, or remove it",
         parts.idle_actuator,
     ),
     "idle_tendon": ModelRule(
         "note",
-        "a tendon that does nothing",
-        "It is measured in every step, and pulls nothing.",
+        "a tendon without effect",
+        "It is evaluated in every step, and exerts no force.",
         "remove it",
         parts.idle_tendon,
         house=True,
     ),
     "duplicate_sensor": ModelRule(
         "note",
-        "two sensors of the same",
-        "Both show the same numbers.",
+        "two sensors that measure the same",
+        "Both give the same numbers.",
         "remove one",
         parts.duplicate_sensor,
         house=True,
     ),
     "unused_asset": ModelRule(
         "note",
-        "an asset that nothing shows",
+        "an asset that nothing uses",
         "It is loaded with the file, and not used.",
         "remove it",
         parts.unused_asset,
@@ -333,150 +342,154 @@ RULES: Mapping[str, ModelRule] = {
     "unused_site": ModelRule(
         "note",
         "a site that nothing refers to",
-        "A site is a place for sensors, tendons, actuators and closures.",
-        "remove it, or waive it if a program asks for it",
+        "Sites serve sensors, tendons, actuators and closures.",
+        "remove it, or waive it if a program uses it",
         parts.unused_site,
         house=True,
     ),
     "inactive_equality": ModelRule(
         "note",
-        "an equality that is off",
-        "It holds nothing until a program says so.",
-        "remove it, or waive it if a program does",
+        "an inactive equality",
+        "It has no effect until a program activates it.",
+        "remove it, or waive it if a program activates it",
         parts.inactive_equality,
         house=True,
     ),
     "switched_off": ModelRule(
         "warning",
-        "a flag switches off what the model has",
-        "The file shows parts that do not act.",
+        "a flag switches off parts of the model",
+        "The file has parts that do not act.",
         "remove the flag, or the parts",
         parts.switched_off,
     ),
     "compiler_warning": ModelRule(
         "warning",
         "MuJoCo warned as it read the file",
-        "It goes on, and the model may not be the one that was meant.",
-        "do what it says",
+        "MuJoCo continues, and the model may not be the intended one.",
+        "follow the warning",
         parts.compiler_warning,
     ),
-    # what it weighs, and what drives it
+    # masses and drives
     "odd_inertia": ModelRule(
         "warning",
         "an inertia that no body of this mass and size has",
-        "The radius of gyration, sqrt(I / m), lies within a body. Beyond it, or as good as a "
-        "point, inertia and mass have different units: an export that forgot to convert g mm^2.",
+        "The radius of gyration, sqrt(I / m), lies within a body. If it is larger, or almost "
+        "zero, inertia and mass have different units, for example after an export in g mm^2.",
         "convert the inertia to kg m^2 and the mass to kg",
-        bodies.odd_inertia,
+        parts.odd_inertia,
     ),
     "far_centre": ModelRule(
         "warning",
-        "a centre of mass far off the body's geoms",
-        "It is given in the frame of the body; in another frame, or in millimetres, it pulls where "
-        "nothing is.",
+        "a centre of mass far from the body's geoms",
+        "It is given in the frame of the body; a value in another frame, or in millimetres, is "
+        "far from the body.",
         "give it in the body's frame, in metres",
-        bodies.far_centre,
+        parts.far_centre,
     ),
     "odd_density": ModelRule(
         "warning",
         "a body denser than any material, or lighter than air",
         "The mass belongs to another size, or has another unit.",
         "give the mass in kg, and the geoms in metres",
-        bodies.odd_density,
+        parts.odd_density,
     ),
     "uneven_masses": ModelRule(
         "note",
         "a light body that carries a very heavy one",
-        f"From {bodies.UNEVEN:,.0f} times its own mass on, if its joints have no armature: forces "
-        "that the heavy part feels turn the light one by far more than any step resolves, and "
-        "solvers of contact converge slowly.",
+        f"If its mass is more than {THRESHOLDS.max_carried_mass:,.0f} times that of the light "
+        "body, whose joints have no armature, forces on it turn the light body by far more than "
+        "any step resolves, and contact solvers converge slowly.",
         "give the light body its mass, or its joint armature",
-        bodies.uneven_masses,
+        parts.uneven_masses,
     ),
     "always_touching": ModelRule(
         "warning",
-        "geoms of one mechanism that lie in each other wherever its joints are",
-        "A contact that never ends holds the joint between them, or shakes it.",
+        "geoms of one mechanism that overlap in all positions of its joints",
+        "A contact that never ends blocks the joint between them, or makes it vibrate.",
         "exclude the pair of bodies from contact, or make the geoms smaller",
-        partial(bodies.overlapping, always=True),
+        partial(parts.overlapping, always=True),
         needs="states",
     ),
     "self_collision": ModelRule(
         "note",
-        "geoms of one mechanism that meet within the ranges of its joints",
-        "Ranges of joints that let parts meet are wider than the mechanism: a controller that "
-        "trusts them runs into contact. Random positions show it; other ones may, too.",
-        "narrow the ranges, or waive it where a controller knows of it",
-        partial(bodies.overlapping, always=False),
+        "geoms of one mechanism that touch within the ranges of its joints",
+        "Ranges of joints in which parts touch are wider than the mechanism allows: a "
+        "controller that relies on them runs into contact. Random positions show it; others "
+        "may, too.",
+        "narrow the ranges, or waive it if the controller takes it into account",
+        partial(parts.overlapping, always=False),
         needs="states",
         house=True,
     ),
     "light_joint": ModelRule(
         "warning",
         "a joint too light for the force that drives it",
-        "In one step of full force it turns by more than half a turn, or slides by more than the "
-        "size of the model: no integrator follows it.",
-        "give it armature (the rotor's inertia times the gear squared), or a smaller forcerange",
+        "In one step of full force it turns by more than half a turn, or slides by more than "
+        "the size of the model: no integrator resolves that.",
+        "give it armature (the rotor's inertia times the gear ratio squared), or a smaller "
+        "forcerange",
         drives.light_joint,
     ),
     "unlimited_joint": ModelRule(
         "note",
         "a joint without a limit that a servo moves within a range",
-        "The range of a control limits what is asked, not where a load carries the joint.",
-        "give the joint the range that it has",
+        "The range of a control limits the command, not the position to which a load moves the "
+        "joint.",
+        "give the joint the range of the mechanism",
         drives.unlimited_joint,
     ),
     "control_in_degrees": ModelRule(
         "warning",
-        "a range of control that is in degrees",
-        "The compiler converts angles of joints, not controls: they are radians.",
+        "a range of control in degrees",
+        "The compiler converts angles of joints, not controls: these are in radians.",
         'write the range in radians, or inheritrange="1"',
         drives.control_in_degrees,
     ),
     "control_beyond_range": ModelRule(
         "warning",
-        "a servo that may be asked for what its joint cannot reach",
-        "It pushes into the joint's limit with all its force, and the soft limit gives way.",
-        'limit what is asked to the range of the joint, or write inheritrange="1"',
+        "a servo whose commands exceed the range of its joint",
+        "It pushes into the joint's limit with all its force, and the soft limit yields.",
+        'limit the commands to the range of the joint, or write inheritrange="1"',
         drives.control_beyond_range,
     ),
     "positive_feedback": ModelRule(
         "warning",
-        "a servo that pushes on what it shall hold back",
-        "Its bias has the wrong sign: what departs is driven further.",
-        "turn the sign of kp or kv, of biasprm of a general actuator",
+        "a servo that amplifies the motion that it should resist",
+        "Its bias has the wrong sign: it increases every deviation.",
+        "reverse the sign of kp or kv, of biasprm for a general actuator",
         drives.positive_feedback,
     ),
     "undamped_servo": ModelRule(
         "warning",
-        "a servo that nothing damps",
-        "Nothing that acts in the joint has damping or friction: each command starts an "
-        "oscillation that only the integrator's error ends.",
-        'dampratio="1" on the position actuator, or damping on the joint',
+        "a servo without damping",
+        "No part that acts on the joint has damping or friction: each command starts an "
+        "oscillation that only the error of the integrator ends.",
+        'write dampratio="1" on the position actuator, or damping on the joint',
         drives.undamped_servo,
     ),
     "two_servos": ModelRule(
         "warning",
-        "two actuators that hold, or drive, one joint alike",
-        "Two servos pull it each to its own control, and a program that sets one leaves the other "
-        "at 0. Two motors add up.",
+        "two actuators that position, or drive, the same joint",
+        "Two servos pull it each to its own control, and a program that sets one leaves the "
+        "other at 0. The forces of two motors add.",
         "remove one",
         drives.two_servos,
     ),
     "saturated_actuator": ModelRule(
         "warning",
-        "an actuator whose load in a keyframe is beyond its largest force",
-        "Whatever its control is, its joint sags.",
-        "raise forcerange, of a motor ctrlrange, or choose a state that needs less",
+        "an actuator whose load in a keyframe exceeds its largest force",
+        "Whatever its control, its joint sags.",
+        "raise forcerange, or ctrlrange of a motor, or choose a state that needs less force",
         drives.saturated_actuator,
         needs="states",
     ),
     "control_not_holding": ModelRule(
         "warning",
-        "a keyframe that its own controls leave",
-        "A run from there starts with a jump: the control asks for another place, or the gain is "
-        "too low for the load.",
-        "give the keyframe the ctrl that holds it: its joint positions, and what the load adds",
+        "a keyframe that its own controls do not keep",
+        "A run from there starts with a jump: the control commands another position, or the "
+        "gain is too low for the load.",
+        "give the keyframe the ctrl that keeps it: its joint positions, plus the effect of the "
+        "load",
         drives.control_not_holding,
         needs="states",
     ),
@@ -485,28 +498,28 @@ RULES: Mapping[str, ModelRule] = {
         "a spring that rests beyond the joint's limits",
         "It presses the joint against its limit; springref counts from the joint's 0, in the "
         "compiler's unit.",
-        "put springref within the range; waive it if the joint is to be preloaded",
+        "put springref within the range; waive it if the preload is intended",
         drives.spring_beyond_range,
     ),
     "zero_quaternion": ModelRule(
         "warning",
-        "a keyframe with a quaternion that is none",
-        "The body starts with another orientation than the numbers say, without a word.",
+        "a keyframe with a quaternion whose norm is not 1",
+        "The body silently starts with another orientation than the numbers say.",
         "write 1 0 0 0 for no rotation",
         drives.zero_quaternion,
     ),
-    # its text
+    # text
     "unused_class": ModelRule(
         "note",
-        "a class of defaults that nothing has",
-        "It changes nothing, and a reader looks for what has it.",
+        "a class of defaults that no element has",
+        "It has no effect, and a reader searches for its elements.",
         "remove it",
         text.unused_class,
         house=True,
     ),
     "unused_option": ModelRule(
         "note",
-        "an option that nothing uses",
+        "an option without effect",
         "It suggests that something depends on it.",
         "remove it",
         text.unused_option,
@@ -514,59 +527,59 @@ RULES: Mapping[str, ModelRule] = {
     ),
     "unused_setting": ModelRule(
         "note",
-        "an attribute that its element has no use for",
+        "an attribute without effect on its element",
         "It suggests that something depends on it.",
-        "remove it, or give the element what it is a setting of",
+        "remove it, or give the element the part to which it belongs",
         text.unused_setting,
         house=True,
     ),
     "implicit_degrees": ModelRule(
         "note",
-        "angles whose unit the file does not tell",
-        "MJCF counts in degrees unless told, while MuJoCo's API, sensors and keyframes count in "
+        "angles without a unit",
+        "MJCF angles are in degrees by default, while MuJoCo's API, sensors and keyframes use "
         "radians.",
-        '<compiler angle="radian"/>, or angle="degree" to say that degrees are meant',
+        'write <compiler angle="radian"/>, or angle="degree" to confirm degrees',
         text.implicit_degrees,
         house=True,
     ),
     "angle_unit": ModelRule(
         "warning",
-        "angles that look as if they were in the other unit",
-        "A range of more than two turns, or of less than four degrees, is mostly a slip of the "
-        "unit.",
+        "angles that are probably in the other unit",
+        "A range of more than two turns, or of less than four degrees, is mostly a mistake of "
+        "the unit.",
         "convert the range, or change the compiler's angle",
         text.angle_unit,
     ),
-    # what needs all findings
+    # rules that need all findings
     "repeated_default": ModelRule(
         "note",
         "an attribute that changes nothing",
         "Without it the file compiles to the same bytes: it repeats a default, or is not used. "
-        "What a file says twice, a reader has to compare.",
-        "remove it; waive it where a program replaces the value",
+        "A reader has to compare repeated values.",
+        "remove it; waive it if a program replaces the value",
         needs="findings",
         house=True,
     ),
     "waiver_reason": ModelRule(
         "error",
-        "a waiver that cannot be read, or gives no reason",
-        "A waiver without its reason hides what it allows.",
-        "<!-- mbcheck: allow RULE, element: reason -->",
+        "a waiver that cannot be read, or has no reason",
+        "A waiver without its reason conceals the mistake.",
+        "write <!-- mbcheck: allow RULE, element: reason -->",
         needs="findings",
     ),
     "waiver_unknown": ModelRule(
         "error",
-        "a waiver of a rule that there is not",
-        "It allows nothing; a rule may have another name than was thought.",
+        "a waiver of an unknown rule",
+        "It allows nothing; the rule may have another name.",
         "use the id of a rule, as findings show it",
         needs="findings",
     ),
     "waiver_unused": ModelRule(
         "warning",
         "a waiver that waives nothing",
-        "What it allowed is mended, or it names another element.",
+        "The mistake is mended, or the waiver names another element.",
         "remove it",
         needs="findings",
     ),
 }
-"""By id, in the order of reports."""
+"""Rules by id, in the order of reports."""

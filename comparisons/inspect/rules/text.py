@@ -1,4 +1,4 @@
-"""Rules about the text: what is said twice, said in vain, or not said."""
+"""Rules about the text: what it repeats, states without effect, or leaves open."""
 
 from __future__ import annotations
 
@@ -9,31 +9,21 @@ import numpy as np
 from ..mujoco.model import numbers
 from ..mujoco.source import ROOT, Attribute, Element
 from ..subject import Hit, InspectedModel
-
-BUDGET = 4e7
-"""Bytes of text and models that are compiled at most to find defaults that are repeated."""
-
-VALUES = 40
-"""Different values of one attribute that are tried at most, the shortest first: defaults are."""
-
-SINGLY = 200
-"""Attributes up to which each is tried alone where a group of equal ones makes a difference."""
+from ..tuning import EFFORT, THRESHOLDS
+from .parts import about_attribute, shortened
 
 CONVENTIONS = ("compiler", "include", ROOT)
-"""Elements whose attributes tell what the rest of the file means: saying these is right."""
+"""Elements whose attributes define the meaning of the file, and are never redundant."""
 
 IDENTITY = ("name", "file", "user")
 """Attributes that are not tried."""
-
-TURN = 4 * np.pi
-"""A range of a hinge beyond it is one in degrees, if radians are meant."""
 
 ANGLES = ("euler", "axisangle")
 JOINT_ANGLES = ("range", "ref", "springref", "springdamper")
 
 
 def repeated_default(
-    s: InspectedModel, hits: Collection[Hit] = (), budget: float = BUDGET
+    s: InspectedModel, hits: Collection[Hit] = (), budget: float = EFFORT.compiled_bytes
 ) -> tuple[list[Hit], str | None]:
     """Return attributes without which the file compiles to the same bytes.
 
@@ -43,13 +33,13 @@ def repeated_default(
     hits : collection of Hit
         Findings of other rules, whose attributes are not tried.
     budget : float
-        See `BUDGET`.
+        See `EffortLimits.compiled_bytes`.
 
     Returns
     -------
-    The findings, and why some attributes were not tried, if any were not.
+    The findings, and the reason why some attributes were not tried, if any.
     """
-    source, stated = s.loaded.source, {(hit.element, hit.attribute) for hit in hits}
+    source, known = s.loaded.source, {(hit.element, hit.attribute) for hit in hits}
 
     def same(left_out: Collection[Attribute]) -> bool:
         return s.loaded.compiles_alike(source.text(left_out))
@@ -58,7 +48,7 @@ def repeated_default(
         return [], "the file does not compile to the same from one text"
     groups: dict[tuple[str, str], dict[tuple[str, ...], list[Attribute]]] = {}
     for element, key in attributes(s):
-        if (element, key) not in stated:
+        if (element, key) not in known:
             words = (element.attributes.get("class", ""), element.attributes.get("type", ""))
             value = (element.attributes[key], *words, str(element.within("default")))
             alike = groups.setdefault((element.tag, key), {})
@@ -66,10 +56,10 @@ def repeated_default(
     likely = [
         alike[value]
         for alike in groups.values()
-        for value in sorted(alike, key=lambda words: len(words[0]))[:VALUES]
+        for value in sorted(alike, key=lambda words: len(words[0]))[: EFFORT.values]
     ]
     tried = likely[: max(1, int(budget / (len(source.text()) + len(s.loaded.bits))))]
-    singly = sum(map(len, likely)) <= SINGLY
+    singly = sum(map(len, likely)) <= EFFORT.single_attributes
     idle: list[Attribute] = []
     for group in tried:
         if same(group):
@@ -78,27 +68,16 @@ def repeated_default(
             idle += [one for one in group if same([one])]
     left = sum(map(len, groups.values())) - len(tried)
     reason = f"{left} values of attributes were not tried, in so large a file" if left else None
-    return [in_vain(*one, "changes nothing: the model is the same") for one in idle], reason
+    return [about_attribute(*one, "changes nothing: the model is the same") for one in idle], reason
 
 
 def attributes(s: InspectedModel) -> Iterator[Attribute]:
-    """Yield the attributes that may be left out for a try."""
+    """Yield the attributes that are tried."""
     unused = set(unused_classes(s))
-    for element in s.loaded.source.walk():
-        right = element.tag in CONVENTIONS or element.within("custom")
-        if not (right or unused.intersection((element, *element.ancestors()))):
+    for element in s.loaded.source.root.walk():
+        needed = element.tag in CONVENTIONS or element.within("custom")
+        if not (needed or unused.intersection((element, *element.ancestors()))):
             yield from ((element, key) for key in element.attributes if key not in IDENTITY)
-
-
-def in_vain(element: Element, key: str, reason: str) -> Hit:
-    """Return the finding of an attribute that need not stand there."""
-    text = shortened(element.attributes[key])
-    return Hit(element, element.address, f'{key}="{text}" {reason}', attribute=key)
-
-
-def shortened(text: str, most: int = 40) -> str:
-    """Return the beginning of a text."""
-    return text if len(text) <= most else f"{text[:most]}..."
 
 
 def unused_class(s: InspectedModel) -> Iterator[Hit]:
@@ -108,10 +87,10 @@ def unused_class(s: InspectedModel) -> Iterator[Hit]:
 
 
 def unused_classes(s: InspectedModel) -> list[Element]:
-    """Return the classes of defaults that neither an element nor a class within them has."""
+    """Return the classes of defaults that no element uses, nor a class within them."""
     used = {
         element.attributes.get(key)
-        for element in s.loaded.source.walk()
+        for element in s.loaded.source.root.walk()
         for key in ("class", "childclass")
         if element.tag != "default"
     }
@@ -128,15 +107,15 @@ def unused_classes(s: InspectedModel) -> list[Element]:
 
 
 def constrained(s: InspectedModel) -> bool:
-    """Return whether MuJoCo's solver ever has something to solve."""
+    """Return True if MuJoCo's solver may have constraints to solve."""
     m = s.model
     parts = (m.jnt_limited, m.tendon_limited, m.dof_frictionloss, m.tendon_frictionloss)
-    iterative = s.facts.options.integrator == "discrete"
+    iterative = s.options.integrator == "discrete"
     return bool(m.neq or iterative or touches(s) or any(map(np.any, parts)))
 
 
 def touches(s: InspectedModel) -> bool:
-    """Return whether anything can touch."""
+    """Return True if anything can touch."""
     return bool(s.model.nflex or np.any(s.can_touch))
 
 
@@ -163,7 +142,7 @@ OPTIONS: dict[tuple[str, ...], tuple[Callable[[InspectedModel], bool], str]] = {
     ),
     ("sleep_tolerance",): (lambda s: s.loaded.enabled("sleep"), "nothing sleeps (flag sleep)"),
 }
-"""Attributes of ``option`` -> whether the model has a use for them, and why not."""
+"""Attributes of ``option`` -> test that the model uses them, and the reason if not."""
 
 
 def unused_option(s: InspectedModel) -> Iterator[Hit]:
@@ -171,7 +150,7 @@ def unused_option(s: InspectedModel) -> Iterator[Hit]:
     for element in s.loaded.source.tagged("option"):
         for key in element.attributes:
             if key in uses and not uses[key][0](s):
-                yield in_vain(element, key, f"has no use: {uses[key][1]}")
+                yield about_attribute(element, key, f"has no effect: {uses[key][1]}")
 
 
 SETTINGS: dict[str, dict[tuple[str, ...], tuple[str, str]]] = {
@@ -186,7 +165,7 @@ SETTINGS: dict[str, dict[tuple[str, ...], tuple[str, str]]] = {
         ("solreffriction", "solimpfriction"): ("tendon_frictionloss", "it has no friction"),
     },
 }
-"""Kind -> attributes -> the field without which they have no use, and why not."""
+"""Kind -> attributes -> field without which they have no effect, and the reason."""
 
 CONTACT = ("condim", "friction", "solref", "solimp", "solmix", "margin", "gap", "priority")
 """Attributes of a geom that matter in contact."""
@@ -195,31 +174,27 @@ CONTACT = ("condim", "friction", "solref", "solimp", "solmix", "margin", "gap", 
 def unused_setting(s: InspectedModel) -> Iterator[Hit]:
     m = s.model
     for kind, element in s.loaded.elements:
-        made = s.loaded.numbers.get(element, [])
-        for keys, (field, reason) in SETTINGS.get(kind, {}).items() if made else ():
-            of_dofs = np.isin(m.dof_jntid, made) if field.startswith("dof_") else made
-            if not np.any(getattr(m, field)[of_dofs]):
-                yield from useless(element, keys, reason)
-        if kind == "geom" and made and not m.nflex and not np.any(s.can_touch[made]):
-            yield from useless(element, CONTACT, "it cannot touch anything")
-
-
-def useless(element: Element, keys: tuple[str, ...], reason: str) -> list[Hit]:
-    """Return those attributes of an element that have no use."""
-    present = [key for key in keys if key in element.attributes]
-    return [in_vain(element, key, f"has no use: {reason}") for key in present]
+        if not (made := s.loaded.numbers.get(element, [])):
+            continue
+        idle = []
+        for keys, (field, reason) in SETTINGS.get(kind, {}).items():
+            objects = np.isin(m.dof_jntid, made) if field.startswith("dof_") else made
+            idle += [] if np.any(getattr(m, field)[objects]) else [(keys, reason)]
+        if kind == "geom" and not m.nflex and not np.any(s.can_touch[made]):
+            idle.append((CONTACT, "it cannot touch anything"))
+        for keys, reason in idle:
+            for key in filter(element.attributes.__contains__, keys):
+                yield about_attribute(element, key, f"has no effect: {reason}")
 
 
 def implicit_degrees(s: InspectedModel) -> Iterator[Hit]:
-    elements = [] if s.setting("angle") else s.loaded.source.walk()
+    elements = [] if s.setting("angle") else s.loaded.source.root.walk()
     keys = [(element, key) for element in elements for key in angles(s, element)]
     for element, key in keys[:1]:
         text = shortened(element.attributes[key])
         more = f", and {len(keys) - 1} others" if len(keys) > 1 else ""
-        message = (
-            f'{key}="{text}"{more}: angles are in degrees because the file does not say otherwise'
-        )
-        yield Hit(element, element.address, message, attribute=key)
+        words = f'{key}="{text}"{more}: angles are in degrees, the default, as no unit is given'
+        yield Hit(element, element.address, words, attribute=key)
 
 
 def angles(s: InspectedModel, element: Element) -> list[str]:
@@ -240,10 +215,10 @@ def angle_unit(s: InspectedModel) -> Iterator[Hit]:
         if kind != "joint" or not made or not hinges[made[0]]:
             continue
         size = max(map(abs, numbers(element.attributes.get("range", ""))), default=0.0)
-        if radians and size > TURN:
-            words = f"a range of {size:g} rad is {size / (2 * np.pi):.3g} turns: degrees are meant?"
+        if radians and size > THRESHOLDS.max_turn:
+            words = f"a range of {size:g} rad is {size / (2 * np.pi):.3g} turns: in degrees?"
         elif not radians and 0 < size < np.pi + 0.01:
-            words = f"a range of {size:g} degrees is {np.deg2rad(size):.2g} rad: radians are meant?"
+            words = f"a range of {size:g} degrees is {np.deg2rad(size):.2g} rad: in radians?"
         else:
             continue
         yield Hit(element, element.address, words, attribute="range")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -26,16 +25,15 @@ from ...reports.drawing import (
     new_figure,
 )
 from ..drawing import draw_gap, handles_of, outside_legend
-from ..ledger import PaperFigure
 from ..session import Session
-from .results import (
-    alike,
+from .measures import (
     apart,
     approximate_states,
     example_from_rest,
     example_rotation,
     is_class,
     motion_map,
+    on_grid,
     regions,
     samples,
     stability_map,
@@ -56,14 +54,9 @@ FROM_REST_TITLES = (
     "(c) Its speed settles slowly",
 )
 
-APPROXIMATE_LINES = {
-    "paper": {
-        "color": INK,
-        "linewidth": 1.0,
-        "linestyle": (0, (5, 2)),
-        "label": "paper, as printed",
-    },
-    "corrected": {"color": "#E69F00", "linewidth": 1.0, "label": "with its phase (corrected)"},
+APPROXIMATE_LINES: Mapping[str, Mapping[str, Any]] = {
+    "paper": {"color": INK, "linestyle": (0, (5, 2)), "label": "paper, as printed"},
+    "corrected": {"color": "#E69F00", "label": "with its phase (corrected)"},
 }
 FIG_3_SECONDS = 3.0
 
@@ -100,17 +93,17 @@ def draw_motion(
     against: str,
     approximate: Mapping[str, Array],
 ) -> tuple[Any, Any]:
-    """Draw a motion by all and its approximations, and beside it how far they are apart.
+    """Draw a motion by all and its approximations, and their distances from the reference.
 
     Parameters
     ----------
     times : array (n_t,) [s]
-        Of the first samples of the motion.
+        Times of the first samples of the motion.
     motion_by : callable ``(session, who) -> Simulation``
     titles : sequence of str
-        Of the rows.
+        Titles of the rows.
     against : str
-        What the reference's motion is called.
+        Name of the reference's motion.
     approximate : mapping of str to array (4, n_t)
         States of approximate solutions, by names in `APPROXIMATE_LINES`.
 
@@ -118,11 +111,12 @@ def draw_motion(
     -------
     figure, axes : matplotlib Figure, and Axes (3, 2)
     """
-    truth, *engines = (states(motion_by(session, who))[:, : len(times)] for who in session.everyone)
+    everyone = (REFERENCE, *session.engines)
+    truth, *engines = (states(motion_by(session, who))[:, : len(times)] for who in everyone)
     figure, axes = new_figure(3, 2, height=1.9, sharex=True)
     for (left, right), title, (place, factor, unit) in zip(axes, titles, OBSERVABLES, strict=True):
         for name, values in approximate.items():
-            line = APPROXIMATE_LINES[name]
+            line = {**APPROXIMATE_LINES[name], "linewidth": 1.0}
             left.plot(times, factor * values[place], zorder=3, **line)
             right.plot(times, factor * apart(values, truth)[place], **line)
         broad(left, times, factor * truth[place], label=REFERENCE, zorder=1)
@@ -145,40 +139,32 @@ BLUE, CYAN, RED = "#0072B2", "#56B4E9", "#D55E00"
 
 Style = Mapping[str, Any]
 
+
+def hollow(marker: str, colour: str, label: str) -> Style:
+    """Return the style of a hollow marker."""
+    face = {"markerfacecolor": "none", "markeredgecolor": colour}
+    return {"marker": marker, **face, "label": label}
+
+
 ZONES: Mapping[str, Style] = {
     "blue_o": {"marker": "o", "color": BLUE, "label": "stable, |u_1| < 0.5"},
-    "red_o": {
-        "marker": "o",
-        "markerfacecolor": "none",
-        "markeredgecolor": RED,
-        "label": "unstable, |u_1| < 0.5",
-    },
+    "red_o": hollow("o", RED, "unstable, |u_1| < 0.5"),
     "black_o": {"marker": "o", "color": "#000000", "label": "unstable, |u_1| >= 0.5"},
-    "stable_large": {
-        "marker": "s",
-        "markerfacecolor": "none",
-        "markeredgecolor": BLUE,
-        "label": "stable, |u_1| >= 0.5: reverses (not in the paper)",
-    },
+    "stable_large": hollow("s", BLUE, "stable, |u_1| >= 0.5: reverses (not in the paper)"),
 }
-"""Markers of figs. 4, 6: the paper's colours, told apart by filling as well."""
+"""Markers of figs. 4, 6: the paper's colours, distinguished by filling as well."""
 
 MOTIONS: Mapping[str, Style] = {
     "blue_o": {"marker": "o", "color": BLUE, "label": "hula-hoop motion"},
     "blue_plus": {"marker": "+", "color": BLUE, "label": "rotation with reversals"},
-    "cyan_o": {
-        "marker": "o",
-        "markerfacecolor": "none",
-        "markeredgecolor": CYAN,
-        "label": "rotation, f_u is not 2 omega",
-    },
+    "cyan_o": hollow("o", CYAN, "rotation, f_u is not 2 omega"),
     "cyan_plus": {"marker": "+", "color": CYAN, "label": "the same with reversals"},
     "red_x": {"marker": "x", "color": RED, "label": "does not turn with the force"},
 }
 """Markers of figs. 5, 7."""
 
 FILLED_IN = 0.45
-"""Size, by that of others, of a marker that an engine's map took from a computed point."""
+"""Relative size of a marker that an engine's map took from a computed point."""
 
 
 @dataclass(frozen=True)
@@ -189,11 +175,11 @@ class Panel:
     ----------
     title : str
     plane : Map
-        Whose points they are.
+        The map whose points they are.
     where : mapping of str to bool array (n_y, n_x)
-        By class.
+        Points of each class.
     regions : mapping of str to bool array (n_y, n_x)
-        Those that the paper names, by number.
+        Regions that the paper names, by number.
     """
 
     title: str
@@ -204,34 +190,26 @@ class Panel:
 
 def scatter(axes: Any, panel: Panel, styles: Mapping[str, Style]) -> None:
     """Draw each class with its marker, and the numbers of regions where these are widest."""
-    plane = panel.plane
-    size = min(75 / len(plane.x.values), 5)
+    x, y, size = panel.plane.x.values, panel.plane.y.values, min(75 / panel.plane.x.count, 5)
     for name, where in panel.where.items():
         for computed, share in ((1, 1.0), (0, FILLED_IN)):
-            row, column = np.nonzero(where & (plane.computed == computed))
-            axes.plot(
-                plane.x.values[column],
-                plane.y.values[row],
-                markersize=share * size,
-                markeredgewidth=0.7,
-                linestyle="none",
-                **styles[name],
-            )
+            row, column = np.nonzero(where & (panel.plane.computed == computed))
+            how = {"markersize": share * size, "markeredgewidth": 0.7, "linestyle": "none"}
+            axes.plot(x[column], y[row], **how, **styles[name])
     for number, where in panel.regions.items():
         depth = distance_transform_edt(np.pad(where, 1))[1:-1, 1:-1]
-        deepest = np.unravel_index(np.argmax(depth), depth.shape)
+        i, j = np.unravel_index(np.argmax(depth), depth.shape)
         box = {"boxstyle": "round", "facecolor": "white", "edgecolor": INK, "linewidth": 0.6}
-        place = (plane.x.values[deepest[1]], plane.y.values[deepest[0]])
-        axes.annotate(number, place, ha="center", va="center", fontsize=9, bbox=box)
+        middle = {"ha": "center", "va": "center", "fontsize": 9, "bbox": box}
+        axes.annotate(number, (x[j], y[i]), **middle)
 
 
 def draw_panels(
     panels: Sequence[Panel], styles: Mapping[str, Style], columns: int
 ) -> tuple[Any, Any]:
     """Return a figure with a panel for each map, and its axes; some may be left over."""
-    figure, axes = new_figure(
-        -(-len(panels) // columns), columns, height=2.5, sharex=True, sharey=True
-    )
+    rows = -(-len(panels) // columns)
+    figure, axes = new_figure(rows, columns, height=2.5, sharex=True, sharey=True)
     for i, (axis, panel) in enumerate(zip(axes.flat, panels, strict=False)):
         last, first = i + columns >= len(panels), i % columns == 0
         label(axis, "frequency [Hz]" if last else "", "force [N]" if first else "", panel.title)
@@ -263,7 +241,7 @@ def by_size(stable: Any, unstable: Any, large: Any) -> dict[str, Any]:
 def numbered(without: Any, hoop: Any) -> dict[str, Any]:
     """Return region I, without hula-hoop motion, and II, with it: the largest (n_y, n_x) of each.
 
-    The text tells no place of the small regions III, IV and V.
+    The text gives no place of the small regions III, IV and V.
     """
     parts = {"I": regions(without), "II": regions(hoop)}
     return {number: several[0] for number, several in parts.items() if several}
@@ -287,14 +265,12 @@ def stability_figure(session: Session, plate: bool) -> Any:
         zones("(b) With (55) corrected", paper),
         zones("(c) With its phase, too", stability_map(session, plate, model="corrected")),
         zones("(d) The true rotation", stability_map(session, plate)),
-        *(
-            zones(
-                f"({letter}) {engine} agrees at {alike(session, plate, engine):.1%}",
-                stability_map(session, plate, engine),
-            )
-            for letter, engine in zip("ef", session.engines, strict=False)
-        ),
     ]
+    for letter, engine in zip("ef", session.engines, strict=False):
+        own = stability_map(session, plate, engine)
+        true = on_grid(session, own, stable(session, plate, "exact"))
+        alike = np.mean((is_class(own, "stability", "stable") == true)[own.computed == 1])
+        panels.append(zones(f"({letter}) {engine} agrees at {alike:.1%}", own))
     figure, _ = draw_panels(panels, ZONES, 3)
     legend(figure, ZONES)
     return figure
@@ -303,121 +279,33 @@ def stability_figure(session: Session, plate: bool) -> Any:
 def motions(title: str, plane: Map) -> Panel:
     """Return a map of the motion from rest as it is drawn."""
     where = {name: is_class(plane, "motion", name) for name in MOTIONS}
-    named = (
-        numbered(where["red_x"], where["blue_o"]) if plane.settings["engine"] == REFERENCE else {}
-    )
+    is_reference = plane.settings["engine"] == REFERENCE
+    named = numbered(where["red_x"], where["blue_o"]) if is_reference else {}
     return Panel(title, plane, where, named)
 
 
 def motion_figure(session: Session, plate: bool) -> Any:
-    """Draw fig. 5, or 7 (plate)."""
+    """Draw fig. 5, or 7 (plate); in the last panel, points that are not robust or that differ."""
     exact = motion_map(session, plate)
     panels = [motions("(a) Motion from rest by the reference", exact)]
-    for letter, engine in zip("bc", session.engines, strict=False):
-        own = motion_map(session, plate, engine)
-        match = compare(exact, own).robust_agreement or 0.0
-        panels.append(motions(f"({letter}) {engine} agrees at {match:.1%} of robust points", own))
-    panels.append(
-        Panel(f"({'abcd'[len(panels)]}) Points that are not robust, or differ", exact, {})
-    )
-    figure, axes = draw_panels(panels, MOTIONS, 2)
-    legend(figure, MOTIONS, draw_apart(axes.flat[len(panels) - 1], session, plate))
-    return figure
-
-
-def draw_apart(axes: Any, session: Session, plate: bool) -> list[Any]:
-    """Draw what is not robust, and where engines differ from the reference; return handles."""
-    exact = motion_map(session, plate)
-    row, column = np.nonzero(~exact.robust)
-    handles = axes.plot(
-        exact.x.values[column],
-        exact.y.values[row],
-        label="not robust",
-        color=FAINT,
-        marker=".",
-        linestyle="none",
-    )
-    for size, engine in zip((5.5, 3.0), session.engines, strict=False):
-        match = compare(exact, motion_map(session, plate, engine))
-        row, column = np.nonzero(match.differs)
-        handles += axes.plot(
-            match.x[column],
-            match.y[row],
-            label=f"{engine} differs",
-            color=look(engine).colour,
-            marker=look(engine).marker,
-            markersize=size,
-            markerfacecolor="none",
-            markeredgewidth=0.8,
-            linestyle="none",
+    matches = {
+        name: compare(exact, motion_map(session, plate, name)) for name in session.engines[:2]
+    }
+    for letter, (engine, match) in zip("bc", matches.items(), strict=False):
+        title = (
+            f"({letter}) {engine} agrees at {match.robust_agreement or 0.0:.1%} of robust points"
         )
-    return handles
-
-
-OUR_AXES = (
-    "The text gives no axes: 1 to 10 Hz and 5 to 150 N are our choice. I and II: the largest "
-    "regions without and with hula-hoop motion, which have these numbers in the text; it tells no "
-    "place of III, IV and V."
-)
-REFINED = (
-    "Engines take every third point, of these a coarse lattice and what lies at boundaries; "
-    "small markers are filled in from there (with --full all points are computed)."
-)
-STABILITY_CAPTION = (
-    "Stability by Floquet multipliers of (a) the printed solution (49)-(52) and (55) as printed, "
-    "(b) the same with (55) corrected, (c) the first-order solution with its phase theta_0, (d) "
-    "the true rotation, found by shooting, and that of the engines. White: no rotation was found. "
-    "Rotations coexist; on a coarse grid the search of an engine may end at an unstable one though "
-    f"a stable one exists. {OUR_AXES} {REFINED}"
-)
-MOTION_CAPTION = (
-    "Motion from rest after the transient, by the table of the paper: a window of 120 periods, no "
-    "slip by half a turn, the largest peak of the spectrum of theta' for f_u. Last panel: points "
-    "at which, by the reference, a start off by 1e-6 rad with twice the step ends in another "
-    "class, and points where engines differ from it. Robust points are those without that in "
-    f"the map of the engine, too. {OUR_AXES} {REFINED}"
-)
-
-FIGURES: tuple[PaperFigure, ...] = (
-    PaperFigure(
-        2,
-        "The printed solution moves the main mass rightly, and turns the free mass out of phase",
-        "At 3 Hz and 60 N the printed solution (49)-(52), the one with the phase theta_0 that the "
-        "paper drops, and the true rotation by the reference and the engines, each from its own "
-        "periodic state; beside them the differences from the reference. Damping by table 1 is "
-        "read as rho and zeta_m. Three periods are shown; the text gives no time axis.",
-        figure_2,
-    ),
-    PaperFigure(
-        3,
-        "From rest the free mass falls into step with the force",
-        "At 3 Hz and 60 N, from rest with the rod across, by direct integration with the "
-        "reference and the engines; beside it the differences from the reference. Damping by "
-        "table 1 is read as rho and zeta_m. The first 3 s are shown; the text gives no time axis.",
-        figure_3,
-    ),
-    PaperFigure(
-        4,
-        "Where the rotation of a point mass is stable, by the approximate solutions and in truth",
-        f"Point mass. {STABILITY_CAPTION}",
-        partial(stability_figure, plate=False),
-    ),
-    PaperFigure(
-        5,
-        "Where a point mass comes from rest into hula-hoop motion",
-        f"Point mass. {MOTION_CAPTION}",
-        partial(motion_figure, plate=False),
-    ),
-    PaperFigure(
-        6,
-        "Where the rotation of a plate is stable, by the approximate solutions and in truth",
-        f"Semicircular plate. {STABILITY_CAPTION}",
-        partial(stability_figure, plate=True),
-    ),
-    PaperFigure(
-        7,
-        "Where a plate comes from rest into hula-hoop motion",
-        f"Semicircular plate. {MOTION_CAPTION}",
-        partial(motion_figure, plate=True),
-    ),
-)
+        panels.append(motions(title, motion_map(session, plate, engine)))
+    title = f"({'abcd'[len(panels)]}) Points that are not robust, or differ"
+    figure, axes = draw_panels([*panels, Panel(title, exact, {})], MOTIONS, 2)
+    last = axes.flat[len(panels)]
+    row, column = np.nonzero(~exact.robust)
+    dots = {"label": "not robust", "color": FAINT, "marker": ".", "linestyle": "none"}
+    handles = last.plot(exact.x.values[column], exact.y.values[row], **dots)
+    for size, (engine, match) in zip((5.5, 3.0), matches.items(), strict=False):
+        row, column = np.nonzero(match.differs)
+        its = hollow(look(engine).marker, look(engine).colour, f"{engine} differs")
+        how = {"color": look(engine).colour, "markersize": size, "markeredgewidth": 0.8}
+        handles += last.plot(match.x[column], match.y[row], linestyle="none", **its, **how)
+    legend(figure, MOTIONS, handles)
+    return figure

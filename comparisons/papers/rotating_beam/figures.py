@@ -17,13 +17,13 @@ from ...maps.store import Map
 from ...reports.drawing import INK, NOTE, broad, engine_line, label, new_figure
 from ..drawing import handles_of, outside_legend
 from ..session import Session
-from .frequencies import THRESHOLD
-from .results import (
+from .measures import (
     CASES,
     FIRST_VARIABLE,
     MASSES,
     PRINTED_MAXIMA,
     SAMPLES,
+    THRESHOLD,
     Response,
     by_place,
     by_ratio,
@@ -40,7 +40,7 @@ BY_MASS = list(MASS_COLOURS.values())
 
 
 def mass_label(mass: float) -> str:
-    """Return what a curve of the reference is called."""
+    """Return the label of a curve of the reference."""
     return f"reference, {mass:g} kg" if mass else "reference, no mass"
 
 
@@ -52,7 +52,7 @@ def legend(figure: Any, *panels: Any) -> None:
 
 
 def decades(axes: Any) -> None:
-    """Scale what is left of differences by whole powers of ten."""
+    """Scale an axis of differences by whole powers of ten."""
     axes.set_yscale("log")
     low, high = axes.get_ylim()
     axes.set_ylim(10.0 ** np.floor(np.log10(low)), 10.0 ** np.ceil(np.log10(high)))
@@ -71,7 +71,7 @@ def curves(axes: Any, truth: Map, engines: Mapping[str, Map], names: Callable[..
 
 
 def differences(axes: Any, truth: Map, engines: Mapping[str, Map]) -> None:
-    """Draw by how much engines are off the reference, relative to it: the largest of all rows."""
+    """Draw the relative errors of engines, the largest of all rows."""
     right = CubicSpline(truth.x.values, truth.variables[FIRST_VARIABLE], axis=1)
     for engine, own in engines.items():
         off = np.abs(own.variables[FIRST_VARIABLE] / right(own.x.values) - 1)
@@ -143,7 +143,7 @@ def draw_figure_3(session: Session) -> Any:
 def draw_responses(
     axes: Any, session: Session, figure: int, curve: Callable[[Response, float], Any]
 ) -> None:
-    """Draw what becomes of the motions of all masses: times and values of a motion by mass."""
+    """Draw a curve of the motions of all masses: times and values of a motion by mass."""
     for mass in MASSES:
         truth = response(session, figure, REFERENCE, mass)
         times, values = curve(truth, mass)
@@ -158,7 +158,7 @@ def draw_time(axes: Any, session: Session, figure: int, variable: str) -> None:
 
 
 def draw_local(axes: Any, session: Session, figure: int, variable: str, share: float) -> None:
-    """Draw what it does about its mean once nothing drives it, a thousand times as large."""
+    """Draw an observable about its mean once nothing drives it, a thousand times as large."""
     start = drive_end_time(CASES[figure])
     truths = {mass: response(session, figure, REFERENCE, mass) for mass in MASSES}
     means = {
@@ -173,7 +173,7 @@ def draw_local(axes: Any, session: Session, figure: int, variable: str, share: f
 
 
 def draw_off(axes: Any, session: Session, figure: int, variable: str) -> None:
-    """Draw how far engines are off the reference: the largest of all masses, within 1 s."""
+    """Draw the errors of engines: the largest of all masses, within 1 s."""
     off: dict[str, list[Array]] = {}
     for name, mass, own in engine_runs(session, figure):
         truth = response(session, figure, REFERENCE, mass)

@@ -21,9 +21,19 @@ from ...reports.drawing import (
 )
 from ..drawing import dotted, draw_gap, handles_of, outside_legend
 from ..session import Session
-from .cases import start_by_curve
-from .regions import STARTS, fold_curve
-from .results import BETAS, RANGE, REDUCED, StartUp, from_rest, phase_map, stable_phases, theory_on
+from .measures import (
+    BETAS,
+    RANGE,
+    REDUCED,
+    STARTS,
+    StartUp,
+    fold_curve,
+    from_rest,
+    phase_map,
+    stable_phases,
+    start_by_curve,
+    theory_on,
+)
 
 # Fig. 2
 
@@ -42,6 +52,7 @@ COEFFICIENTS = (
     ("mu_2", "(b) $\\mu_2$"),
     ("mu_3", "(c) $\\mu_3$"),
 )
+CELLS: Mapping[str, Any] = {"rasterized": True, "shading": "nearest"}
 
 
 def figure_2(session: Session) -> Any:
@@ -53,15 +64,9 @@ def figure_2(session: Session) -> Any:
     figure, axes = new_figure(2, 2, height=2.9)
     for panel, (name, title) in zip(axes.flat, COEFFICIENTS, strict=False):
         field = np.array(np.broadcast_to(getattr(mu, name), (FINE, FINE)))
-        mesh = panel.pcolormesh(
-            values,
-            values,
-            np.clip(abs(field), SMALLEST_COUPLING, LARGEST_COUPLING),
-            norm=LogNorm(SMALLEST_COUPLING, LARGEST_COUPLING),
-            cmap="cividis",
-            rasterized=True,
-            shading="nearest",
-        )
+        size = np.clip(abs(field), SMALLEST_COUPLING, LARGEST_COUPLING)
+        scale = {"norm": LogNorm(SMALLEST_COUPLING, LARGEST_COUPLING), "cmap": "cividis"}
+        mesh = panel.pcolormesh(values, values, size, **scale, **CELLS)
         panel.contour(values, values, field > 0, levels=[0.5], colors="white", linewidths=0.8)
         for x, y in product((0.4, 4.0), repeat=2):
             sign = field[np.argmin(abs(values - y)), np.argmin(abs(values - x))]
@@ -83,17 +88,16 @@ def figure_2(session: Session) -> Any:
 # Fig. 3
 
 PHASE = {"cmap": "twilight", "vmin": -np.pi, "vmax": np.pi}
-"""Light where antiphase, dark where synphase, the sign by hue: grey shows the modulus."""
+"""Colours of phases: light for antiphase, dark for synphase, the sign by hue, grey the modulus."""
 
 
 NONE = {"hatch": "/////", "edgecolor": "#BBBBBB", "linewidth": 0}
 """Ground on which there is no stable orbit."""
 
 TURN: Mapping[str, Any] = {
-    "color": "#F0E442",
-    "linewidth": 1.2,
+    "color": "#F0E442", "linewidth": 1.2,
     "label": "phase passes π/2: $n_\\varphi = 1/\\cos\\beta$",
-}
+}  # fmt: skip
 RESONANCE: Mapping[str, Any] = {
     "color": "#56B4E9", "linewidth": 1.2, "linestyle": (0, (4, 1.5)),
     "label": "phase jumps by π: resonance, N = 0",
@@ -102,26 +106,30 @@ FOLD: Mapping[str, Any] = {
     "color": "#222222", "linestyle": "none", "marker": "D", "markersize": 4.5,
     "markeredgecolor": "white", "label": "orbits begin: a fold",
 }  # fmt: skip
-"""Of the theory's curves, and of the orbits'."""
+"""Lines of the theory's curves, and markers of the orbits' fold."""
+
+OFFSET = 0.15
+"""Horizontal distance of the engines' markers from a point, so that none hides another."""
 
 
 def figure_3(session: Session, betas: Mapping[str, float] = BETAS) -> Any:
-    """Draw the stable phase difference: theory, orbits, and how far engines are off."""
+    """Draw the stable phase difference: theory, orbits, and the largest errors of engines."""
     from matplotlib.lines import Line2D
 
     figure, axes = new_figure(len(betas), 2, height=2.2, sharex=True, sharey=True)
     for letter, (name, beta), (by_theory, orbits) in zip("abcd", betas.items(), axes, strict=False):
         true = phase_map(session, beta)
-        _draw_phases(by_theory, true, theory_on(true, beta))
-        mesh = _draw_phases(orbits, true, stable_phases(true))
+        for panel, phases in ((by_theory, theory_on(true, beta)), (orbits, stable_phases(true))):
+            valid = np.ma.masked_invalid(phases)
+            mesh = panel.pcolormesh(true.x.values, true.y.values, valid, **CELLS, **PHASE)
         orbits.patch.set(**NONE)
-        _draw_theory_curves(by_theory, beta)
+        draw_theory_curves(by_theory, beta)
         if name in STARTS:
             orbits.plot(*fold_curve(session, name), **FOLD)
         title = "Orbits"
         for side, engine in zip((-OFFSET, OFFSET), session.engines, strict=False):
             own = phase_map(session, beta, engine)
-            _draw_engine(orbits, own, engine, side)
+            draw_engine(orbits, own, engine, side)
             title += f", {engine} to {np.nanmax(difference(own, true)):.1g} rad"
         angle = rf"$\beta$ = {name.replace('pi', 'π')}"
         label(by_theory, "", "$n_\\varphi$", f"({letter}) The theory, {angle}")
@@ -150,7 +158,7 @@ def figure_3(session: Session, betas: Mapping[str, float] = BETAS) -> Any:
     return figure
 
 
-def _draw_theory_curves(panel: Any, beta: float) -> None:
+def draw_theory_curves(panel: Any, beta: float) -> None:
     """Draw where the phase of (30), (36) jumps by pi, and where it passes pi/2."""
     if beta == 0:
         panel.axvline(1, **RESONANCE)
@@ -163,7 +171,7 @@ def _draw_theory_curves(panel: Any, beta: float) -> None:
     panel.axhline(1 / np.cos(beta), **TURN)
 
 
-def _draw_engine(panel: Any, own: Map, engine: str, side: float) -> None:
+def draw_engine(panel: Any, own: Map, engine: str, side: float) -> None:
     """Mark an engine's points over the orbits, filled by its phase; a cross: none."""
     x, y = np.meshgrid(own.x.values + side, own.y.values)
     phase, its = stable_phases(own), look(engine)
@@ -173,23 +181,8 @@ def _draw_engine(panel: Any, own: Map, engine: str, side: float) -> None:
     panel.scatter(x[none], y[none], marker="x", s=6, color=its.colour, linewidths=0.7)
 
 
-def _draw_phases(panel: Any, plane: Map, phases: Array) -> Any:
-    return panel.pcolormesh(
-        plane.x.values,
-        plane.y.values,
-        np.ma.masked_invalid(phases),
-        shading="nearest",
-        rasterized=True,
-        **PHASE,
-    )
-
-
-OFFSET = 0.15
-"""By which the engines' markers stand beside a point, so that none hides another."""
-
-
 def difference(own: Map, true: Map) -> Array:
-    """Return how far an engine's phases are from the reference's [rad], on the circle."""
+    """Return the distances of an engine's phases from the reference's [rad], on the circle."""
     row, column = true.y.nearest(own.y.values), true.x.nearest(own.x.values)
     same = np.max(abs(own.x.values - true.x.values[column])) < 1e-9
     there = stable_phases(true)[np.ix_(row, column)]
@@ -200,7 +193,7 @@ def difference(own: Map, true: Map) -> Array:
 # Figs. 4-6
 
 START_UP = 0.6
-"""What the left column shows [s]: the slowest start by the motors' curve takes 0.51 s."""
+"""Time shown in the left column [s]: the slowest start by the motors' curve takes 0.51 s."""
 
 HIGHEST = 20.0
 """Largest torque that the left column shows [N m]; by (14) it is 148 N m at rest."""
@@ -235,10 +228,10 @@ MARKS: Mapping[int, tuple[tuple[float, ...], ...]] = {
     2: ((153.5,), (153.5,), (-0.515,), (3.23,), (3.23,), (-0.25, 0.25), (-20.0, 20.0)),
     3: ((),) * len(PANELS),
 }
-"""What section 5.2 prints of a case, for each of `PANELS`: levels and amplitudes."""
+"""Levels and amplitudes that section 5.2 prints of a case, for each of `PANELS`."""
 
 MARGIN = 0.06
-"""Of the range of values, around it."""
+"""Margin around the range of values, as a share of it."""
 
 
 def simulation_figure(session: Session, case: int) -> Any:
@@ -247,17 +240,19 @@ def simulation_figure(session: Session, case: int) -> Any:
     others = {name: from_rest(session, case, name) for name in session.engines}
     figure, axes = new_figure(len(PANELS) + 1, 2, height=1.15, sharex="col")
     early, late = truth.times <= START_UP, truth.times > START_UP
-    first = curve.times <= START_UP
+    first, times = curve.times <= START_UP, windows(truth.times).mean(axis=1)
     for i, (title, quantity, line_of) in enumerate(PANELS):
         left, right = axes[i]
         line = line_of(truth)
         broad(left, truth.times[early], line[early], label="reference")
-        _draw_range(right, truth.times, line)
+        ends = windows(line).min(axis=1), windows(line).max(axis=1)
+        right.fill_between(times, *ends, color="#DDDDDD", lw=0)
+        broad(right, times, windows(line).mean(axis=1))
         left.plot(curve.times[first], line_of(curve)[first], **CURVE_LINE)
         for name, run in others.items():
             own = line_of(run)
             engine_line(left, name, run.times[early], own[early])
-            engine_line(right, name, _means(run.times), _means(own))
+            engine_line(right, name, windows(run.times).mean(axis=1), windows(own).mean(axis=1))
         label(left, "", quantity, title)
         if "torque" in quantity:
             left.set_ylim(top=HIGHEST)
@@ -270,7 +265,7 @@ def simulation_figure(session: Session, case: int) -> Any:
         apart = abs(run.phase - truth.phase)
         style = REDUCED_LINE if name == REDUCED else {}
         draw_gap(axes[-1, 0], name, truth.times[early], apart[early], **style)
-        draw_gap(axes[-1, 1], name, _means(truth.times), _windows(apart).max(axis=1), **style)
+        draw_gap(axes[-1, 1], name, times, windows(apart).max(axis=1), **style)
     label(axes[0, 0], "", PANELS[0][1], f"{PANELS[0][0]}, first {START_UP:g} s")
     label(axes[0, 1], title="All of it: mean and range of 3 turns")
     label(axes[-1, 0], "time [s]", "distance [rad]", "How far α is from the reference's")
@@ -281,18 +276,7 @@ def simulation_figure(session: Session, case: int) -> Any:
     return figure
 
 
-def _windows(values: Array) -> Array:
-    """Return values (k, WINDOW); what is left over at the end is dropped."""
+def windows(values: Array) -> Array:
+    """Return values (k, WINDOW); an incomplete last window is dropped."""
     count = len(values) // WINDOW
     return values[: count * WINDOW].reshape(count, WINDOW)
-
-
-def _means(values: Array) -> Array:
-    return _windows(values).mean(axis=1)
-
-
-def _draw_range(panel: Any, times: Array, values: Array) -> None:
-    """Draw the range of values over each window, and their mean."""
-    ends = _windows(values).min(axis=1), _windows(values).max(axis=1)
-    panel.fill_between(_means(times), *ends, color="#DDDDDD", lw=0)
-    broad(panel, _means(times), _means(values))

@@ -16,7 +16,7 @@ from ...queries.simulate import Simulation
 from ...reports.drawing import INK, NOTE, PALETTE, broad, engine_line, label, new_figure
 from ..drawing import dotted, draw_gap, handles_of, outside_legend
 from ..session import Session
-from .results import (
+from .measures import (
     ANGLES,
     DAMPINGS,
     EXAMPLE,
@@ -26,9 +26,9 @@ from .results import (
     TURN,
     damped,
     last_turn,
-    mean_over_turns,
     recorded_motion,
     speed_map,
+    turn_speeds,
 )
 
 FORMULA_LINE = {
@@ -73,7 +73,7 @@ MODEL_STYLES: tuple[dict[str, Any], ...] = (
     {},
     {"markerfacecolor": "white", "linestyle": (0, (3, 1, 1, 1, 1, 1))},
 )
-"""Of an engine's first model, and of its second."""
+"""Styles of an engine's first model, and of its second."""
 
 
 def largest(gaps: Array) -> Array:
@@ -129,12 +129,12 @@ def speeds_over_time(session: Session, names: Sequence[str], title: str) -> tupl
 
 
 TURNS = 4
-"""Over which the speeds of two motions are averaged before they are compared."""
+"""Turns over which the speeds of two motions are averaged before they are compared."""
 
 
 def turns_apart(own: Simulation, truth: Simulation) -> tuple[Array, Array]:
     """Return times, and |difference| of the mean speeds of some turns."""
-    ours, theirs = (mean_over_turns(item, TURNS) for item in (truth, own))
+    ours, theirs = (turn_speeds(item, TURNS) for item in (truth, own))
     count = min(len(ours), len(theirs))
     return np.cumsum(TURN * TURNS / ours)[:count], abs(theirs[:count] - ours[:count])
 
@@ -169,7 +169,7 @@ PHASE_RUNS = {
     "from_below": ("from 1.5 rad/s", PALETTE[3], (0, (4, 1))),
 }
 LAST_TURNS = 30.0
-"""From when on the braked motion is drawn [s]: its last turns, and how it comes to rest."""
+"""Time from which the braked motion is drawn [s]: its last turns, and how it comes to rest."""
 
 
 def figure_7(session: Session) -> Any:

@@ -1,4 +1,4 @@
-"""Pictures of results: what deviates beside what it should be."""
+"""Pictures of results: deviating values and the reference."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def plain(text: str) -> str:
 
 
 def logarithmic(axes: Any, x: Array | None = None, y: Array | None = None) -> None:
-    """Make axes logarithmic, as far as what is drawn on them (n,) has logarithms."""
+    """Make axes logarithmic if drawn values (n,) have logarithms."""
     for values, scale in ((x, axes.set_xscale), (y, axes.set_yscale)):
         if values is not None and np.any(np.isfinite(values) & (values > 0)):
             scale("log")
@@ -83,7 +83,7 @@ def over_time(result: Result, series: Series) -> tuple[Any, str]:
 
 
 def over_step(result: Result, series: Series) -> tuple[Any, str]:
-    """Draw errors over steps, and how they should shrink."""
+    """Draw errors over steps, and the slope of the declared order."""
     figure, axes = new_figure(height=2.8)
     panel = axes[0, 0]
     broad(panel, series.x, series.reference, label="as the order declares")

@@ -1,37 +1,38 @@
-"""Where a deviation comes from: the first level on which an engine is wrong."""
+"""Failures: the first level on which an engine is wrong, and failing checks by their causes."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
-from ...checks.diagnosis.runs import ANOTHER_MODEL
+from ...checks.diagnosis import ANOTHER_MODEL
 from ...checks.kinds.parts import WHOLE
 from ...checks.table import KINDS
 from ...checks.verdict import Result
 from ...engines.protocol import NO_ACCELERATIONS
-from ..words import with_unit
-from .results import error_size, grouped
+from ..words import number, plural, with_unit
+from .results import FAILURES, digits_to_differ, error_size, grouped, measured, ratio
 
 FAILED = {
-    "clock": "its clock does not show the times that were asked for",
-    "step_count": "it takes or counts other steps than it was asked for",
-    "work_count": "it takes or counts other steps than it was asked for",
-    "non_finite": "what it returns is not finite",
-    "returned": "what it returns is refused",
+    "clock": "its clock does not show the requested times",
+    "step_count": "it takes or counts other steps than requested",
+    "work_count": "it takes or counts other steps than requested",
+    "non_finite": "its results are not finite",
+    "returned": "its results are refused",
     "timeout": "it takes longer than the time limit",
     "crashed": "its process ended",
 }
-"""What is wrong where all that fails is an error of such a kind."""
+"""Heading of a level on which all failures are errors of such a kind."""
 
 MASS_SHARES = ("mass.", "inertia.", "products.", "armature.")
-"""What quantities begin with that are shares of a mass matrix."""
+"""Beginnings of the names of shares of a mass matrix."""
 
 MOST = 8
 """Lines for one engine."""
 
 
 def located(results: Sequence[Result]) -> list[str]:
-    """Return, of each engine that deviates, on which level it first does, and in what."""
+    """Return for each engine that deviates the first level, and its faults there."""
     wrong = [item for item in results if item.verdict in ("deviation", "error")]
     lines = []
     for engine in dict.fromkeys(item.engine for item in wrong):
@@ -53,7 +54,7 @@ def located(results: Sequence[Result]) -> list[str]:
         causes = any(item.cause not in (None, ANOTHER_MODEL) for item in mine)
         skipped = (item.reason for item in own if item.verdict == "skipped")
         if deviates and not causes and any(NO_ACCELERATIONS in reason for reason in skipped):
-            lines.append("  its accelerations would tell which part of the model: docs/engines.md")
+            lines.append("  its accelerations would show which part of the model: docs/engines.md")
     return lines
 
 
@@ -70,10 +71,10 @@ def head(level: str, here: Sequence[Result]) -> str:
 
 
 def faults(results: Sequence[Result], every: Sequence[Result]) -> Iterator[str]:
-    """Yield what is wrong, each thing once, with the scenes where it is.
+    """Yield the faults, each once, with their scenes.
 
-    Of a cause also in how many checks of every level it was seen, if in more than one. A mass
-    matrix is off by the masses and inertias that are, where these are named.
+    A cause has the number of its checks on all levels, if more than one. The error of a mass matrix
+    is left out if the masses and inertias that explain it are named.
     """
     explained = {item.check_id for item in results if item.quantity.startswith(MASS_SHARES)}
     own = [
@@ -91,7 +92,7 @@ def faults(results: Sequence[Result], every: Sequence[Result]) -> Iterator[str]:
 
 
 def fault(result: Result) -> str:
-    """Return what is wrong in one result: its cause, of a part what happened to it, or its name."""
+    """Return the fault of a result: its cause, the fate of a part, or the name of the quantity."""
     if result.verdict == "error":
         return result.reason
     if result.cause and result.cause != ANOTHER_MODEL:
@@ -103,5 +104,99 @@ def fault(result: Result) -> str:
 
 
 def off(result: Result) -> str:
-    """Return that a quantity is off."""
+    """Return the name of a quantity with the word that it is wrong."""
     return f"{result.method} {result.quantity} off" if result.method else f"{result.quantity} off"
+
+
+# Blocks
+
+HEADS = ("quantity", "unit", "engine", "reference", "error", "tolerance", "times")
+"""Heads of the table of quantities of a failure."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """A check that fails, and others that fail by the same cause.
+
+    Attributes
+    ----------
+    failed : tuple of Result
+        The results of one check: errors first, then from the farthest beyond its tolerance down.
+    count : int
+        How many results of that check were judged.
+    alike : tuple of str
+        Ids of checks that fail by the same cause.
+    """
+
+    failed: tuple[Result, ...]
+    count: int
+    alike: tuple[str, ...] = ()
+
+    @property
+    def worst(self) -> Result:
+        """The result that represents the check."""
+        return self.failed[0]
+
+    @property
+    def title(self) -> str:
+        """The check, and how many of its results fail."""
+        few = "" if self.count == 1 else f"  {len(self.failed)} of {self.count} quantities"
+        return f"{self.worst.verdict.upper()} {self.worst.check_id}{few}"
+
+    @property
+    def rows(self) -> list[tuple[str, ...]]:
+        """The numbers of each quantity, below `HEADS`."""
+        return [
+            (
+                item.quantity,
+                item.unit,
+                *(number(x, digits_to_differ(item)) for x in (item.value, item.reference)),
+                *(number(x) for x in (item.error, item.tolerance, ratio(item))),
+            )
+            for item in self.failed
+            if item.error is not None
+        ]
+
+    @property
+    def quantities(self) -> list[str]:
+        """The numbers of each quantity, in a line."""
+        return [measured(item) for item in self.failed if measured(item)]
+
+    @property
+    def reasons(self) -> list[str]:
+        """The reason of the worst, without the size of its error, and how many fail alike."""
+        head, times, tail = self.worst.reason.partition(" x its tolerance")
+        why = tail.removeprefix("; ") if times and head.startswith("error is") else head
+        names = ", ".join([*self.alike[:2], *(["..."] if self.alike[2:] else [])])
+        others = f"the same in {plural(len(self.alike), 'more check')}: {names}"
+        return [why] * bool(why) + [others] * bool(names)
+
+
+def blocks(results: Sequence[Result]) -> list[Block]:
+    """Return the failures: the first wrong level first, then errors, then the worst.
+
+    Checks that an engine fails by the same cause are one block.
+    """
+    checks = []
+    for members in grouped(results, lambda r: (r.check_id,)).values():
+        failed = [item for item in members if item.verdict in FAILURES]
+        # a quantity with a unit is measured at one time, and says more than one of all times
+        failed.sort(key=lambda r: (r.verdict != "error", r.unit == "1", -ratio(r), r.id))
+        count = sum(item.verdict != "skipped" for item in members)
+        checks += [Block(tuple(failed), count)] if failed else []
+    groups: dict[tuple[str, ...], Block] = {}
+    for block in sorted(checks, key=severity):
+        worst = block.worst
+        cause = worst.reason if worst.verdict == "error" else worst.cause
+        key = (worst.engine, worst.verdict, cause) if cause else (worst.check_id,)
+        first = groups.setdefault(key, block)
+        if first is not block:
+            groups[key] = replace(first, alike=(*first.alike, worst.check_id))
+    return list(groups.values())
+
+
+def severity(block: Block) -> tuple[int, bool, float, str]:
+    """Return the place of a block in the order of `blocks`."""
+    worst, levels = block.worst, [*KINDS]
+    level = levels.index(worst.kind) if worst.kind in levels else len(levels)
+    return level, worst.verdict != "error", -ratio(worst), worst.check_id

@@ -1,4 +1,4 @@
-"""What a run of checks came to: its results, what was asked for, and its exit code."""
+"""The outcome of a run of checks: its results, its selection, and its exit code."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ..words import assignments, plural, with_unit
 from .results import MEASURES, grouped, ran, reasons, summary, worst
 
 WORDS = ("PASS", "FAIL", "NOTHING RAN")
-"""What an exit code means."""
+"""Meanings of exit codes."""
 
 
 @dataclass(frozen=True)
@@ -28,9 +28,9 @@ class CustomReference:
     Attributes
     ----------
     horizon : float
-        of the run [s]
+        horizon of the run [s]
     horizon_source : str
-        what the horizon follows from
+        origin of the horizon
     permitted : float
         part of it over which an initial error stays small enough [s]
     growth : float
@@ -58,24 +58,25 @@ class CustomReference:
         cut = "" if self.permitted >= self.horizon else f", judged to t = {self.permitted:.4g} s"
         return (
             f"over {self.horizon:.6g} s ({self.horizon_source}){cut}, in which an initial error "
-            f"grows by {self.growth:.3g}; the reference is good to {', '.join(bounds)}"
+            f"grows by a factor of {self.growth:.3g}; error bounds of the reference: "
+            f"{', '.join(bounds)}"
         )
 
 
 @dataclass(frozen=True)
 class Checks:
-    """Number of checks, of several results each; one of which a single result was judged ran.
+    """Number of checks, of several results each.
 
     Attributes
     ----------
     planned : int
-        that were to run, those that cannot among them
+        planned, including those that cannot run
     ran : int
-        of which a result was judged
+        with a judged result
     skipped : int
-        of which none was
+        without one
     not_reached : int
-        that were not begun: the run was stopped
+        not started, since the run was stopped
     """
 
     planned: int
@@ -108,21 +109,21 @@ class Report:
     Attributes
     ----------
     environment : mapping of str to str
-        What rounding may depend on: python, system, machine, processor, libc.
+        Python, system, machine, processor and libc, on which round-off may depend.
     selection : CheckRequest
-        What was asked for, as options of `mbcheck check`; empty lists are all.
+        Options of `mbcheck check`; empty lists mean all.
     reference : CustomReference or None
         The reference of a run at a user's own parameters; null for other runs.
     known : tuple of Use
-        What became of the known deviations, in the order of the file.
+        Use of the known deviations, in the order of the file.
     results : tuple of Result
         one for each quantity of each check, in the order of the checks whatever `-j` was
     planned : int or None
         Number of checks that were to run; None if only those that ran are known.
     interrupted : bool
-        The run was, so its results are not all there are.
+        True if the run was interrupted, so that results are missing.
     command : str or None
-        What repeats it, where its checks have no ids by which one can be repeated alone.
+        Command that repeats the run, if its checks cannot be repeated by id.
     """
 
     environment: Mapping[str, str] = field(default_factory=dict, kw_only=True)
@@ -161,7 +162,7 @@ class Report:
 
     @property
     def header(self) -> str:
-        """What a run at a user's own parameters is of, in one line; empty of any other."""
+        """Scene, parameters and start of a run at a user's own parameters; empty for others."""
         if self.reference is None:
             return ""
         (scene,), asked = self.selection.scenes, self.selection
@@ -171,12 +172,12 @@ class Report:
 
     @property
     def stale(self) -> tuple[Use, ...]:
-        """The entries that are of no use any more."""
+        """The entries that no result needs any more."""
         return tuple(use for use in self.known if use.state == "stale")
 
     @property
     def check_command(self) -> str:
-        """What a command that repeats a check of the run starts with."""
+        """Beginning of a command that repeats a check of the run."""
         asked, plain = self.selection, CheckRequest()
         words = ["mbcheck check"]
         words += [] if asked.source == plain.source else [f"--source {asked.source}"]
@@ -206,8 +207,8 @@ class Report:
     def exit_code(self) -> int:
         """0 if all is well, 1 for any deviation or error, 2 if nothing ran.
 
-        1 for stale entries of the known deviations too, where they are to fail. An engine that
-        was asked for by name, and of which nothing has passed, is as good as one that did not run.
+        1 for stale known deviations too, with --strict-known. A requested engine without any passed
+        result counts as one that did not run.
         """
         counts = self.summary
         if counts["skipped"] == counts["total"]:
@@ -251,7 +252,7 @@ class Report:
         return f"{self.word}: {', '.join(parts)}"
 
     def text(self, verbosity: int = 0) -> str:
-        """Return what the command line prints: 1 adds every result, -1 is the last line alone."""
+        """Return the text of the command line: 1 adds every result, -1 is the last line alone."""
         from rich.console import Console
 
         from .sections import print_report

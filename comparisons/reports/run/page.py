@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
@@ -17,10 +17,19 @@ from ...checks.request import CheckRequest
 from ..files import STDOUT, Destination
 from ..html import render
 from ..sections import Section
-from .blocks import blocks
+from .located import blocks
 from .outcome import Report
 from .results import FAILURES, ratio
-from .sections import closing_sections, failure_sections, origin, result_sections
+from .sections import (
+    closing_sections,
+    failure_sections,
+    origin,
+    result_sections,
+    run_badge,
+    run_junit,
+    run_sarif,
+    run_summary,
+)
 
 SIGNS: Mapping[str, str] = {
     "pass": "\N{CHECK MARK}",
@@ -35,7 +44,7 @@ MOST_FIGURES = 24
 """Deviations that are drawn by default."""
 
 GENERATOR = b'<meta name="generator" content="mbcheck">'
-"""What tells a page of ours, which may be overwritten, from another."""
+"""Mark of a page of mbcheck, which may be overwritten."""
 
 INDEX = "index.html"
 
@@ -59,9 +68,16 @@ def page_file(name: str) -> Destination:
     place = Destination("--html", os.path.join(name, INDEX))
     if place.path.is_file() and GENERATOR not in place.path.read_bytes()[:4096]:
         raise UsageError(
-            f"--html: {place.name!r} is there already, and no page of mbcheck; name another folder"
+            f"--html: {place.name!r} exists and is no page of mbcheck; name another folder"
         )
     return place
+
+
+def write_reports(report: Report, **files: Destination | None) -> None:
+    """Write the reports of a run, each named by its format, one of `WRITERS`."""
+    for name, place in files.items():
+        if place is not None:
+            place.write(WRITERS[name](report))
 
 
 def check_page(
@@ -112,12 +128,12 @@ def facts(report: Report, when: datetime | None) -> list[tuple[str, str]]:
 
 
 def selection(asked: CheckRequest) -> str:
-    """Return in words what a run was restricted to."""
+    """Return the selection of a run in words."""
     named = {key: getattr(asked, key) for key in ("scenes", "engines", "kinds", "methods", "ids")}
     parts = [f"{key} {', '.join(names)}" for key, names in named.items() if names]
     parts += [] if asked.profile == "default" else [f"profile {asked.profile}"]
     parts += [f"with --{name}" for name in ("full", "quick") if getattr(asked, name)]
-    return "; ".join(parts) or "everything that is checked by default"
+    return "; ".join(parts) or "the default set of checks"
 
 
 def drawn(report: Report, most: int) -> Iterator[Section]:
@@ -138,3 +154,13 @@ def drawn(report: Report, most: int) -> Iterator[Section]:
             yield replace(section, figures=[figure])
         else:
             yield section
+
+
+WRITERS: Mapping[str, Callable[[Report], str]] = {
+    "junit": run_junit,
+    "sarif": run_sarif,
+    "badge": run_badge,
+    "markdown": run_summary,
+    "html": check_page,
+}
+"""Functions that return the text of a report in each format."""

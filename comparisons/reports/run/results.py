@@ -1,4 +1,4 @@
-"""What every report asks of results: which is worst, how far off, and what belongs together."""
+"""Common functions of reports on results: the worst, sizes of errors, groups."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FAILURES = ("error", "deviation")
 """Verdicts that make a run fail."""
 
 FATES: Mapping[str, str] = {"deviation": "deviate", "error": "fail", "known": "known"}
-"""What becomes of results that do not pass, in the cells of a matrix of verdicts."""
+"""Words for results that do not pass, in the cells of a matrix of verdicts."""
 
 MEASURES = ("value", "reference", "error", "tolerance")
 """Fields of a result that are numbers."""
@@ -77,11 +77,11 @@ def why_known(result: Result) -> str:
 
 
 def method_of(result: Result) -> str:
-    """Return the method segment of a result's id, which also tells the model."""
+    """Return the method segment of a result's id, with the model."""
     return NOT_APPLICABLE if result.source == "validation" else result.id.split("/")[-2]
 
 
-# How far off
+# Sizes of errors
 
 
 def error_size(result: Result) -> float:
@@ -119,7 +119,7 @@ def measured(result: Result) -> str:
 
 
 def digits_to_differ(result: Result) -> int:
-    """Return how many significant digits show that value and reference differ."""
+    """Return the number of significant digits in which value and reference differ."""
     value, error = result.value or math.nan, result.error or math.nan
     if not 0 < abs(value) / error < math.inf:
         return 3

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -16,10 +17,9 @@ from ..item import Outcome, ReportItem
 from ..junit import junit
 from ..sarif import sarif
 from ..sections import Section, markdown_sections, print_sections
-from ..text import STYLES, Cell, matrix_by_kind, print_line, print_wrapped
+from ..text import STYLES, Cell, matrix_by_kind, print_line
 from ..words import number, plural, with_unit
-from .blocks import HEADS, blocks
-from .located import located
+from .located import HEADS, blocks, located
 from .outcome import Report
 from .results import (
     FAILURES,
@@ -37,13 +37,13 @@ from .results import (
 )
 
 MOST = 10
-"""Failing checks that are shown, unless all are asked for."""
+"""Failing checks that are shown without --verbose."""
 
 MOST_IN_MARKDOWN = 50
 """The same of a page of Markdown, which GitHub refuses above 1 MiB."""
 
 FEW_METHODS = 4
-"""So many methods are named beside a reason."""
+"""So many methods are named with a reason."""
 
 RESULT_HEADS = ("verdict", "case", "method", "quantity", "error", "tolerance", "times")
 
@@ -54,7 +54,7 @@ RULES = {
        for name, kind in KINDS.items()},
     STALE_RULE: ("stale known deviation", "an entry of --known that nothing needs: docs/ci.md"),
 }  # fmt: skip
-"""What items of a run point at: kinds of checks, from the model to its motion."""
+"""Rules of the items of a run: kinds of checks, from the model to its motion."""
 
 
 # Sections
@@ -67,7 +67,7 @@ def origin(report: Report) -> str:
 
 
 def print_report(console: Console, report: Report, verbosity: int = 0) -> None:
-    """Print where an engine is wrong, then what failed, then the rest.
+    """Print the location of deviations, then the failures, then the rest.
 
     Parameters
     ----------
@@ -81,13 +81,13 @@ def print_report(console: Console, report: Report, verbosity: int = 0) -> None:
         sections = [*failure_sections(report, most), *tracebacks(report.results, verbosity > 0)]
         sections += result_sections(report) if verbosity > 0 else ()
         print_sections(console, [*sections, *closing_sections(report)])
-        print_wrapped(console, origin(report))
+        print_line(console, origin(report))
         print_line(console, report.counts_line)
     print_line(console, report.summary_line, STYLES[report.verdict])
 
 
 def run_summary(report: Report) -> str:
-    """Return the Markdown of a run, which CI services show."""
+    """Return the Markdown of a run, for CI services."""
     about = Section(lines=[report.counts_line, origin(report)])
     failures = failure_sections(report, MOST_IN_MARKDOWN)
     title = f"mbcheck: {report.summary_line}"
@@ -95,7 +95,7 @@ def run_summary(report: Report) -> str:
 
 
 def failure_sections(report: Report, most: int | None) -> Iterator[Section]:
-    """Yield what a run is of, the first level that is wrong, and at most so many failures."""
+    """Yield the subject of a run, its first wrong level, and at most so many failures."""
     if report.header:
         yield Section(lines=[report.header])
     if where := located(report.results):
@@ -113,7 +113,7 @@ def failure_sections(report: Report, most: int | None) -> Iterator[Section]:
         )
     if more := len(failures[limit:]):
         yield Section(
-            lines=[f"and {plural(more, 'more check')} that fail otherwise: -v shows them"]
+            lines=[f"and {plural(more, 'more check')} with other failures: -v shows them"]
         )
 
 
@@ -125,7 +125,7 @@ def tracebacks(results: Sequence[Result], whole: bool) -> Iterator[Section]:
     for (traceback,), members in raised.items() if whole else ():
         others = f" and {len(members) - 1} more" if members[1:] else ""
         title = f"TRACEBACK {members[0].id}{others}"
-        yield Section(title, verbatim=traceback.splitlines(), verdict="error")
+        yield Section(title, lines=traceback.splitlines(), verdict="error")
 
 
 def result_sections(report: Report, repeat: bool = False) -> Iterator[Section]:
@@ -150,7 +150,7 @@ def result_sections(report: Report, repeat: bool = False) -> Iterator[Section]:
 
 
 def closing_sections(report: Report) -> Iterator[Section]:
-    """Yield the matrix of verdicts, accuracy, and what is known, stale and skipped."""
+    """Yield the matrix of verdicts, accuracy, and known, stale and skipped results."""
     results = report.results
     cells = grouped(ran(results), lambda r: (r.scene, r.engine, r.kind))
     if cells:
@@ -208,7 +208,7 @@ OUTCOMES: Mapping[Verdict, Outcome] = {
     "skipped": "skipped",
     "error": "error",
 }
-"""What test pages of CI services call a verdict."""
+"""Names of verdicts on test pages of CI services."""
 
 
 def run_items(report: Report) -> list[ReportItem]:
@@ -298,3 +298,17 @@ def run_junit(report: Report) -> str:
 def run_sarif(report: Report) -> str:
     """Return the SARIF of a run: what failed, and stale entries of the known deviations."""
     return sarif(run_items(report), RULES, report.versions["mbcheck"])
+
+
+BADGE_COLOURS = {"PASS": "brightgreen", "FAIL": "red"}
+"""Colour of a badge by `Report.word`; the badge of any other run is grey and has that word."""
+
+
+def run_badge(report: Report) -> str:
+    """Return the badge of a run, as the endpoint of shields.io reads it."""
+    counts, message, colour = report.summary, report.word.lower(), "lightgrey"
+    if report.word in BADGE_COLOURS:
+        bad = [plural(counts[name], name) for name in FAILURES[::-1] if counts[name]]
+        message, colour = ", ".join([f"{counts['pass']} passed", *bad]), BADGE_COLOURS[report.word]
+    badge = {"schemaVersion": 1, "label": "mbcheck", "message": message, "color": colour}
+    return json.dumps(badge) + "\n"

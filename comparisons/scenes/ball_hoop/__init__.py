@@ -1,1 +1,1 @@
-"""What features know of ball_hoop alone."""
+"""Data of ball_hoop for maps, extremes and trade-offs."""

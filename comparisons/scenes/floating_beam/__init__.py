@@ -1,1 +1,1 @@
-"""What features know of floating_beam alone."""
+"""Data of floating_beam for maps, extremes and trade-offs."""

@@ -1,1 +1,1 @@
-"""What features know of floating_platform alone."""
+"""Data of floating_platform for maps, extremes and trade-offs."""

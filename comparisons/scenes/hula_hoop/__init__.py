@@ -1,1 +1,1 @@
-"""What features know of hula_hoop alone."""
+"""Data of hula_hoop for maps, extremes and trade-offs."""

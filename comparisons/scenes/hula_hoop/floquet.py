@@ -55,10 +55,10 @@ SMALL = 0.5
 """Largest |u_1| [rad] for which the paper trusts its expansion."""
 
 FLOQUET_STEPS = 20
-"""Of the reference in the shortest period: multipliers are then good to 3e-8 (measured)."""
+"""Steps of the reference in the shortest period: multipliers err by less than 3e-8 (measured)."""
 
 ORBIT_SAMPLES = 48
-"""In a period of the force, of a rotation."""
+"""Samples of a rotation in a period of the force."""
 
 
 def floquet(points: Points) -> QuantityValues:
@@ -107,7 +107,7 @@ def rotation_values(maps: OrbitMap, orbits: Orbits) -> QuantityValues:
 
 
 def measured(maps: OrbitMap, which: Ints, orbits: Orbits, finer: int) -> dict[str, OrbitNumber]:
-    """Return what rotations are measured by.
+    """Return the numbers of rotations.
 
     Samples leave out harmonics, which fall off beyond the last as up to them.
     """
@@ -138,7 +138,7 @@ def zone(stability: Ints, u_1: Array) -> Ints:
 
 
 def least(values: Array, order: int = 2) -> Array:
-    """Return the least value (k,) of what is sampled (k, n), of the polynomial through it.
+    """Return the least value (k,) of the polynomial through samples (k, n).
 
     A parabola through three samples, or one of order 4 through five.
     """

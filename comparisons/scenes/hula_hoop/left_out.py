@@ -1,4 +1,4 @@
-"""What models of `hula_hoop` may leave out."""
+"""Parts of `hula_hoop` that models may leave out."""
 
 from __future__ import annotations
 

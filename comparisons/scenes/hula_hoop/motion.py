@@ -1,4 +1,4 @@
-"""What comes of `hula_hoop` from rest (figs. 5, 7), classified as the paper's table does.
+"""Motions of `hula_hoop` from rest (figs. 5, 7), classified as in the paper's table.
 
 With W the turns that theta makes in a period of the force, sign folded away by the mirror
 theta -> pi - theta, and f_u the frequency at which theta' oscillates most:
@@ -56,7 +56,7 @@ NUMBERS = ("turns", "f_u", "min_speed")
 MOTION_VARIABLES = with_bounds(
     {
         "motion": Variable("1", "from rest, in the end: the legend of figs. 5, 7", MOTIONS),
-        "label": Variable("1", "what kind of motion that is", LABELS),
+        "label": Variable("1", "kind of motion", LABELS),
         "turns": Variable("1", "|W|, turns of theta in a period of the force"),
         "f_u": Variable("1", "frequency at which theta' oscillates most, by that of the force"),
         "min_speed": Variable("1", "least theta' in the sense of the turning, by omega"),
@@ -68,12 +68,12 @@ MOTION_VARIABLES = with_bounds(
 
 
 class MotionOptions(NamedTuple):
-    """How motions from rest are followed, and told apart.
+    """How motions from rest are followed, and classified.
 
     Attributes
     ----------
     steps : int
-        Of the reference in the shortest period: no digits are asked for.
+        Steps of the reference in the shortest period; a class needs few digits.
     engine_steps : tuple of int
         Of an engine, by the order of its method from 1 on: fewer than `STEPS_PER_PERIOD`.
     settling : float
@@ -126,7 +126,7 @@ OPTIONS = MotionOptions()
 
 
 def motion(points: Points, window: int = OPTIONS.window) -> QuantityValues:
-    """Return what comes of the scene from rest, rod across, in the end.
+    """Return the long-term motion of the scene from rest, rod across.
 
     It is watched for `window` periods of the force.
     ``robust`` compares it with a run of twice the step whose start is off.
@@ -177,7 +177,7 @@ def runs_from_rest(
     spacing = period / per_force
 
     def steps(spans: Array, counts: Ints) -> Ints:
-        """Return how many steps each start takes in spans (k,)."""
+        """Return the number of steps of each start in spans (k,)."""
         return np.concatenate(
             [step_counts(points, spans, per_period, coarser, counts) for _, coarser in starts]
         )
@@ -199,7 +199,7 @@ def runs_from_rest(
 
 
 def settling_time(p: HulaHoop, period: Array) -> Array:
-    """Return how long motions are given to settle [s], by the slower damper's time constant."""
+    """Return the time for transients [s], by the slower damper's time constant."""
     c = coefficients(p)
     rate = np.minimum(c.hinge_damping / c.inertia, c.damping / c.mass) / 2
     with np.errstate(divide="ignore"):
@@ -256,11 +256,11 @@ def described(samples: Array, omega: Array, per_force: int = OPTIONS.samples) ->
 
 
 def unsettled(speed: Array, cycle: Array, per_force: int, lowest: Array) -> Array:
-    """Return how far off the least of theta' (k,) is, of motions that repeat themselves.
+    """Return bounds (k,) on the error of the least theta', of periodic motions.
 
     In the end a motion is a sum of harmonics: that of the last cycle tells what lies between the
     samples, up to the harmonics that are left out; how cycles still change, and how much less they
-    do so than before, tells what is left of the transient.
+    do so than before, shows the rest of the transient.
 
     Parameters
     ----------
@@ -319,7 +319,7 @@ def repetition(strobe: Array, omega: Array) -> tuple[Array, Array]:
     Parameters
     ----------
     strobe : array (4, k, n)
-        States at the same phase of the force, the later half of which is looked at.
+        States at the same phase of the force; the later half counts.
     omega : array (k,)
     """
     later = strobe[..., strobe.shape[2] // 2 :]
@@ -340,7 +340,7 @@ def repetition(strobe: Array, omega: Array) -> tuple[Array, Array]:
 
 
 def approximate_motion(points: Points) -> QuantityValues:
-    """Return what an approximate rotation says of the motion: it turns, if it is stable."""
+    """Return the motion by an approximate rotation: it turns, if it is stable."""
     rotation = approximate_floquet(points).values
     stability, min_speed = rotation["stability"], rotation["min_speed"]
     stable = stability == STABILITY.index("stable")

@@ -1,4 +1,4 @@
-"""Where the search for rotations of `hula_hoop` starts: at what harmonic balance leads to.
+"""Starts of the search for rotations of `hula_hoop`: solutions of harmonic balance.
 
 A rotation that turns once in a period of the force either repeats itself half a period later, when
 the equations of motion are those of -y and theta + pi, or has a twin. The first kind is balanced

@@ -32,7 +32,7 @@ def fastest_rate(p: HulaHoop) -> Any:
 def step_counts(
     points: Points, spans: Array, per_period: float, coarser: int = 1, counts: Ints = STEP_COUNTS
 ) -> Ints:
-    """Return how many equal steps each point's span [s] is gone through in.
+    """Return the number of equal steps in each point's span [s].
 
     Parameters
     ----------

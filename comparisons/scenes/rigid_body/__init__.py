@@ -1,1 +1,1 @@
-"""What features know of rigid_body alone."""
+"""Data of rigid_body for maps, extremes and trade-offs."""

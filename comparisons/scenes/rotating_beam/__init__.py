@@ -1,1 +1,1 @@
-"""What features know of rotating_beam alone."""
+"""Data of rotating_beam for maps, extremes and trade-offs."""

@@ -1,4 +1,4 @@
-"""What models of `rotating_beam` may leave out."""
+"""Parts of `rotating_beam` that models may leave out."""
 
 from __future__ import annotations
 

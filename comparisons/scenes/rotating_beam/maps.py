@@ -1,4 +1,4 @@
-"""What can be mapped of `rotating_beam`: natural frequencies, and stability, in steady rotation.
+"""Maps of `rotating_beam`: natural frequencies, and stability, in steady rotation.
 
 Both are of the straight beam on a hub that keeps its speed, whatever drives it in the scene.
 """
@@ -48,7 +48,7 @@ def continuum(p: RotatingBeam, kind: str) -> Values:
 
 
 def two_assumed_modes(p: RotatingBeam) -> Values:
-    """Return what (17) gives with the paper's two modes."""
+    """Return the frequencies by (17) with the paper's two modes."""
     n, unit = numbers(p), time_unit(p)
     chordwise, flapwise = (
         assumed_modes(n, PAPER_MODES, plane, PAPER_MODES) / unit
@@ -66,7 +66,7 @@ def without_foreshortening(p: RotatingBeam) -> Values:
 
 
 def engine_frequencies(p: RotatingBeam, engine: str, model: str) -> Values:
-    """Return what an engine's own matrices have in the plane of rotation."""
+    """Return the frequencies of an engine's matrices, in the plane of rotation."""
     return by_name(p, np.array([mode.omega for mode in engine_modes(p, engine, model)]))
 
 
@@ -119,7 +119,7 @@ def growth_rate(all_modes: list[Mode]) -> float:
 
 
 def model_growth(p: RotatingBeam, scene: EquationsOfMotion) -> float:
-    """Return how fast the fastest departure from steady rotation grows, by a scene's equations."""
+    """Return the growth rate [1/s] of departures from steady rotation, by a scene's equations."""
     steady = p.replace(drive="prescribed", ramp_time=0.0)
     return growth_rate(
         modes(*linearise(scene, steady, scene.state(rotation(steady))), steady=[0])[1:]
@@ -207,7 +207,7 @@ def pointwise(
 
 
 def engine_modes(p: RotatingBeam, engine: str, model: str) -> list[Mode]:
-    """Return the modes of an engine's model, the hub held.
+    """Return the modes of an engine's model, with a fixed hub.
 
     Raises
     ------

@@ -1,1 +1,1 @@
-"""What features know of rotor_pendulum alone."""
+"""Data of rotor_pendulum for maps, extremes and trade-offs."""

@@ -38,7 +38,7 @@ PARAMETERS = (
     ),
     rotors(name="platform_at_resonance", changes={"platform_stiffness": MASS * 153.8**2}),
 )
-"""Of *mass ratio* to the platform's."""
+"""Extremes of parameters; *mass ratio* is that of a rotor to the platform."""
 
 
 def unstable_phase() -> dict[str, float]:

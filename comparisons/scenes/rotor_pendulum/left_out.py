@@ -1,4 +1,4 @@
-"""What models of `rotor_pendulum` may leave out."""
+"""Parts of `rotor_pendulum` that models may leave out."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What maps show of rotor_pendulum: the coupling of the rotors, their phase, their synchronism.
+"""Maps of rotor_pendulum: the coupling of the rotors, their phase, their synchronism.
 
 Axes are any parameters, or the frequency ratios n_x and n_phi of (19). These set the stiffnesses
 by the inverse of `mbcheck.reference.rotor_pendulum.theory.ratios` at the speed at which motor

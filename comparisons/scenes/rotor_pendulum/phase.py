@@ -185,7 +185,7 @@ def orbit_values(maps: OrbitMap, orbits: Orbits) -> QuantityValues:
 
 
 def measured(maps: OrbitMap, which: Ints, orbits: Orbits, finer: int) -> dict[str, OrbitNumber]:
-    """Return what orbits are measured by: phi_1 - phi_2, averaged on the circle, and the speed."""
+    """Return the numbers of orbits: phi_1 - phi_2, averaged on the circle, and the speed."""
     steps = finer * -(-maps.steps[which] // SAMPLES)
     path = maps.flow(which, orbits.states, 0.0, orbits.periods / SAMPLES, SAMPLES, steps)
     alpha, speed = path[1] - path[2], 2 * np.pi / orbits.periods

@@ -45,8 +45,8 @@ class SyncOptions(NamedTuple):
     start_up : int
         Turns that the rotors are given to start; `outcome` must watch 8/rate, 40 turns at least.
     looks : tuple[float, ...]
-        When a run is looked at, in times what must be watched: from rest the rotors may start
-        beside the unstable phase. A run still undecided then is left so.
+        Times of judgement, in units of the time that must be watched: from rest the rotors may
+        start near the unstable phase. A run still undecided after the last remains so.
     max_turns : int
         Where a run ends, undecided if it is so then: 16 s by default. Where the first look would
         come later, a run of `chunk` turns only tells whether both rotors start.
@@ -80,11 +80,11 @@ class RunFromRest:
     spacing : float
         Between samples [s].
     looks : list of float
-        Turns after which it is looked at.
+        Turns after which it is judged.
     seen : list of array (4, n)
         Samples of `SEEN`.
     ends : str or None
-        What it ends in; None while it goes on.
+        Its outcome; None while it goes on.
     """
 
     point: int
@@ -94,7 +94,7 @@ class RunFromRest:
     ends: str | None = None
 
     def look(self, p: RotorPendulum, turns: int) -> None:
-        """Judge the run; let it go on where that is undecided and another look is due."""
+        """Judge the run; it goes on if it is undecided and another look is due."""
         self.looks = [look for look in self.looks if look > turns]
         seen = np.concatenate(self.seen, axis=1)
         verdict = outcome(
@@ -111,7 +111,7 @@ class RunFromRest:
 
 
 def sync(points: Points) -> QuantityValues:
-    """What the start from rest ends in: synchronised, not, or undecided.
+    """Return the outcome of the start from rest: synchronised, not, or undecided.
 
     A run lasts until `mbcheck.reference.rotor_pendulum.outcome.outcome` decides, up to the last of
     the looks, or the most turns. A second run starts with rotor 1
@@ -150,7 +150,7 @@ def sync(points: Points) -> QuantityValues:
 
 
 def _looks(points: Points) -> Array:
-    """Return turns (6, k) after which a run is looked at."""
+    """Return turns (6, k) after which a run is judged."""
     p = points.parameters
     with np.errstate(divide="ignore"):
         (watch,) = columns(points, 8 / phase_rate(p) / period(p))

@@ -1,1 +1,1 @@
-"""What features know of speed_regulator alone."""
+"""Data of speed_regulator for maps, extremes and trade-offs."""

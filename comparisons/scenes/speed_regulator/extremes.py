@@ -45,7 +45,7 @@ PARAMETERS = (
     crank(name="speed_1e4", state={"phi_dot": 1e4}),
     crank(name="spring_at_resonance", changes={"stiffness": 5.07**2}),
 )
-"""Of *mass ratio* to the rod's."""
+"""Extremes of parameters; *mass ratio* is that to the rod."""
 
 closed = partial(crank, models=("connect_hard", "redundant"))
 opened = partial(

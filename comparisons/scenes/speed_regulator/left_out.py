@@ -1,4 +1,4 @@
-"""What models of `speed_regulator` may leave out."""
+"""Parts of `speed_regulator` that models may leave out."""
 
 from __future__ import annotations
 

@@ -329,8 +329,8 @@ def collocated(guess: Array, c: Coefficients, nodes: int) -> tuple[Array, Array,
 def collocation_bound(speed: Array, multiplier: Array, c: Coefficients) -> Array:
     """Return bounds on the errors of mean speeds (k,), from speeds over the crank angle (k, nodes).
 
-    By twice as many nodes, and by what rounding of the energy and of the coefficients makes of
-    the motion where it is slowest.
+    By twice as many nodes, and by the effect of round-off of the energy and of the coefficients
+    where the motion is slowest.
     """
     mean = 1 / np.mean(1 / speed, axis=1)
     with np.errstate(all="ignore"):

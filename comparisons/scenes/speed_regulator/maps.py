@@ -1,4 +1,4 @@
-"""What can be mapped of `speed_regulator`: where it rests or rotates, and how fast.
+"""Maps of `speed_regulator`: where it rests or rotates, and how fast.
 
 Model `theory` solves the equation of motion over the crank angle (`limit_cycles`); model `direct`,
 and engines, are simulated (`runs`).
@@ -19,7 +19,7 @@ Evaluation = Callable[[Points], QuantityValues]
 
 
 def by_theory_or_runs(theory: Evaluation, runs: Evaluation, points: Points) -> QuantityValues:
-    """Return what theory tells of the points, or runs by model `direct` and by engines.
+    """Return the values by theory, or by runs of model `direct` and of engines.
 
     Raises
     ------

@@ -118,7 +118,7 @@ class Runs:
 
 
 def runs(points: Points) -> Runs:
-    """Return how points are simulated; the step of a model with a stiff closure is one it bears."""
+    """Return the simulation of points; a stiff closure limits the step to a stable one."""
     longest = np.full(len(points), np.inf if points.step is None else points.step)
     order = 8
     if points.engine != REFERENCE:
@@ -196,7 +196,7 @@ def passings(phi: Array, rate: Array, spacing: float, count: int) -> tuple[Array
 
 
 def settled(times: Array) -> Flags:
-    """Return whether turns (k, n) have settled: their speeds go on as a geometric sequence."""
+    """Return True where turns (k, n) have settled: their speeds form a geometric sequence."""
     speeds = TURN / np.diff(times, axis=1)
     before, now = np.moveaxis(abs(np.diff(speeds, axis=1))[:, -2:], 1, 0)
     with np.errstate(all="ignore"):
@@ -205,7 +205,7 @@ def settled(times: Array) -> Flags:
 
 
 def keeps_turning(run: Runs) -> tuple[Flags, Flags]:
-    """Return whether a fast crank goes on turning (k,), and where that could not be told.
+    """Return flags (k,) of a fast crank that goes on turning, and of undecided points.
 
     It starts a little faster than the theory's rotation; where that has none, with more than
     the energy that it takes to come over the spring.
@@ -231,7 +231,7 @@ def keeps_turning(run: Runs) -> tuple[Flags, Flags]:
 
 
 def can_rest(run: Runs) -> tuple[Flags, Flags]:
-    """Return whether the spring can hold the crank (k,), and where that could not be told."""
+    """Return flags (k,) of cranks that the spring can stop, and of undecided points."""
     p = run.points.parameters
     number = len(run.points)
     c = coefficients_at(

@@ -172,4 +172,4 @@ def matching_speed(n: Numbers, position: float, modes: int | None = None) -> flo
 
 
 MATCHED = (2.0, 200.0)
-"""Range of gamma that is looked through."""
+"""Range of gamma in which a match is sought."""

@@ -83,4 +83,4 @@ def check(n: Numbers, plane: str, count: int) -> None:
 
 
 MOST = 12
-"""Frequencies that may be asked for."""
+"""Largest number of frequencies."""

@@ -113,16 +113,16 @@ def gauss(degree: int) -> tuple[Array, Array]:
 
 
 DEGREES = (16, 24, 36, 54, 80, 120)
-"""Of the polynomials, until two agree."""
+"""Degrees of the polynomials that are tried until two results agree."""
 
 AGREED = 1e-12
-"""Relative difference of frequencies at which they do."""
+"""Relative difference of frequencies that counts as agreement."""
 
 ROUNDING = 2e-14
 """Relative rounding error that an eigenvalue is granted for each unit of cancellation."""
 
 Solve = Callable[[int], Array]
-"""From a degree of the polynomials to frequencies."""
+"""Function of the degree of the polynomials that returns frequencies."""
 
 
 def converged(solve: Solve, count: int, cancellation: Callable[[Array], Any]) -> NaturalModes:

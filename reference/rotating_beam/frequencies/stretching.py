@@ -56,7 +56,7 @@ def steady_state(n: Numbers, slenderness: float) -> Callable[[Array, Any], Stret
     jump = n.alpha * square * at_mass
 
     def integral(x: Any, past: Any) -> Any:
-        """Of y from 0 to x."""
+        """Integral of y from 0 to x."""
         return n.delta * sine(x) + (b * sine(x / 2) ** 2 - jump * sine(past / 2) ** 2) * 2
 
     whole = integral(1.0, 1 - n.beta)

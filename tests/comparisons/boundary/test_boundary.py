@@ -272,7 +272,7 @@ def test_equilibria_are_followed_and_gone_on_with() -> None:
 def test_the_lower_bound_of_figure_6_is_followed_by_engines(
     engine: str, shift: float, room: float
 ) -> None:
-    """The last curve of the table in docs/boundaries.md, with as many steps, where it ends."""
+    """The end of the lower bound of figure 6, with 200 steps in a period."""
     pytest.importorskip(engine, exc_type=ImportError)
     x, y = ("force_frequency", 9.0, 10.0), ("force_amplitude", 15.0, 60.0)
     asked = BoundaryRequest(

@@ -62,7 +62,7 @@ def test_reactions_along_the_axes_of_the_world_are_named(placement: str) -> None
     found = bad(run_check(planned, engine=engine))
     assert {item.quantity for item in found} >= {"reaction_a_x", "reaction_b_y"}
     assert {item.cause for item in found} == {
-        "reactions are told along the axes of the world, not of the model"
+        "reactions have their components along the axes of the world, not of the model"
     }
     as_it_stands = replace(planned, case=case_of("speed_regulator", ""))
     assert not bad(run_check(as_it_stands, engine=engine))
@@ -81,7 +81,7 @@ def test_a_placement_is_part_of_new_ids_only() -> None:
 def test_what_has_no_mirror_image_is_skipped_with_that_reason(scene: str) -> None:
     case = case_of(scene, "mirrored:3")
     checks = plan_cases([case], ("mujoco", "exudyn"), kinds=("algebra",))
-    reasons = {one.model: one.why_not for one in checks}
+    reasons = {one.model: one.unsupported_reason for one in checks}
     for model in set(reasons) & {"ball", "free"}:
         assert "joint has a quaternion, which is another one in a mirror" in str(reasons[model])
     assert reasons.get("euler_parameters") is None or "mirror" in str(reasons["euler_parameters"])

@@ -116,7 +116,7 @@ def test_results_do_not_depend_on_the_number_of_processes() -> None:
     checks = plan(ids=CHEAP)
     assert {check.case.scene for check in checks} == set(SCENES)
     assert {check.kind for check in checks} == set(KINDS) - {"stability"}
-    assert any(check.why_not for check in checks)
+    assert any(check.unsupported_reason for check in checks)
     alone, shared = (
         [replace(item, work={}) for item in run_checks(checks, execution=Execution(jobs=jobs))]
         for jobs in (1, 2)
@@ -155,7 +155,11 @@ class Bomb(Case):
 
 
 def test_a_check_that_kills_its_process_takes_no_other_along() -> None:
-    good = [item for item in plan(kinds=["frequency"], engines=["mujoco"]) if not item.why_not]
+    good = [
+        item
+        for item in plan(kinds=["frequency"], engines=["mujoco"])
+        if not item.unsupported_reason
+    ]
     deadly = replace(good[0], case=Bomb("hula_hoop", "bomb", HulaHoop()))
     results = run_checks([deadly, *good], execution=Execution(jobs=2))
     verdicts = {item.case: item.verdict for item in results}
@@ -258,14 +262,14 @@ def test_fail_fast_stops_at_the_first_deviation(monkeypatch: pytest.MonkeyPatch)
     failing = Measured([Finding("energy_drift", "1", 1.0, 0.0, 1.0, 0.5)])
     monkeypatch.setitem(KINDS, "energy", replace(KINDS["energy"], measure=lambda setup: failing))
     checks = plan(scenes=["hula_hoop"], kinds=["energy"], engines=["mujoco"])
-    able = [check for check in checks if not check.why_not]
+    able = [check for check in checks if not check.unsupported_reason]
     assert len(run_checks(able, execution=Execution(fail_fast=True))) == 1
     assert len(run_checks(able)) == len(able) > 1
 
 
 def test_fail_fast_does_not_stop_at_what_is_skipped() -> None:
     checks = plan(scenes=["speed_regulator"], kinds=["frequency"], engines=["mujoco"])
-    assert any(check.why_not for check in checks)
+    assert any(check.unsupported_reason for check in checks)
     assert len(run_checks(checks, execution=Execution(fail_fast=True))) == sum(
         len(check.ids) for check in checks
     )

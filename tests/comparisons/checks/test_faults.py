@@ -158,8 +158,8 @@ def test_no_method_hides_a_late_force_behind_its_own_error(engine: str, method: 
     model = get_engine(engine).models("hula_hoop")[0]
     subject = Subject("hula_hoop", engine, model, method)
     check = check_of(subject, "trajectory", case_of(subject, "trajectory"))
-    if check.why_not:
-        pytest.skip(check.why_not)
+    if check.unsupported_reason:
+        pytest.skip(check.unsupported_reason)
     late = FAULTS["hula_hoop"]["force_late_by_one_step"]
     assert not is_seen(run_check(check))
     assert is_seen(run_check(check, engine=late.make[engine](), explain=False))

@@ -292,7 +292,7 @@ def test_a_team_adopts_it() -> None:
     assert code == 0
     assert found["summary"]["known"] > 0
     assert found["summary"]["pass"] > 0
-    assert "is there already" in refusal(f"{RUN} --write-known new.toml")
+    assert "exists already" in refusal(f"{RUN} --write-known new.toml")
 
 
 def test_what_is_written_is_read_whatever_it_says() -> None:

@@ -279,7 +279,7 @@ def test_a_clamp_that_keeps_the_slope_vector_costs_part_of_an_order(
     case: str, profile: str, seen: bool
 ) -> None:
     """It converges to the same beam from ten times as far; its elements have other frequencies."""
-    wrong = Rebuilt(exudyn_model, clamp=whole_clamp)
+    wrong = ExudynAdapter(Rebuilt(exudyn_model, clamp=whole_clamp))
     assert is_seen(results_of(ELEMENTS, "order", wrong, case, profile)) == seen
     assert is_seen(results_of(ELEMENTS, "frequency", wrong, case, profile)) == seen
 
@@ -339,12 +339,12 @@ def test_explicit_solvers_are_refused_and_fail_when_forced() -> None:
     refused = {
         check.method.name: check
         for check in checks_of("trajectory", SCENE.case("spin_up_quick"), "exudyn")
-        if check.method and check.why_not
+        if check.method and check.unsupported_reason
     }
     assert set(refused) == {method.name for method in EXPLICIT}
     for check in refused.values():
         assert {item.verdict for item in run_check(check)} == {"skipped"}
-        results = run_check(replace(check, why_not=None))
+        results = run_check(replace(check, unsupported_reason=None))
         assert {item.verdict for item in results} == {"error"}
         assert "constraints" in results[0].reason
 
@@ -380,10 +380,6 @@ class ModelOfElements(BoundModel):
 
     engine: Elements
 
-    def read_source(self) -> Mjcf:
-        """Return that it has no file."""
-        return NO_FILE
-
     @property
     def described(self) -> tuple[mbcheck.ModelDescription, None]:
         """What it claims."""
@@ -410,6 +406,10 @@ class Elements(Adapter):
     def __init__(self, error: Error, order: int = 2, side: int = 0) -> None:
         super().__init__(ExactEngine())
         self.error, self.order, self.which = error, order, side
+
+    def read_source(self, scene: str, model: str) -> Mjcf:
+        """Return that it has no file."""
+        return NO_FILE
 
 
 Measure = Callable[[Setup], list[Finding]]

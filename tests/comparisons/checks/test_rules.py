@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.checks import suite
-from mbcheck.comparisons.checks.rules.cautions import RULES, Rule, cautions
+from mbcheck.comparisons.checks.rules.cautions import RULES, Rule, cautions, frequency_error
 from mbcheck.comparisons.checks.rules.conditions import Statement
-from mbcheck.comparisons.checks.rules.model import frequency_error
 from mbcheck.comparisons.checks.rules.run import RunConditions
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.exudyn.engine import Exudyn

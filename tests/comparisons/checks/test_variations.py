@@ -55,4 +55,4 @@ def test_vibrations_that_steps_do_not_follow_are_no_defect_of_their_limit() -> N
     unknown = np.zeros(len(setup.bound.observables))
     found = limit_of_steps(setup.with_case(case), [case], setup.default_step / 2, unknown)
     assert isinstance(found, Inconclusive)
-    assert "the start shakes vibrations above" in found.reason
+    assert "the initial state excites modes above" in found.reason

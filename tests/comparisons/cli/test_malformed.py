@@ -65,6 +65,7 @@ BASES = {
     "compare": "compare nowhere.xml nowhere.xml",
     "compare-maps": "compare-maps nowhere.nc nowhere.nc",
     "diff": "diff nowhere.json nowhere.json",
+    "explain": "explain deviation",
     "export": "export hula_hoop -o -",
     "extremes": "extremes hula_hoop",
     "frequencies": "frequencies hula_hoop",

@@ -16,7 +16,7 @@ from mbcheck.comparisons.engines import protocol
 from mbcheck.comparisons.engines.adapter import CLOSURE_TIME, adapt
 from mbcheck.comparisons.engines.registry import remote_plugin
 from mbcheck.comparisons.engines.setup import Setup, run
-from mbcheck.comparisons.engines.validation import RENAMED, RENAMED_ARGUMENTS
+from mbcheck.comparisons.engines.validation import RENAMED
 from mbcheck.examples.mujoco_engine import MujocoPlugin
 from mbcheck.models import mjcf
 from mbcheck.reference import get_scene
@@ -348,21 +348,6 @@ def test_an_engine_written_for_old_names_is_told_the_new_ones(old: str) -> None:
     with pytest.raises(mbcheck.UsageError, match=f"{old} is now {RENAMED[old]}: rename it"):
         adapt("older", type("Older", (MujocoPlugin,), {old: lambda *call: None}))
     assert RENAMED[old] in dir(mbcheck.Engine)
-
-
-@pytest.mark.parametrize("old", RENAMED_ARGUMENTS)
-def test_arguments_of_before_are_told_their_new_names(
-    old: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    new = RENAMED_ARGUMENTS[old]
-    kinds = (mbcheck.ModelDescription, mbcheck.Method, mbcheck.Option, mbcheck.Motion)
-    (kind,) = (one for one in kinds if new in one.__dataclass_fields__)
-    (tmp_path / f"older_{old}.py").write_text(
-        f"import mbcheck\nmbcheck.{kind.__name__}({old}=1)\nclass Older(mbcheck.Engine): pass\n"
-    )
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(mbcheck.UsageError, match=f"{old}'.*it is now {new}, see CHANGELOG"):
-        remote_plugin(f"older_{old}:Older")
 
 
 def test_the_old_name_of_a_description_is_told() -> None:

@@ -40,7 +40,7 @@ LOG2_STEPS = {
 """Method -> k: a step of 2^-k s is in its asymptotic range and its error above rounding."""
 
 
-class Damaged(ExudynAdapter):
+class Damaged(exudyn.Exudyn):
     """Exudyn with something done to its system before it runs."""
 
     def __init__(self, damage: Callable[[Any, Any], None]) -> None:
@@ -49,7 +49,7 @@ class Damaged(ExudynAdapter):
 
     def system(self, case: Case, model: str) -> Any:
         system = super().system(case, model)
-        self.damage(self.inner.exudyn, system.mbs)
+        self.damage(self.exudyn, system.mbs)
         return system
 
 
@@ -65,7 +65,7 @@ def a_case(
 
 
 def method(name: str) -> Method:
-    return next(item for item in ExudynAdapter.methods if item.name == name)
+    return next(item for item in exudyn.Exudyn.methods if item.name == name)
 
 
 def reference(case: Case, times: Array) -> Array:
@@ -176,7 +176,7 @@ def test_it_runs_what_solve_dynamic_runs(engine: ExudynAdapter) -> None:
     mine = run(Setup(engine, case, REDUNDANT, item, step), TIMES).matrix(SCENE.state_names)[:, -1]
     with engine.inner.opened(case, REDUNDANT) as system:
         exudyn.place_initial(engine.inner.exudyn, system, SCENE.state(case.state))
-        settings = engine.settings(item, 0.0, step)
+        settings = engine.inner.settings(item, 0.0, step)
         settings.timeIntegration.endTime = 0.5
         settings.timeIntegration.numberOfSteps = 0.5 / step
         system.mbs.SolveDynamic(settings)
@@ -214,8 +214,8 @@ def test_accelerations_are_those_that_exudyn_starts_with(engine: ExudynAdapter) 
     case = a_case()
     with engine.inner.opened(case, REDUNDANT) as system:
         exudyn.place_initial(engine.inner.exudyn, system, state)
-        settings = engine.settings(method("GeneralizedAlpha"), time, 1.0)
-        solver = engine.solver(method("GeneralizedAlpha"))
+        settings = engine.inner.settings(method("GeneralizedAlpha"), time, 1.0)
+        solver = engine.inner.solver(method("GeneralizedAlpha"))
         solver.InitializeSolver(system.mbs, settings)
         theirs = system.readout @ system.mbs.systemData.GetODE2Coordinates_tt()
     mine = engine.bind(case, REDUNDANT).accelerations(np.array([time]), state[None])[0]
@@ -263,11 +263,10 @@ def test_constraint_forces_add_to_the_stiffness() -> None:
     """A pendulum of constraints: all its stiffness, m g l, comes from them."""
     mass, length, gravity = 2.0, 0.5, 9.81
 
-    class Pendulum(ExudynAdapter):
+    class Pendulum(exudyn.Exudyn):
         def system(self, case: Case, model: str) -> Any:
-            exudyn = self.inner.exudyn
             items = importlib.import_module("mbcheck.models.exudyn_system").items
-            container = exudyn.SystemContainer()
+            container = self.exudyn.SystemContainer()
             mbs = container.AddSystem()
             node = mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[0, -length, 0]))
             body = mbs.AddObject(items.ObjectRigidBody2D(mass=mass, inertia=0.0, nodeNumber=node))
@@ -291,7 +290,7 @@ def test_constraint_forces_add_to_the_stiffness() -> None:
                 readout=np.array([[0.0, 0.0, 1.0]]),
             )
 
-    found = Pendulum().bind(still(), REDUNDANT).linearise(np.zeros(2))
+    found = ExudynAdapter(Pendulum()).bind(still(), REDUNDANT).linearise(np.zeros(2))
     inertia = mass * length**2
     np.testing.assert_allclose(found[0], [[inertia]], rtol=1e-12)
     np.testing.assert_allclose(found[2], [[mass * gravity * length]], rtol=1e-10)
@@ -324,7 +323,7 @@ def test_steps_shortened_in_silence_are_refused(engine: ExudynAdapter) -> None:
             a_case(state=SPINNING), method("GeneralizedAlpha"), step, end
         )
     assert np.all(np.isfinite(silent.matrix(SCENE.state_names)))
-    with pytest.raises(EngineError, match="steps, 10 were asked for") as caught:
+    with pytest.raises(EngineError, match="steps, 10 were requested") as caught:
         run(Setup(halving, a_case(state=SPINNING), TREE, method("GeneralizedAlpha"), step), end)
     assert caught.value.kind == "step_count"
     with pytest.raises(EngineError, match="found no solution") as caught:
@@ -333,7 +332,7 @@ def test_steps_shortened_in_silence_are_refused(engine: ExudynAdapter) -> None:
 
 
 def test_a_changed_step_is_told() -> None:
-    class Meddling(ExudynAdapter):
+    class Meddling(exudyn.Exudyn):
         def solver(self, method: Method) -> Any:
             return StepChanged(super().solver(method))
 
@@ -352,7 +351,7 @@ def test_a_changed_step_is_told() -> None:
             return bool(finished)
 
     with pytest.raises(EngineError, match=r"step \(0.00048828125 s instead of") as caught:
-        run(Setup(Meddling(), a_case(), TREE, method("RK44"), 2**-10), TIMES)
+        run(Setup(ExudynAdapter(Meddling()), a_case(), TREE, method("RK44"), 2**-10), TIMES)
     assert caught.value.kind == "inputs_changed"
 
 
@@ -366,7 +365,7 @@ def test_an_exception_inside_a_solve_is_a_verdict() -> None:
         mbs.SetLoadParameter(0, "loadUserFunction", force)
 
     with pytest.raises(EngineError, match="Error") as caught:
-        run(Setup(Damaged(damage), a_case(), TREE, method("RK44"), 2**-10), TIMES)
+        run(Setup(ExudynAdapter(Damaged(damage)), a_case(), TREE, method("RK44"), 2**-10), TIMES)
     assert caught.value.kind == "raised"
 
 

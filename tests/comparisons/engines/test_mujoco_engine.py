@@ -129,19 +129,19 @@ def test_models_of_scenes() -> None:
 )
 def test_binding_refuses_what_is_not_exactly_there(text: str, message: str) -> None:
     with pytest.raises(KeyError, match=message):
-        bind(text, {("joint:y", "damping"): lambda p: 1.0}, None)
+        bind(text, {("joint:y", "damping"): 1.0})
 
 
 def test_binding_keeps_everything_else() -> None:
     text = (
         "<a>\n <!-- é > -->\n <body  name='b' note='x>y'><inertial\n pos='0'  mass='1'/></body></a>"
     )
-    table = {
-        ("body:b/inertial", "mass"): lambda p: p,
-        ("body:b/inertial", "pos"): lambda p: (p, 1.0),
+    values: dict[tuple[str, str], Any] = {
+        ("body:b/inertial", "mass"): 0.1,
+        ("body:b/inertial", "pos"): (0.1, 1.0),
     }
     expected = text.replace("mass='1'", 'mass="0.1"').replace("pos='0'", 'pos="0.1 1"')
-    assert bind(text, table, 0.1) == expected
+    assert bind(text, values) == expected
 
 
 @pytest.mark.parametrize("value", [0.1 + 0.2, 1e300, 2.0**60, 5e-324, -0.0, 1000.0])

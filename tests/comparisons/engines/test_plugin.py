@@ -171,7 +171,7 @@ FAULTS: dict[str, tuple[Callable[[Any], Any], str, list[str]]] = {
 def test_parts_name_what_is_wrong(name: str) -> None:
     broken, scene, said = FAULTS[name]
     found = located(results(broken(toy_class()), scene, ("parts", "algebra")))
-    expected = ["toy: what it made of the model is wrong", *(f"  {line}" for line in said)]
+    expected = ["toy: its reading of the model is wrong", *(f"  {line}" for line in said)]
     assert found == (expected if said else [])
 
 
@@ -233,7 +233,7 @@ RETURNED: dict[str, tuple[dict[str, Callable[[Any], Any]], str]] = {
     ),
     "a warning": (
         {"simulate": lambda m: replace(m, warnings={"bad": 2})},
-        "counter bad stands at 2",
+        "counter bad is 2",
     ),
     "NaN accelerations": (
         {"accelerations": lambda a: np.nan * a},

@@ -109,7 +109,7 @@ def test_a_waiver_beside_the_model_that_waives_nothing(
     for name, option in (("mbcheck-inspect.toml", ()), ("own.toml", ("--waivers", "own.toml"))):
         Path(name).write_text(f"\n{WAIVE}{more}")
         done = invoke("inspect", LOOSE, "--no-modes", "--lines", *option)
-        words = f"{name}:2: warning waiver_unused nothing is found by range_ignored"
+        words = f"{name}:2: warning waiver_unused range_ignored finds nothing"
         assert (words in done.stdout) == told
         assert "waiver_unused" not in invoke("inspect", LOOSE, "--ignore=range_ignored").stdout
         Path(name).unlink()
@@ -119,8 +119,8 @@ def test_a_waiver_beside_the_model_that_waives_nothing(
     ("text", "words"),
     [
         ("[[waive", "'own.toml' is not TOML"),
-        ("waive = 3", "an entry is a table of strings"),
-        ('[[waive]]\nrule = "range_ignored"\n', "line 1: there is no reason"),
+        ("waive = 3", "an entry must be a table of strings"),
+        ('[[waive]]\nrule = "range_ignored"\n', "line 1: add the missing reason"),
         ('\n[[waive]]\nrule = "range"\nreason = "x"\n', "did you mean"),
         (WAIVE + 'elment = "x"\n', "did you mean 'element'"),
     ],
@@ -148,7 +148,7 @@ def test_a_baseline_waives_what_was_there(tmp_path: Path) -> None:
     Path("before.json").write_text("[]")
     done = invoke(*words, "--baseline", "before.json")
     assert done.exit_code == 2
-    assert "is no document of inspect" in done.stderr
+    assert "is not a document of inspect" in done.stderr
 
 
 # Many files ---------------------------------------------------------------------------------

@@ -156,7 +156,7 @@ def test_the_attribute_with_the_wrong_sign_is_named(
 ) -> None:
     findings = inspect(written(tmp_path, *held(actuator))).findings
     (one,) = [found for found in findings if found.rule == "positive_feedback"]
-    assert (one.attribute, one.fix) == (attribute, f"turn the sign of {attribute}")
+    assert (one.attribute, one.fix) == (attribute, f"reverse the sign of {attribute}")
 
 
 def test_the_damping_of_a_tendon_is_that_of_a_run(tmp_path: Path) -> None:

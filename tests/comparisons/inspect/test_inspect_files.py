@@ -16,11 +16,12 @@ from rich.console import Console
 
 import mbcheck
 from mbcheck.comparisons.documents import schema
-from mbcheck.comparisons.inspect import console
+from mbcheck.comparisons.inspect import batch
 from mbcheck.comparisons.inspect.inspection import Inspection, inspect
 from mbcheck.comparisons.inspect.rules.table import RULES
+from mbcheck.models import mjcf
 from mbcheck.reference.errors import UsageError
-from mbcheck.tests.support.command import invoke, process
+from mbcheck.tests.support.command import invoke, on_a_terminal, process
 from mbcheck.tests.support.mjcf import large
 from mbcheck.tests.support.mjcf.mistakes import MISTAKES, written
 
@@ -222,7 +223,7 @@ def test_modes_may_be_left_out(tmp_path: Path) -> None:
     path = written(tmp_path)
     found = inspect(path, modes=False)
     assert found.steps == ()
-    assert found.views[0].reason == "not asked for"
+    assert found.views[0].reason == "switched off by --no-modes"
     assert inspect(path, modes=True).steps
 
 
@@ -230,9 +231,9 @@ def test_the_public_function(tmp_path: Path) -> None:
     found = mbcheck.inspect(written(tmp_path))
     assert isinstance(found, Inspection)
     assert found.exit_code == 0
-    assert found.facts.counts["nv"] == 1
-    assert found.facts.mass == pytest.approx(1.0)
-    (body,) = found.facts.bodies
+    assert found.counts["nv"] == 1
+    assert found.mass == pytest.approx(1.0)
+    (body,) = found.bodies
     assert body.inertia == (0.1, 0.1, 0.01)
     assert body.joints[0].axis == (0.0, 1.0, 0.0)
 
@@ -252,7 +253,7 @@ def test_the_document_keeps_its_schema(tmp_path: Path) -> None:
     found = document(tmp_path)
     jsonschema.Draft202012Validator.check_schema(SCHEMA)
     VALIDATOR.validate(found)
-    assert set(found) == set(SCHEMA["$defs"]["InspectDocument"]["required"])
+    assert set(found) == set(SCHEMA["$defs"]["Inspection"]["required"])
 
 
 # Larger models ------------------------------------------------------------------------------
@@ -263,7 +264,7 @@ def test_a_floating_humanoid(tmp_path: Path) -> None:
     found = inspect(large.humanoid(tmp_path))
     VALIDATOR.validate(json.loads(json.dumps(found.as_json())))
     assert found.exit_code == 0
-    assert found.facts.counts["nv"] == 31
+    assert found.counts["nv"] == 31
     standing, crouched = found.views
     assert [view.state.name for view in found.views] == ["as opened = standing", "crouched"]
     for view in (standing, crouched):
@@ -290,7 +291,7 @@ def test_large_models_take_seconds(text: str, tmp_path: Path) -> None:
     VALIDATOR.validate(found.as_json())
     assert "--modes finds them" in str(found.views[0].reason)
     printed = io.StringIO()
-    console.print_inspection(Console(file=printed, width=100), found, full=False)
+    batch.print_inspection(Console(file=printed, width=100), found, full=False)
     assert len(printed.getvalue().splitlines()) < 60
 
 
@@ -309,3 +310,13 @@ def test_an_opengl_that_is_not_there_is_named(tmp_path: Path) -> None:
     assert ended.returncode == 2
     assert "MUJOCO_GL=nonsense" in ended.stderr
     assert ended.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("options", ["", "--full --strict"])
+def test_reports_fit_80_columns(options: str) -> None:
+    """Findings, modes, steps and closures of a mechanism with a loop."""
+    text = mjcf.models("speed_regulator")["connect"].path.read_text("utf-8")
+    Path("crank.xml").write_text(text.replace("<!-- mbcheck: allow", "<!--"))
+    printed = on_a_terminal(f"inspect crank.xml {options}")
+    assert "closure" in printed
+    assert [line for line in printed.splitlines() if len(line) > 80] == []

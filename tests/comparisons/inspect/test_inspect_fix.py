@@ -72,7 +72,7 @@ def test_what_would_change_a_bit_stays() -> None:
     edit = neutral_edit(InspectRequest("links.xml"))
     assert b'iterations="50"' in edit.after
     assert edit.refused == 2  # and one of two sizes that say the same
-    assert "2 findings left as they are" in edit.summary
+    assert "2 findings left unchanged" in edit.summary
 
 
 def test_waived_and_foreign_attributes_stay() -> None:
@@ -110,7 +110,7 @@ def test_a_baseline_notices_what_is_worse() -> None:
         Path("spring.xml").write_text(STIFF.format(step))
         done = invoke(f"{words} --baseline old.json")
         assert done.exit_code == code
-    assert "in the baseline it was 1.11 where now it is 2.21" in " ".join(done.stdout.split())
+    assert "worse than the baseline's 1.11: now 2.21" in " ".join(done.stdout.split())
 
 
 # Time ---------------------------------------------------------------------------------------
@@ -121,14 +121,14 @@ def test_what_there_is_no_time_for_is_told() -> None:
     Path("chain.xml").write_text(large.chain(450))
     done = invoke("inspect chain.xml --budget 4 --modes --json out.json")
     assert done.exit_code == 1
-    assert "it was stopped, and left out are modes; " in " ".join(done.stdout.split())
+    assert "stopped before modes; " in " ".join(done.stdout.split())
     answer = validated("inspect", json.loads(Path("out.json").read_text()))
     assert "rule step_limit" in answer["left_out"]
     Path("spring.xml").write_text(STIFF.format(0.07))
     done = invoke("inspect spring.xml --budget 1e6")
     assert done.exit_code == 1
     assert "state as opened" in done.stdout
-    assert "  1 mode, does not rest here" in done.stdout
+    assert "  1 mode, not at rest" in done.stdout
     assert "--budget must be a positive number" in refusal("inspect spring.xml --budget 0")
 
 

@@ -12,7 +12,7 @@ import pytest
 
 from mbcheck.comparisons.inspect.inspection import ModelFinding, inspect
 from mbcheck.comparisons.inspect.mujoco.model import load
-from mbcheck.comparisons.inspect.mujoco.trial import stays_finite
+from mbcheck.comparisons.inspect.rules.remedies import stays_finite
 from mbcheck.tests.support.command import invoke
 from mbcheck.tests.support.mjcf.mistakes import JOINT, KEY, MISTAKES, written
 
@@ -85,11 +85,13 @@ def test_drag_is_no_damper_at_rest(tmp_path: Path) -> None:
     path = slider(tmp_path, 'stiffness="4000"', option='density="1000" viscosity="0"')
     (view,) = inspect(path).views
     assert view.linear is not None
-    assert abs(view.linear.damping[0, 0]) < 1e-9
+    assert abs(view.linear.parts.damping[0, 0]) < 1e-9
     path = slider(tmp_path, 'stiffness="4000"', option='density="0" viscosity="2"')
     (view,) = inspect(path).views
     assert view.linear is not None
-    assert view.linear.damping[0, 0] == pytest.approx(6 * math.pi * 2 * 0.1, rel=0.3)  # Stokes
+    assert view.linear.parts.damping[0, 0] == pytest.approx(
+        6 * math.pi * 2 * 0.1, rel=0.3
+    )  # Stokes
 
 
 def test_a_filter_has_a_step_of_its_own(tmp_path: Path) -> None:
@@ -135,7 +137,7 @@ def test_growth_is_a_finding_or_said_to_be_none(
     spring = JOINT.replace('"5"', f'"{stiffness}"{place}')
     path = written(tmp_path, (JOINT, spring), (KEY, KEY.replace("/>", f' qpos="{position}"/>')))
     text = " ".join(invoke("inspect", path).stdout.split())
-    assert ("what is unstable here is no finding: " in text) == untold
+    assert ("an unstable mode here is no finding " in text) == untold
     assert {one.rule for one in inspect(path).findings} == rules
 
 
@@ -256,7 +258,7 @@ def test_a_drive_on_a_ball_joint_feeds_a_mode(tmp_path: Path) -> None:
     assert inspect(ball(tmp_path, 0.0)).exit_code == 0
     linear = report.views[-1].linear
     assert linear is not None
-    assert linear.stiffness[1:, 1:] == pytest.approx(
+    assert linear.parts.stiffness[1:, 1:] == pytest.approx(
         20 * np.array([[0.6 / math.tan(0.6), -0.6], [0.6, 0.6 / math.tan(0.6)]]), rel=1e-6
     )
 
@@ -285,7 +287,7 @@ def test_growth_beside_a_stiff_joint_is_seen(tmp_path: Path) -> None:
     (one,) = [item for item in inspect(path).findings if item.severity == "error"]
     assert (one.rule, one.element) == ("unstable_mode", "joint:shoulder")
     assert f"({rate:.3g} 1/s)" in one.message
-    assert one.fix == "turn the sign of kp of s"
+    assert one.fix == "reverse the sign of kp of s"
     assert grows(path, "Euler", 0.0002, 12000)
     assert not grows(stiff(tmp_path, kp=5), "Euler", 0.0002, 12000)
 
@@ -293,7 +295,7 @@ def test_growth_beside_a_stiff_joint_is_seen(tmp_path: Path) -> None:
 def test_what_grows_of_itself_comes_before_the_step(tmp_path: Path) -> None:
     """No damping makes a wrong sign right; with the sign turned the integrator is offered."""
     (one,) = found(stiff(tmp_path, step=0.002), "step_limit")
-    assert one.fix.startswith("first mend what feeds the motion of shoulder (unstable_mode)")
+    assert one.fix.startswith("first mend the growing motion of shoulder (unstable_mode)")
     assert 'integrator="discrete" is stable' in one.fix
     assert "damping=" not in one.fix
     (one,) = found(stiff(tmp_path, kp=5, step=0.002), "step_limit")
@@ -306,7 +308,7 @@ def test_integrators_are_tried_without_modes(tmp_path: Path) -> None:
     (one,) = inspect(path, modes=False).findings
     assert one.rule == "run_fails"
     assert one.fix.startswith('integrator="discrete"; or timestep="0.0004" (not integrator')
-    assert '"implicitfast" or "implicit": a run with them fails, too' in one.fix
+    assert '"implicitfast" or "implicit": its run fails, too' in one.fix
     assert [grows(path, name, 0.002) for name in ("implicitfast", "implicit", "discrete")] == [
         True,
         True,
@@ -345,7 +347,7 @@ def test_the_fix_of_a_soft_closure_holds_a_run(
     values = {"step": step, "option": f'integrator="{integrator}"', "joint": ""}
     path.write_text(PINNED.format(solref="0.2 1", **values))
     (one,) = found(path, "closure_softness")
-    match = re.match(r'(solref="[^"]*" solimp="[^"]*"): it opens by', one.fix)
+    match = re.match(r'(solref="[^"]*" solimp="[^"]*"): it then opens by', one.fix)
     assert match is not None
     path.write_text(path.read_text().replace('solref="0.2 1"', match[1]))
     assert {f.rule for f in inspect(path).findings}.isdisjoint({"closure_softness", "step_limit"})
@@ -361,7 +363,7 @@ def test_what_the_load_of_a_closure_leaves_out_is_told(tmp_path: Path) -> None:
     path = tmp_path / "model.xml"
     path.write_text(PINNED.format(solref="0.2 1", step=0.002, option="", joint='frictionloss="9"'))
     (one,) = found(path, "closure_softness")
-    assert "the load leaves out dry friction" in one.message
+    assert "the load does not include dry friction" in one.message
 
 
 def test_a_handle_is_no_closure(tmp_path: Path) -> None:

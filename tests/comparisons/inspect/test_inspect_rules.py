@@ -173,7 +173,7 @@ def test_where_a_joint_without_a_drive_falls_nothing_is_held(tmp_path: Path) -> 
     assert rules <= set(hangs)
     assert rules <= set(held)
     weight = 9.81 * (0.25 + 0.5) * math.sin(0.5)
-    assert f"m gives 0.3 Nm, and {weight:.3g} would hold it" in hangs["control_not_holding"]
+    assert f"m exerts 0.3 Nm, and {weight:.3g} would balance it" in hangs["control_not_holding"]
 
 
 def test_a_force_that_turns_along_is_no_obstacle(tmp_path: Path) -> None:
@@ -302,7 +302,7 @@ def test_a_keyframe_without_controls_is_no_weak_servo(tmp_path: Path) -> None:
     """The servo gives all its force, and more would not help: the keyframe's control is wrong."""
     (found,) = inspect(written(tmp_path, *held(WEAK, key='qpos="0.9"'))).findings
     assert found.rule == "control_not_holding"
-    assert "one gives way by about -0.983 rad" in found.message
+    assert "one yields by about -0.983 rad" in found.message
     assert "forcerange" not in found.fix
     stronger = WEAK.replace("9 9", "900 900").replace("-9", "-900")
     (same,) = inspect(written(tmp_path, *held(stronger, key='qpos="0.9"'))).findings

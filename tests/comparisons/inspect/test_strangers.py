@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from mbcheck.comparisons.inspect.sandbox import Sandbox, inspect_files
+from mbcheck.comparisons.inspect.batch import Sandbox, inspect_files
 from mbcheck.reference.errors import EngineError
 from mbcheck.tests.support.command import invoke
 from mbcheck.tests.support.mjcf.mistakes import MISTAKES, written

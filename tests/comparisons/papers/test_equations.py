@@ -34,11 +34,6 @@ def everywhere(identities: Identities) -> list[Any]:
 
 
 @pytest.mark.parametrize(("scene", "name"), TABLE)
-def test_equations_are_those_of_a_row(scene: str, name: str) -> None:
-    assert name in {row.name for row in read_paper(scene).rows}
-
-
-@pytest.mark.parametrize(("scene", "name"), TABLE)
 def test_corrected_form_holds_and_a_perturbed_one_does_not(scene: str, name: str) -> None:
     """Each term of each equation is changed by a millionth of itself."""
     identities = TABLE[scene, name]

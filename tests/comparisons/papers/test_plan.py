@@ -143,7 +143,8 @@ def test_a_changed_verdict_is_a_deviation() -> None:
     ],
 )
 def test_number_that_a_row_is_judged_by(condition: str, value: Any, expected: Any) -> None:
-    assert judged_number(read_condition(condition), {"x": value}, "2.0 m/s") == expected
+    threshold = read_condition(condition).compare({"x": value}, "2.0 m/s")
+    assert judged_number(threshold) == expected
 
 
 def test_results_do_not_depend_on_processes() -> None:

@@ -13,10 +13,9 @@ import pytest
 from mbcheck.comparisons.papers import ledger, pages
 from mbcheck.comparisons.papers.assess import Assessment, assess
 from mbcheck.comparisons.papers.claims import read_paper, scenes_with_ledger
-from mbcheck.comparisons.papers.folder import FINDINGS
 from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED, LedgerRow, half_unit
 from mbcheck.comparisons.papers.outcomes import Findings, RowEntry
-from mbcheck.comparisons.papers.reproduce import contents
+from mbcheck.comparisons.papers.reproduce import FINDINGS, contents
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.tests.support.words import POINTS, agree, agree_by_chance
 

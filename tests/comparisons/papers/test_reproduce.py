@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import json
+import re
 from collections import Counter
 from dataclasses import replace
-from html.parser import HTMLParser
+from html import unescape
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from mbcheck.comparisons.papers import folder, ledger, pages, reproduce
+from mbcheck.comparisons.papers import ledger, pages, reproduce
 from mbcheck.comparisons.papers.assess import assess
 from mbcheck.comparisons.papers.claims import PaperData
 from mbcheck.comparisons.papers.ledger import PaperFigure
@@ -62,7 +63,7 @@ TOY_ROWS = (
 
 def replace_papers(monkeypatch: pytest.MonkeyPatch, figures: Any, rows: Any) -> None:
     """Let scenes have another paper."""
-    for module in (reproduce, folder, pages):
+    for module in (reproduce, pages):
         monkeypatch.setattr(module, "read_paper", lambda scene: PaperData(figures, rows))
 
 
@@ -135,32 +136,14 @@ def test_sessions_of_tests_share_what_one_has_computed(tmp_path: Path) -> None:
     assert SharedSession(shared=tmp_path).once("equations", lambda: equations) is equations
 
 
-class Tags(HTMLParser):
-    """The tags of a page, and its text."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.tags: Counter[str] = Counter()
-        self.text = ""
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags[tag] += 1
-
-    def handle_data(self, data: str) -> None:
-        self.text += data
-
-
 @pytest.mark.usefixtures("_toys")
 def test_pages_show_everything_and_escape_it(tmp_path: Path) -> None:
     found = reproduce.reproduce(["hula_hoop"], out=tmp_path)
     pages.write_pages(found, tmp_path)
-    page = Tags()
-    page.feed((tmp_path / "hula_hoop.html").read_text(encoding="utf-8"))
-    assert page.tags["img"] == 1
-    assert page.tags["table"] == 4
-    assert not page.tags["i"]
-    assert not page.tags["b"]
-    assert not page.tags["script"]
+    page = (tmp_path / "hula_hoop.html").read_text(encoding="utf-8")
+    tags = Counter(re.findall(r"<(\w+)", page))
+    assert [tags[name] for name in ("img", "table", "i", "b", "script")] == [1, 4, 0, 0, 0]
+    shown = unescape(re.sub(r"<[^>]*>", "", page))
     for words in (
         "Figure 2",
         "a line",
@@ -169,7 +152,7 @@ def test_pages_show_everything_and_escape_it(tmp_path: Path) -> None:
         "a | unit",
         "k = 1 <N/m>",
     ):
-        assert words in page.text
+        assert words in shown
     index = (tmp_path / "index.html").read_text(encoding="utf-8")
     assert 'href="hula_hoop.html"' in index
     assert "(hula_hoop.md)" in (tmp_path / "index.md").read_text(encoding="utf-8")
@@ -196,7 +179,7 @@ def test_one_figure_alone(tmp_path: Path) -> None:
 
 
 def test_a_scene_without_a_paper_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match="rigid_body has no paper that is reproduced"):
+    with pytest.raises(UsageError, match="rigid_body has no paper to reproduce"):
         reproduce.reproduce(["rigid_body"], out=tmp_path)
 
 

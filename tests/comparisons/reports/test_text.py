@@ -1,4 +1,4 @@
-"""The table: no word of a cell is ever broken, on a terminal, in a log or as Markdown."""
+"""The table: 80 columns, and no word of a cell is ever broken, on the console or as Markdown."""
 
 import io
 import re
@@ -22,10 +22,10 @@ WIDTH = 80
 DOCS = Path(__file__).resolve().parents[3] / "docs"
 
 
-def printed(*table: Any, terminal: bool = True, width: int = WIDTH, **options: Any) -> str:
-    """Return a table on a terminal of 80 columns, or in a log."""
+def printed(*table: Any, width: int = WIDTH, **options: Any) -> str:
+    """Return a table in 80 columns."""
     raw = io.StringIO()
-    console = Console(file=raw, width=width, force_terminal=terminal, color_system=None)
+    console = Console(file=raw, width=width, color_system=None)
     print_table(console, *table, **options)
     return raw.getvalue()
 
@@ -49,25 +49,26 @@ def words_of(value: object) -> list[str]:
     return number(value, 10, missing="-").split()
 
 
-@given(tables(), st.booleans())
+@given(tables())
 def test_every_word_of_every_cell_is_printed_whole(
-    table: tuple[list[str], list[list[object]]], terminal: bool
+    table: tuple[list[str], list[list[object]]],
 ) -> None:
     heads, rows = table
-    text = printed(heads, rows, terminal=terminal)
+    text = printed(heads, rows)
     there = text.split()
     for value in [value for row in rows for value in row]:
         for word in words_of(value):
             assert word in there
-    if terminal:
-        for line in text.splitlines():
-            assert len(line) <= WIDTH or len(line.split()) <= 2  # a head of one word, and a word
+    for line in text.splitlines():
+        assert len(line) <= WIDTH or len(line.split()) <= 2  # a head of one word, and a word
 
 
 @given(tables())
-def test_a_log_has_a_line_for_each_row(table: tuple[list[str], list[list[object]]]) -> None:
+def test_a_wide_console_has_a_line_for_each_row(
+    table: tuple[list[str], list[list[object]]],
+) -> None:
     heads, rows = table
-    lines = printed(heads, rows, terminal=False).splitlines()
+    lines = printed(heads, rows, width=10**5).splitlines()
     assert len(lines) == len(rows) + 3  # heads, a rule, and a blank line at the end
 
 
@@ -92,6 +93,24 @@ def test_numbers_stand_to_the_right_and_words_to_the_left() -> None:
     ]
 
 
+def test_a_row_with_one_value_is_a_heading_and_widens_no_column() -> None:
+    rows = [("floating_platform", "", ""), ("  mujoco", "ok 1", "ok 2")]
+    assert printed(("", "parts", "algebra"), rows).splitlines()[2:] == [
+        "floating_platform",
+        "  mujoco  ok 1   ok 2",
+        "",
+    ]
+
+
+def test_the_widest_columns_are_wrapped_first() -> None:
+    rows = [("x", "some words " * 6, "others " * 5, 1.25)]
+    text = printed(("case", "differs by", "kinds", "at t [s]"), rows, width=60).splitlines()
+    assert len(text[0]) <= 60
+    assert len(text) > 4
+    assert text[2].endswith("1.25")
+    assert all(line.startswith("      some ") for line in text[3:-1] if "some" in line)
+
+
 def test_prose_in_the_last_column_is_wrapped_between_words() -> None:
     text = printed(("name", "meaning"), [("stiffness", "of the spring, " * 10)])
     first, *more = text.splitlines()[2:-1]
@@ -114,7 +133,6 @@ def test_what_does_not_fit_becomes_records() -> None:
         "step [s]: 0.125",
         "",
     ]
-    assert len(printed(heads, rows, terminal=False).splitlines()) == 5
     assert len(printed(heads, rows, width=120).splitlines()) == 5
 
 
@@ -184,8 +202,8 @@ def test_the_coverage_fits_80_columns() -> None:
 def test_an_inspection_is_printed_whole_at_80_columns(model: str) -> None:
     pytest.importorskip("mujoco", exc_type=ImportError)
     path = Path(models.__file__).parent / f"{model}.xml"
-    wide = succeeds(f"inspect {path}")
-    narrow = on_a_terminal(f"inspect {path}")
+    wide = on_a_terminal(f"inspect {path}", 500)
+    narrow = succeeds(f"inspect {path}")
     words = {word for word in wide.split() if set(word) != {"-"}}
     assert words <= {word.removesuffix(":") for word in narrow.split()} | set(narrow.split())
     assert max(len(line) for line in narrow.splitlines() if str(path) not in line) <= WIDTH

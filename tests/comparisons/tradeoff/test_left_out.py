@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+import io
 import pickle
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 
 from mbcheck.comparisons.checks import boundary
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.reports.sections import print_sections
 from mbcheck.comparisons.reports.text import markdown_table
 from mbcheck.comparisons.scenes.left_out import Pair
 from mbcheck.comparisons.tradeoff import pages
 from mbcheck.comparisons.tradeoff.left_out import LeftOut, compare, pairs_of
 from mbcheck.comparisons.tradeoff.report import Tradeoff
 from mbcheck.comparisons.tradeoff.request import TradeoffRequest
-from mbcheck.comparisons.tradeoff.stability import boundaries_of, shift
+from mbcheck.comparisons.tradeoff.stability import StabilityShift, boundaries_of, shift
+from mbcheck.comparisons.tradeoff.table import STEP, Cost, Point, StepSeries
 from mbcheck.reference.errors import EngineError
 from mbcheck.tests.support.documents import validated
 
@@ -110,7 +114,7 @@ def test_where_an_engine_has_no_such_orbit_nothing_is_shifted(
 def test_all_that_is_measured_can_be_sent_and_written() -> None:
     """Each piece is a callable for another process; results stand in the document and the page."""
     scenes = ("hula_hoop", "rotating_beam", "speed_regulator")
-    pieces = Tradeoff.asked(TradeoffRequest(scenes, ("mujoco", "exudyn"))).pieces()
+    pieces = Tradeoff.of_request(TradeoffRequest(scenes, ("mujoco", "exudyn"))).pieces()
     assert pickle.loads(pickle.dumps(list(pieces))) == list(pieces)
     methods = [one.name for one in get_engine("exudyn").methods]
     names = [name for name, _ in boundaries_of(("hula_hoop",), ("exudyn",))]
@@ -126,3 +130,26 @@ def test_all_that_is_measured_can_be_sent_and_written() -> None:
     page = pages.markdown(result)
     assert "## What may be left out" in page
     assert "| RK44 | 4 | -4.8e-06 | -3.1e-07 |" in page
+
+
+def test_reports_fit_80_columns() -> None:
+    """All tables of a scene: choices, parts that may be left out, limits, shifts of boundaries."""
+    result = Tradeoff((1e-2, 1e-3), ("rotating_beam",), ("exudyn",))
+    cost = Cost(1.23e-3, 1.2e-3, 1.4e-3, 640.0)
+    points = tuple(Point(2.0**-k, 1e-3 * 2.0**-k, {}, cost, STEP, "step") for k in range(3, 7))
+    for options in ({}, {"segments": 6.0}, {"newton_tolerance": 1e-4}):
+        words = "rotating_beam", "steady_rotation", "exudyn", "elements", "GeneralizedAlpha"
+        name = "spatial discretisation" if options else ""
+        result.add(StepSeries(*words, 2, options, points, 2.0, 1e-4, name, 0.5))
+    models = "absolute coordinates, kinematic_tree RK44", "minimal coordinates RK44"
+    ratios = (1.9, 2.0, 2.1)
+    result.add(LeftOut(*words[:3], "rotary inertia", *models, 1e-6, 5e-3, ratios, "wall time"))
+    shifts = {str(count): -4.84e-6 for count in (40, 80, 160, 320, 640)}
+    result.add(StabilityShift(*words, 4, "force_amplitude", "N", shifts, {}, 4.0, 1e-9))
+    result.failures.append("rotating_beam exudyn elements: timeout: " + "it took too long " * 9)
+    printed = io.StringIO()
+    console = Console(file=printed, width=80, force_terminal=True, color_system=None)
+    print_sections(console, pages.sections(result))
+    titles = ["Cheapest settings", "Smallest models", "What may be left out", pages.LIMITS]
+    assert [title for title in titles if title not in printed.getvalue()] == []
+    assert [line for line in printed.getvalue().splitlines() if len(line) > 80] == []

@@ -14,9 +14,10 @@ import pytest
 from mbcheck.comparisons.inspect.inspection import inspect
 from mbcheck.comparisons.inspect.mujoco.model import load
 from mbcheck.comparisons.tradeoff.bench import Bench
-from mbcheck.comparisons.tradeoff.model import MARGIN, ModelTradeoff, setting_of
+from mbcheck.comparisons.tradeoff.model import ModelTradeoff, setting_of
 from mbcheck.comparisons.tradeoff.request import TradeoffRequest
 from mbcheck.comparisons.tradeoff.table import Cost, Trial
+from mbcheck.comparisons.tradeoff.tuning import BENCH
 from mbcheck.tests.support.command import invoke, refusal, succeeds
 from mbcheck.tests.support.documents import validated
 
@@ -73,7 +74,7 @@ def test_the_recommended_setting_meets_its_target_with_other_controls(tmp_path: 
     assert choice is not None
     listed = {limit.integrator for limit in inspect(file).steps}
     assert {trial.series.method for trial in advice.trials} == listed
-    assert choice.error <= MARGIN * 0.01
+    assert choice.error <= BENCH.margin * 0.01
     other = advised(file, horizon=0.25, seed=7)
     (again,) = [one for one in other.trials if setting_of(one) == setting_of(choice)]
     assert again.error <= 0.01
@@ -171,7 +172,7 @@ def test_a_model_at_rest_has_nothing_to_compare(tmp_path: Path) -> None:
     still = 'gravity="0 0 0"'
     done = invoke(f"tradeoff {written(tmp_path, option=still, kp='0')} --horizon 0.1")
     assert done.exit_code == 1
-    assert "nothing converges: as opened, controls held: nothing moves" in " ".join(
+    assert "no run converges: as opened, constant controls: nothing moves" in " ".join(
         done.stdout.split()
     )
 
@@ -207,9 +208,9 @@ def test_its_documents(tmp_path: Path) -> None:
     [
         ("--horizon 0", "--horizon must be a positive number"),
         ("--target 2", "between 0 and 1"),
-        ("--target 0.1 --target 0.2", "of a model: one --target (0.1, 0.2)"),
-        ("--engine mujoco", "of a model: no --engine (mujoco): MuJoCo runs it"),
-        ("hula_hoop", "of a model: one file, and nothing beside it ("),
+        ("--target 0.1 --target 0.2", "for a model: one --target (0.1, 0.2)"),
+        ("--engine mujoco", "for a model: no --engine (mujoco): MuJoCo runs it"),
+        ("hula_hoop", "for a model: one file, and nothing else ("),
         ("--observe nothing", "has no such joint or site"),
         ("--exact-closures", "has no equality"),
     ],
@@ -259,7 +260,7 @@ def loop(folder: Path, iterations: int = 100) -> str:
 def test_soft_closures_are_told_and_hardened(tmp_path: Path) -> None:
     file = loop(tmp_path)
     own, exact = (advised(file, horizon=0.1, target=5e-3, exact=exact) for exact in (False, True))
-    assert any("--exact-closures compares" in note for note in own.notes)
+    assert any("--exact-closures uses those" in note for note in own.notes)
     assert own.largest("softness") == pytest.approx(exact.largest("softness"), rel=0.1)
     assert {setting_of(one).closure for one in own.trials} == {None}
     # as soft as in the file a short step does not meet the target; with hard closures it does
@@ -269,7 +270,7 @@ def test_soft_closures_are_told_and_hardened(tmp_path: Path) -> None:
         min(error for one, error in short.items() if (one.closure is None) == own)
         for own in (True, False)
     )
-    assert hard < MARGIN * exact.asked.target < exact.asked.target < soft
+    assert hard < BENCH.margin * exact.request.target < exact.request.target < soft
     assert exact.choice is not None
 
 
@@ -310,11 +311,11 @@ def test_runs_go_on_where_they_ended(tmp_path: Path) -> None:
     assert json.loads(Path("runs.json").read_text())["entries"] == whole
     assert again == succeeds(options)
     for change, said in (
-        ("--horizon 0.06", "is of another horizon"),
-        ("--seed 1", "is of another seed"),
+        ("--horizon 0.06", "holds runs of another horizon"),
+        ("--seed 1", "holds runs of another seed"),
     ):
         assert said in refusal(f"{options} {change}")
-    assert "is of another model" in refusal(options.replace(file, loop(tmp_path)))
+    assert "holds runs of another model" in refusal(options.replace(file, loop(tmp_path)))
     broken = json.dumps(
         json.loads(Path("runs.json").read_text()) | {"entries": {key: {} for key in whole}}
     )

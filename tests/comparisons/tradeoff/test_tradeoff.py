@@ -17,10 +17,10 @@ from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import run
 from mbcheck.comparisons.faults.variants import Misread
 from mbcheck.comparisons.reports.files import Destination
+from mbcheck.comparisons.tradeoff.pages import write
 from mbcheck.comparisons.tradeoff.report import Tradeoff, tradeoff
 from mbcheck.comparisons.tradeoff.request import TradeoffRequest
 from mbcheck.comparisons.tradeoff.sweep import (
-    SMALL,
     beside,
     case_of,
     horizon_of,
@@ -42,7 +42,7 @@ from mbcheck.comparisons.tradeoff.table import (
     pareto,
     trials_of,
 )
-from mbcheck.comparisons.tradeoff.verb import write
+from mbcheck.comparisons.tradeoff.tuning import SWEEP
 from mbcheck.reference.equations import scene_equations
 from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import refusal
@@ -78,7 +78,7 @@ def series(*points: tuple[float, float, float], engine: str = "mujoco", **words:
 def test_order_above_the_floor(engine: str, model: str, method: str, order: int) -> None:
     found = swept("hula_hoop", engine, model, method)
     assert found.slope == pytest.approx(order, abs=0.1)
-    good = [p for p in found.points if p.error is not None and p.error < SMALL]
+    good = [p for p in found.points if p.error is not None and p.error < SWEEP.asymptotic_error]
     assert {p.label for p in good} <= {STEP}
     assert not any(p.wasted for p in good)
     assert found.plateau is None
@@ -230,7 +230,7 @@ def series_of(choice: Choice) -> StepSeries:
 
 
 def test_recommendations_hold_when_run_afresh() -> None:
-    found = Tradeoff.asked(TradeoffRequest(("hula_hoop",), ("mujoco",)))
+    found = Tradeoff.of_request(TradeoffRequest(("hula_hoop",), ("mujoco",)))
     found.series = [swept("hula_hoop", "mujoco", "tree", name) for name in ("Euler", "RK4")]
     choices = [one for one in found.recommendations if one.axis == "step"]
     assert len(choices) == 3
@@ -244,6 +244,7 @@ def test_recommendations_hold_when_run_afresh() -> None:
 @pytest.mark.campaign
 def test_every_recommendation_holds_when_run_afresh() -> None:
     found = tradeoff()
+    assert isinstance(found, Tradeoff)
     assert not found.failures
     assert {choice.scene for choice in found.recommendations if choice.met} == set(found.scenes)
     for choice in found.recommendations:
@@ -304,7 +305,7 @@ def test_the_fewest_rods_of_a_chain() -> None:
 
 def test_document_page_and_picture(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
-    found = Tradeoff.asked(TradeoffRequest(("hula_hoop",), ("mujoco",), (1e-4, 1e-2)))
+    found = Tradeoff.of_request(TradeoffRequest(("hula_hoop",), ("mujoco",), (1e-4, 1e-2)))
     found.series = [series((0.1, 1e-2, 1.0), (0.05, 1e-5, 2.0), (0.02, 1e-7, 3.0))]
     document = validated("tradeoff", found.as_json())
     assert document["targets"] == [1e-2, 1e-4]
@@ -329,7 +330,7 @@ def test_what_was_done_is_kept_and_resumed(monkeypatch: pytest.MonkeyPatch, tmp_
 
     def found(*targets: float) -> Tradeoff:
         names = ("speed_regulator",), ("exudyn",)
-        result = Tradeoff.asked(TradeoffRequest(*names, targets, resume=file))
+        result = Tradeoff.of_request(TradeoffRequest(*names, targets, resume=file))
         result.done = [what for _, _, what in result.work()]  # type: ignore[attr-defined]
         return result
 
@@ -357,7 +358,7 @@ def test_what_was_done_is_kept_and_resumed(monkeypatch: pytest.MonkeyPatch, tmp_
         ("--target nan", "between 0 and 1, not nan"),
         ("speed_regulatr", "did you mean 'speed_regulator'"),
         ("--engine reference", "checked against"),
-        ("hula_hoop --horizon 2", "are of a model"),
+        ("hula_hoop --horizon 2", "are for a model"),
         ("no_such.xml", "no_such.xml"),
     ],
 )

@@ -10,6 +10,7 @@ import pytest
 
 from mbcheck.comparisons.checks.suite import checks_of, run_check
 from mbcheck.comparisons.engines.adapter import Adapter, BoundModel
+from mbcheck.comparisons.engines.exudyn.engine import Exudyn
 from mbcheck.comparisons.engines.mujoco.engine import joint_force
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.faults.exudyn import ExudynAdapter
@@ -114,7 +115,7 @@ def wrong_mujoco(mass: float, inertia: float) -> Edited:
     return Edited(('mass="0.5"', f'mass="{mass!r}"'), (repr(HOMOGENEOUS), repr(inertia)))
 
 
-class WrongExudyn(ExudynAdapter):
+class WrongExudyn(Exudyn):
     """Exudyn with other numbers of the rod."""
 
     def __init__(self, mass: float, inertia: float) -> None:
@@ -140,7 +141,7 @@ class PushedBack(Wrapped):
 
 WRONG: Mapping[str, Callable[[float, float], Adapter]] = {
     "mujoco": wrong_mujoco,
-    "exudyn": WrongExudyn,
+    "exudyn": lambda *numbers: ExudynAdapter(WrongExudyn(*numbers)),
 }
 
 
@@ -148,7 +149,9 @@ def verdicts(engine: str, case: Case, wrong: Adapter | None = None) -> dict[str,
     """Return, by quantity, the verdicts of the check kind that a case feeds first."""
     found: dict[str, set[str]] = {}
     for check in checks_of(case.kinds[0], case, engine):
-        for item in [] if check.why_not else run_check(check, "loose", wrong, explain=False):
+        for item in (
+            [] if check.unsupported_reason else run_check(check, "loose", wrong, explain=False)
+        ):
             found.setdefault(item.quantity, set()).add(item.verdict)
     return found
 

@@ -20,7 +20,7 @@ from mbcheck.reference.solve.kernel import (
     written_down,
     written_out,
 )
-from mbcheck.reference.solve.rk8 import FixedSteps
+from mbcheck.reference.solve.rk8 import equal_steps
 
 TRACED = [name for name in SCENES if get_scene(name).continuum is NO_CONTINUUM]
 
@@ -119,9 +119,8 @@ def test_steps_are_those_of_the_method(name: str, complex_steps: bool, count: in
     x = 0.1 * states(scene, count or 1, complex_steps)
     derivative = scene.derivative(c)
     t = np.linspace(0.0, 1.0, count) if count else 0.3
-    stepper = FixedSteps(derivative, x, t, 1e-3)
     for h in (1e-3, 2e-3, 2e-3):
-        found, plain = stepper(x, t, 3 * h, 3), by_stages(derivative, x, t, h, 3)
+        found, plain = equal_steps(derivative, x, t, h, 3), by_stages(derivative, x, t, h, 3)
         for part in (np.real, np.imag):
             size = np.max(np.abs(part(plain)), axis=1, keepdims=True)
             assert np.all(np.abs(part(found) - part(plain)) <= 1e-12 * size)

@@ -203,7 +203,7 @@ def judged(fault: Seeded, explain: bool = False) -> list[Result]:
             if kind not in (LOOKED_AT if case == fault.case.name else LOOKED_AT[:2]):
                 continue
             for check in checks(kind, there):
-                if not (check.full_only or check.why_not):
+                if not (check.full_only or check.unsupported_reason):
                     results += run_check(check, engine=fault.engine, explain=explain)
     return results
 

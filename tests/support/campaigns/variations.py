@@ -97,7 +97,7 @@ def possible(case: Case, random: np.random.Generator) -> Iterator[Check]:
     if kind == "frequency" and case.watch != "elements":  # where rest is depends on parameters
         case = replace(case, about=case.about or place_of_rest(case))
     for check in checks_of(kind, case, engine):
-        if check.why_not is None:
+        if check.unsupported_reason is None:
             yield check
 
 

@@ -18,7 +18,7 @@ ALLOWED: Mapping[str, Mapping[str, str]] = {
         "comparisons/faults/variants.py::Wrapped.__getattr__": "delegates all there is",
     },
     "broad_excepts": {
-        "comparisons/checks/diagnosis/runs.py::cause": "runs the engine again, for words only",
+        "comparisons/checks/diagnosis.py::cause": "runs the engine again, for words only",
         "comparisons/checks/suite.py::run_check": "a check that crashes must not end the others",
         "comparisons/checks/suite.py::origin": "asks an engine whose check has failed",
         "comparisons/engines/protocol.py::import_library": "imports a binary, which may be broken",

@@ -88,6 +88,12 @@ WORDS: Mapping[str, int] = {
 }
 """How often each of `PHRASES` stands in the package."""
 
+DOC_WORDS = 24901
+"""Words of all pages that are written by hand."""
+
+GENERATED_PAGES = ("json.md", "ledger.md")
+"""Pages of `docs` that programs write."""
+
 MINUTES: Mapping[str, float] = {
     "lint": 3.7,
     "check": 4.2,
@@ -178,6 +184,14 @@ def count_claims(clone: Path) -> dict[str, int]:
     }
 
 
+def count_doc_words(clone: Path) -> int:
+    """Return the number of words of pages written by hand, without generated tables."""
+    pages = {*clone.glob("*.md"), *clone.glob("docs/*.md")}
+    texts = (page.read_text("utf-8") for page in pages if page.name not in GENERATED_PAGES)
+    generated = re.compile(r"<!-- (fields|table|output) of .*?<!-- end -->", re.DOTALL)
+    return sum(len(generated.sub("", text).split()) for text in texts)
+
+
 def count_phrases(house: Iterable[Module]) -> dict[str, int]:
     """Return how often each of `PHRASES` stands in the strings of the package."""
     counts = dict.fromkeys(PHRASES, 0)
@@ -196,4 +210,5 @@ def count_phrases(house: Iterable[Module]) -> dict[str, int]:
 if __name__ == "__main__":
     HOUSE = modules(Path.cwd())
     SIZES = {"FOLDERS": count_sizes(HOUSE), "CLAIMS": count_claims(Path.cwd())}
-    pprint(SIZES | {"WORDS": count_phrases(HOUSE)}, sort_dicts=False)
+    TEXT = {"DOC_WORDS": count_doc_words(Path.cwd()), "WORDS": count_phrases(HOUSE)}
+    pprint(SIZES | TEXT, sort_dicts=False)

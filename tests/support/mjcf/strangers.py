@@ -6,8 +6,8 @@ import os
 import signal
 import time
 
+from mbcheck.comparisons.inspect.batch import FileReport, inspect_file
 from mbcheck.comparisons.inspect.request import InspectRun
-from mbcheck.comparisons.inspect.sandbox import FileReport, inspect_file
 
 MODEL = """<mujoco><worldbody><body><joint name="{}" damping="-1"/><geom size="0.1"/></body>
   </worldbody></mujoco>"""

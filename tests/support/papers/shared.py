@@ -5,7 +5,7 @@ from __future__ import annotations
 import fcntl
 import os
 import pickle
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from hashlib import sha256
@@ -19,7 +19,6 @@ from mbcheck.comparisons.papers.claims import read_paper, read_row
 from mbcheck.comparisons.papers.ledger import REPRODUCED, LedgerRow
 from mbcheck.comparisons.papers.outcomes import FigureEntry, Findings, Made, RowEntry
 from mbcheck.comparisons.papers.session import Session
-from mbcheck.tests.support.words import agree
 
 T = TypeVar("T")
 
@@ -91,9 +90,3 @@ def row_of(name: str, numbers: Any = None, each: Any = None, **keys: Any) -> Led
     """Return a row as a paper's file has it, with functions for its measures."""
     texts = {"section": "1", "claim": "a claim", "verdict": REPRODUCED} | keys
     return replace(read_row("hula_hoop", name, texts, {}), numbers=numbers, each=each)
-
-
-def holds(row: LedgerRow, words: Sequence[str]) -> None:
-    """Assert that the candidates of a reading give these words."""
-    for given, computed in zip(row.candidates.values(), words, strict=True):
-        assert agree(given, computed)

@@ -104,9 +104,9 @@ def results(engine: Any, case: Case, kinds: tuple[str, ...]) -> list[Result]:
 WRONG = {
     "the force is one step late": Driven(-1.0),
     "the force is one step early": Driven(1.0),
-    "the force is held: that at the start of each step": Driven(holds=True),
-    "the force is held: that in the middle of each step": Driven(0.5, holds=True),
-    "the force is held: that at the end of each step": Driven(1.0, holds=True),
+    "the force is constant in each step, as at its start": Driven(holds=True),
+    "the force is constant in each step, as in its middle": Driven(0.5, holds=True),
+    "the force is constant in each step, as at its end": Driven(1.0, holds=True),
 }
 
 
@@ -180,7 +180,7 @@ def test_the_pulse_of_a_beam_is_held_late_or_without_end() -> None:
     held = results(Driven(holds=True), BEGUN, ("step", "trajectory"))
     assert {item.kind for item in held if item.verdict == "deviation"} == {"step", "trajectory"}
     said = {item.cause for item in held if item.kind == "step"} - {None}
-    assert said == {"the force is held: that at the start of each step"}
+    assert said == {"the force is constant in each step, as at its start"}
     endless = results(Driven(ends=False), PULSE, ("trajectory",))
     causes = {item.cause for item in endless} - {None}
     assert causes == {"it is right until the drive ends at t = 1.5 s, and wrong after that"}

@@ -19,7 +19,7 @@ from mbcheck.comparisons.checks.kinds import (
     order,
     stability,
 )
-from mbcheck.comparisons.checks.mistakes.shares import Effect, explain
+from mbcheck.comparisons.checks.mistakes.parts import Effect, explain
 from mbcheck.comparisons.checks.verdict import Finding
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup

@@ -40,7 +40,7 @@ def verdict(engine: Any, method: str = "RK4", case: Case = SPINNING, **changes: 
     model, made = engine.models(case.scene)[0], known[method]
     check = Check(
         "parameters", case, engine.name, model, made, (pushed.QUANTITY,),
-        why_not=engine.bind(case, model).unsupported_reason(case, made), step=STEP,
+        unsupported_reason=engine.bind(case, model).unsupported_reason(case, made), step=STEP,
     )  # fmt: skip
     (result,) = run_check(check, engine=engine)
     return result

@@ -85,5 +85,5 @@ def test_what_grows_and_stays_small_is_judged() -> None:
 
 def test_no_engine_that_comes_with_mbcheck_is_concerned() -> None:
     for check in plan(["rotating_beam"], kinds=["trajectory", "energy", "stability"], full=True):
-        if check.why_not is None:
+        if check.unsupported_reason is None:
             refuse_unstable(check.setup())

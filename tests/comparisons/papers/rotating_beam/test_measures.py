@@ -14,7 +14,7 @@ from mbcheck.comparisons.engines.registry import REFERENCE
 from mbcheck.comparisons.papers.assess import assess
 from mbcheck.comparisons.papers.claims import read_paper
 from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED
-from mbcheck.comparisons.papers.rotating_beam import derivation, frequencies, responses, results
+from mbcheck.comparisons.papers.rotating_beam import measures
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.rotating_beam import FIGURE_5, beam_scene
@@ -29,14 +29,14 @@ BY_NAME = {row.name: row for row in read_paper("rotating_beam").rows}
 @pytest.mark.slow
 def test_responses_are_those_that_were_measured(with_engines: Session) -> None:
     peaks, own = (
-        responses.by_mass(with_engines, who, 4, results.peak) for who in (REFERENCE, "exudyn")
+        measures.by_mass(with_engines, who, 4, measures.peak) for who in (REFERENCE, "exudyn")
     )
     np.testing.assert_allclose(peaks, [1.083, 1.864, 2.456, 3.332], atol=6e-4)
     np.testing.assert_allclose(own, peaks, rtol=1e-3)
 
 
 def test_wrong_roots_are_not_reproduced(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(derivation, "rest_roots", lambda count: np.arange(count) + 2.0)
+    monkeypatch.setattr(measures, "rest_roots", lambda count: np.arange(count) + 2.0)
     assert assess(BY_NAME["asymptote"], Session()).verdict == NOT_REPRODUCED
     wrong = replace(BY_NAME["root_2"], printed="4.695")
     assert assess(wrong, Session()).verdict == NOT_REPRODUCED
@@ -46,27 +46,26 @@ def test_an_engine_that_fails_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     def fails(*args: Any, **more: Any) -> Any:
         raise EngineError("clock", "went back")
 
-    monkeypatch.setattr(results, "simulate", fails)
-    job = results.Job(5, 0.4, "exudyn", 1.0, 4)
-    failure = results.simulated(job)
+    monkeypatch.setattr(measures, "simulate", fails)
+    failure = measures.simulate_beam(measures.beam_of(5, 0.4), "exudyn", 1.0)
     assert isinstance(failure, str)
     session = Session(engines=("exudyn",))
-    still = results.Response(np.zeros(1), {"theta": np.zeros(1)})
+    still = measures.Response(np.zeros(1), {"theta": np.zeros(1)})
     for who, motion in (("exudyn", failure), (REFERENCE, still)):
-        session.cache["rotating_beam", "runs", 5, who] = {0.4: motion}
-    row = row_of("a", each=lambda session, who: len(results.response(session, 5, who, 0.4).times))
+        session.cache["rotating_beam.runs", 5, who] = {0.4: motion}
+    row = row_of("a", each=lambda session, who: len(measures.response(session, 5, who, 0.4).times))
     assert "went back" in assess(row, session).engines["exudyn"]
 
 
 def test_maximum_of_a_curve() -> None:
     at = np.linspace(0.1, 1.0, 16)
-    assert results.maximum(at, -((at - 0.4217) ** 2)) == pytest.approx(0.4217)
-    assert results.maximum(at, at) == 1.0
+    assert measures.maximum(at, -((at - 0.4217) ** 2)) == pytest.approx(0.4217)
+    assert measures.maximum(at, at) == 1.0
 
 
 def test_string_is_the_beam_without_bending_stiffness() -> None:
     """By shooting from both ends: tau phi' jumps at the mass by its inertia."""
-    n = numbers(results.BEAM.replace(mass=0.4, mass_position=0.5))
+    n = numbers(measures.BEAM.replace(mass=0.4, mass_position=0.5))
 
     def shoot(square: float, start: float, values: list[float]) -> Any:
         def slopes(x: float, y: Any) -> list[float]:
@@ -85,7 +84,7 @@ def test_string_is_the_beam_without_bending_stiffness() -> None:
         )
 
     omega = n.gamma * np.sqrt(brentq(jump, 2.0, 3.0, xtol=1e-9) - 1)
-    assert derivation.string_frequency(n) == pytest.approx(omega, rel=1e-6)
+    assert measures.string_frequency(n) == pytest.approx(omega, rel=1e-6)
 
 
 def test_linear_pulse_solves_the_equations() -> None:
@@ -101,19 +100,19 @@ def test_linear_pulse_solves_the_equations() -> None:
         atol=1e-12,
         max_step=1.0,
     )
-    wanted, found = scene.observe(right.y, p), responses.linear_pulse(p, times, scene).values
+    wanted, found = scene.observe(right.y, p), measures.linear_pulse(p, times, scene).values
     for name in ("theta", "theta_dot", "tip_deflection", "tip_deflection_dot"):
         size = np.max(np.abs(wanted[name]))
         np.testing.assert_allclose(found[name], wanted[name], atol=1e-4 * size)
 
 
 def test_what_cannot_be_tested_tells_right_numbers() -> None:
-    places = [frequencies.crossings(speed)[0] for speed in (4.0, results.SPEED, 15.0)]
+    places = [measures.crossings(speed)[0] for speed in (4.0, measures.SPEED, 15.0)]
     words = "{:.3f} at 4 rad/s, {:.3f} at 7 rad/s, {:.3f} at 15 rad/s".format(*places)
     assert agree(BY_NAME["better_prediction"].reason.partition("converged: ")[2], words)
-    best = frequencies.best(results.SPEED)
+    best = measures.best(measures.SPEED)
     assert agree(BY_NAME["value_of_6"].reference, f"{best[-1]:.3f} to {best[0]:.3f}")
-    p = results.BEAM.replace(angular_speed=0.0)
+    p = measures.BEAM.replace(angular_speed=0.0)
     at_rest = [
         natural_modes(one, count=1).omega[0] for one in (p, p.replace(mass=0.4, mass_position=0.4))
     ]

@@ -7,8 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from mbcheck.comparisons.reports.run.blocks import blocks
-from mbcheck.comparisons.reports.run.located import located
+from mbcheck.comparisons.reports.run.located import blocks, located
 from mbcheck.comparisons.reports.run.outcome import Report
 from mbcheck.comparisons.reports.run.sections import MOST
 from mbcheck.comparisons.reports.run.sections import run_junit as junit
@@ -52,7 +51,7 @@ def test_ten_are_shown_and_all_with_v() -> None:
     text = many.text()
     assert text.startswith("Located:\n")
     assert text.count("DEVIATION ") == MOST
-    assert "and 4 more checks that fail otherwise: -v shows them" in text
+    assert "and 4 more checks with other failures: -v shows them" in text
     assert many.text(1).count("DEVIATION ") == 14
 
 
@@ -73,7 +72,7 @@ def test_who_gives_no_accelerations_is_told_what_they_would_tell(reason: str, to
     wrong = result(verdict="deviation", engine="mine", kind="step")
     other = result(verdict="deviation", kind="step")
     without = result(verdict="skipped", engine="mine", kind="algebra", reason=reason)
-    hint = "  its accelerations would tell which part of the model: docs/engines.md"
+    hint = "  its accelerations would show which part of the model: docs/engines.md"
     lines = located([wrong, without, other])
     assert (hint in lines) == told
     assert not told or lines.index(hint) == 2

@@ -121,7 +121,7 @@ def test_what_a_reader_finds(text: str) -> None:
     words = Page(text).words
     for part in (
         "FAIL: 2 passed", "checks: ", "2026-01-02 03:04 UTC",
-        "everything that is checked by default", "Deviations and errors (5)", "Located:",
+        "the default set of checks", "Deviations and errors (5)", "Located:",
         "DEVIATION verification/hula_hoop/point_mass_3hz_60n/trajectory/mujoco/Euler",
         "theta rad 5e-05 0 5e-05 2e-06 25", "exudyn RK67 1 listed",
         "exudyn RK44, RK33 2 no such model", "verification/*/gone/*",
@@ -212,7 +212,7 @@ def test_a_folder_is_made_and_written_again() -> None:
     [
         (["--html", "file"], "cannot write into 'file': it is no folder"),
         (["--html", "file/pages"], "cannot write into 'file/pages': it is no folder"),
-        (["--html", "mine"], "is there already, and no page of mbcheck"),
+        (["--html", "mine"], "exists and is no page of mbcheck"),
         (["--html", "-"], "--html needs the name of a folder"),
         (["--html", "a\0b"], "cannot write into"),
         (["--html", "out", "--json", "out/index.html"], "cannot both go to"),

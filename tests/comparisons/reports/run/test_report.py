@@ -4,6 +4,7 @@ import io
 import json
 import math
 import re
+import shlex
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -18,7 +19,7 @@ from mbcheck.comparisons.checks.request import CheckRequest
 from mbcheck.comparisons.checks.verdict import Result, Verdict
 from mbcheck.comparisons.reports import drawing
 from mbcheck.comparisons.reports.run.outcome import Report
-from mbcheck.comparisons.reports.run.sections import print_report, run_sarif
+from mbcheck.comparisons.reports.run.sections import print_report, run_badge, run_sarif
 from mbcheck.comparisons.reports.run.sections import run_junit as junit
 from mbcheck.tests.support.documents import results_of_sarif, validated
 from mbcheck.tests.support.results import HOSTILE, MIXED, VERSIONS, changed, result
@@ -190,6 +191,21 @@ def test_sarif_has_no_nan(bad: float) -> None:
     assert "error" not in one["properties"]
 
 
+# Badge
+
+
+def test_a_badge_says_in_a_word_how_a_run_went() -> None:
+    def badge(*results: Result, **run: Any) -> tuple[str, str]:
+        made = json.loads(run_badge(outcome(list(results), **run)))
+        assert (made.pop("schemaVersion"), made.pop("label")) == (1, "mbcheck")
+        return made.pop("message"), made.pop("color")
+
+    assert badge(result()) == ("1 passed", "brightgreen")
+    assert badge(*MIXED) == ("2 passed, 1 deviation, 1 error", "red")
+    assert badge(result(verdict="skipped")) == ("nothing ran", "lightgrey")
+    assert badge(result(), interrupted=True) == ("interrupted", "lightgrey")
+
+
 # Console
 
 
@@ -198,13 +214,12 @@ def printed(
     verbosity: int,
     versions: dict[str, str] = VERSIONS,
     encoding: str = "utf-8",
-    terminal: bool = False,
     **run: Any,
 ) -> str:
-    """Return what is printed to a log file, or to a terminal of 80 columns."""
+    """Return what is printed in 80 columns."""
     raw = io.BytesIO()
     log = io.TextIOWrapper(raw, encoding=encoding, newline="\n")
-    console = Console(file=log, width=80, force_terminal=terminal, color_system=None)
+    console = Console(file=log, width=80, color_system=None)
     print_report(console, outcome(results, versions, **run), verbosity)
     log.flush()
     return raw.getvalue().decode(encoding)
@@ -219,9 +234,10 @@ def test_report_begins_with_what_is_wrong() -> None:
     text = printed(MIXED, 0)
     lines = text.splitlines()
     assert lines[:2] == ["Located:", "  mujoco: a free run is wrong"]
-    assert f"DEVIATION {MIXED[2].check_id}  1 of 2 quantities" in lines
+    assert f"DEVIATION {MIXED[2].check_id} 1 of 2 quantities" in " ".join(text.split())
     assert re.search(r"^theta +rad +5e-05 +0 +5e-05 +2e-06 +25$", text, re.MULTILINE)
-    assert f"  mbcheck check --id '{MIXED[2].id}'" in lines
+    place = lines.index("  mbcheck check \\")
+    assert lines[place + 1] == f"      --id '{MIXED[2].id}'"
     assert f"ERROR {MIXED[6].check_id}" in lines
     assert lines[-1].startswith("FAIL: ")
     assert "mbcheck 0.1.0, mujoco 4.0.0" in lines
@@ -265,10 +281,8 @@ def test_report_fits_a_terminal_of_80_columns(verbosity: int) -> None:
         for _ in range(100)
     ]
     assert "\x1b" not in printed(results, verbosity)
-    text = printed(results, verbosity, terminal=True)
-    ids = {item.check_id for item in results}
-    free = [line for line in text.splitlines() if not any(name in line for name in ids)]
-    assert max(map(len, free)) <= 80
+    lines = printed(results, verbosity).splitlines()
+    assert all(len(line) <= 80 or len(line.split()[-1]) > 70 for line in lines)
 
 
 def test_report_in_an_old_encoding() -> None:
@@ -279,8 +293,12 @@ def test_report_in_an_old_encoding() -> None:
 
 def test_rerun_command_keeps_options_and_quotes() -> None:
     odd = changed(result(verdict="deviation"), id="a/b/c/d/e/f/it's", quantity="it's")
-    text = printed([odd], 0, selection=CheckRequest(full=True))
-    assert "mbcheck check --full --id 'a/b/c/d/e/f/it'\\''s'" in text
+    selection = CheckRequest(full=True, profile="strict", placement="turned:7")
+    text = printed([odd], 0, selection=selection).replace("\\\n", " ")
+    assert shlex.split(text[text.index("mbcheck check") :].splitlines()[0]) == [
+        *["mbcheck", "check", "--placement", "turned:7", "--profile", "strict", "--full", "--id"],
+        "a/b/c/d/e/f/it's",
+    ]
 
 
 def test_drawings_are_saved_as_svg(tmp_path: Path) -> None:

@@ -1,0 +1,106 @@
+"""``mbcheck explain``: the terms of reports and documents."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from fnmatch import fnmatchcase
+from importlib.resources import files
+from typing import Any
+
+import click
+from rich.console import Console
+
+from ...reference import SCENES, get_scene
+from ...reference.errors import UnknownNameError
+from ..checks.rules.cautions import RULES as CAUTIONS
+from ..inspect.console import print_rule
+from ..inspect.rules.table import RULES as FINDINGS
+from ..reports.text import print_line
+from ..terminal.program import console, examples
+
+
+def glossary() -> Mapping[str, Mapping[str, Any]]:
+    """Return the entry of each term, by the sort of term.
+
+    Returns
+    -------
+    Mapping
+        A text; for a kind of check, its ``question``, the faults that it ``catches``, and its
+        ``quantities``. Terms and quantities may be patterns.
+    """
+    text = files(__package__).joinpath("glossary.toml").read_text(encoding="utf-8")
+    return tomllib.loads(text)
+
+
+def text_of(entry: Any) -> str:
+    """Return an entry as a text."""
+    if isinstance(entry, str):
+        return entry
+    return f"{entry['question']} It finds: {entry['catches']}."
+
+
+def explanations(name: str) -> list[str]:
+    """Return the entries that explain a term, a quantity of a check, or an observable."""
+    terms = glossary()
+    matches = [
+        f"{pattern} ({sort}): {text_of(entry)}"
+        for sort, entries in terms.items()
+        for pattern, entry in entries.items()
+        if fnmatchcase(name, pattern)
+    ]
+    matches += [
+        f"{name} (quantity of the check {kind}): {entry['question']}"
+        for kind, entry in terms["kind of check"].items()
+        if any(fnmatchcase(name, pattern) for pattern in entry.get("quantities", ()))
+    ]
+    units = {scene: get_scene(scene).units for scene in SCENES}
+    where = [f"{scene} [{unit[name]}]" for scene, unit in units.items() if name in unit]
+    return matches + [f"{name} (observable): of {', '.join(where)}"] * bool(where)
+
+
+def print_terms(screen: Console) -> None:
+    """Print the terms that are explained."""
+    rules = {"rule": dict.fromkeys([*CAUTIONS, *FINDINGS])}
+    for sort, entries in {**glossary(), **rules}.items():
+        print_line(screen, f"{sort}: {', '.join(entries)}", hanging="  ")
+
+
+def explain_term(screen: Console, name: str) -> None:
+    """Print the entries of a term, an observable or a rule.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such term.
+    """
+    matches = explanations(name) or explanations(name.lower())
+    if name in CAUTIONS and name not in FINDINGS:
+        matches.append(f"{name} (rule for a run of a scene): {CAUTIONS[name].meaning}")
+    for entry in matches:
+        print_line(screen, entry, hanging="  ")
+    if name in FINDINGS:
+        print_rule(screen, name)
+    elif not matches:
+        known = [term for terms in glossary().values() for term in terms]
+        raise UnknownNameError("term", name, [*known, *CAUTIONS, *FINDINGS])
+
+
+@click.command(
+    epilog=examples(
+        "mbcheck explain                all terms",
+        "mbcheck explain least_error    a quantity",
+        "mbcheck explain step_limit     a rule",
+    ),
+)
+@click.argument("terms", metavar="[TERM]...", nargs=-1)
+def explain(terms: tuple[str, ...]) -> None:
+    """Explain terms of the reports: kinds of check, verdicts, quantities and rules.
+
+    Without a TERM all of them are listed.
+    """
+    screen = console()
+    if not terms:
+        print_terms(screen)
+    for term in terms:
+        explain_term(screen, term)

@@ -1,0 +1,1385 @@
+"""Measures of the hula_hoop paper, and the orbits, runs and maps that they and the figures share.
+
+The paper's equations themselves are texts in ``claims.toml``. An identity is judged at one motion
+of the form (16), (17) that solves nothing, `TRIAL`, with s = alpha tau; where no motion is needed,
+values are random.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from itertools import product
+from math import factorial
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.ndimage import binary_dilation
+from scipy.ndimage import label as connected
+from scipy.optimize import brentq
+from scipy.special import jv
+from scipy.stats import spearmanr
+
+from ....reference import get_scene
+from ....reference.continuation.along import BoundaryAlong
+from ....reference.equations import scene_equations
+from ....reference.hula_hoop.equations import (
+    PLATE,
+    SEMICIRCLE,
+    HulaHoop,
+    coefficients,
+    drive,
+    energy,
+    orbit_guesses,
+)
+from ....reference.hula_hoop.floquet import floquet_multipliers, variational_coefficients
+from ....reference.hula_hoop.theory import (
+    ApproximateSolution,
+    balance_residuals,
+    corrected_solution,
+    nondimensional,
+    paper_solution,
+    printed_residuals,
+    refined_solution,
+)
+from ....reference.scene import Array, Case
+from ....reference.solve.rk8 import rk8_steps
+from ...checks.boundary import engine_point
+from ...checks.truth import random_states
+from ...engines.registry import REFERENCE
+from ...engines.run import contained
+from ...engines.setup import Setup
+from ...maps.request import Axis
+from ...maps.store import Map
+from ...queries.orbit import OrbitReport, find
+from ...queries.query import choose_engine, choose_method
+from ...queries.request import MethodQuery, Query
+from ...queries.simulate import Simulation, simulate
+from ...scenes.hula_hoop.floquet import EXACT
+from ...scenes.hula_hoop.motion import OPTIONS, strongest
+from ...scenes.hula_hoop.steps import step_counts
+from ...scenes.quantity import Flow, Points
+from ..claims import read_paper
+from ..equations import Values
+from ..ledger import Numbers
+from ..session import Session, once
+
+SCENE = "hula_hoop"
+EXAMPLE = HulaHoop()
+"""Parameters of section 5.1: 3 Hz, 60 N, point mass."""
+
+NATURAL = float(EXAMPLE.omega_n) / (2 * np.pi)
+"""Natural frequency of the main mass [Hz]."""
+
+HERTZ, NEWTON = (1.0, 10.0), (5.0, 150.0)
+"""Axes of figs. 4-7; the text does not give them."""
+POINTS, ENGINE_POINTS, FULL_POINTS = 31, 11, 64
+"""Points along an axis of the reference's maps, of the engines' (every third), and with --full."""
+
+SAMPLES = 64
+"""Samples of a motion in a period of the force."""
+LOCKED = 0.03
+"""Largest distance of turns per period from 1 while the phase still oscillates."""
+LONG_RUN = 12.0
+"""Duration of runs from rest [s]: eight times the transient of fig. 3."""
+
+APPROXIMATIONS = {
+    "paper": paper_solution,
+    "refined": refined_solution,
+    "corrected": corrected_solution,
+}
+STATES = ("y", "theta", "y_dot", "theta_dot")
+
+
+def samples(seconds: float) -> Array:
+    """Return sample times from 0 [s], whole fractions of the example's period."""
+    rate = SAMPLES * EXAMPLE.force_frequency
+    return np.arange(round(seconds * rate) + 1) / rate
+
+
+# The example of section 5.1
+
+
+@once
+def example_orbit(session: Session, engine: str = REFERENCE) -> OrbitReport:
+    """Return the true rotation."""
+    return find(MethodQuery(SCENE, engine=engine), bounded=False)
+
+
+@once
+def example_from_rest(session: Session, engine: str = REFERENCE) -> Simulation:
+    """Return the motion from rest."""
+    return simulate(SCENE, engine=engine, times=samples(LONG_RUN))
+
+
+@once
+def example_rotation(session: Session, engine: str = REFERENCE) -> Simulation:
+    """Return three periods of the true rotation."""
+    state = dict(example_orbit(session, engine).state)
+    return simulate(SCENE, engine=engine, state=state, times=samples(1.0))
+
+
+def second_harmonic(report: OrbitReport) -> float:
+    """Return the amplitude u_1 of theta at twice the frequency of the force [rad]."""
+    return next(term.amplitude for term in report.harmonics["theta"].terms if term.order == 2)
+
+
+def approximate_states(name: str) -> Array:
+    """Return the states (4, n_t) of an approximate solution over three periods."""
+    return APPROXIMATIONS[name](EXAMPLE).state(samples(1.0), EXAMPLE)
+
+
+def states(run: Simulation) -> Array:
+    """Return the states (4, n_t) of a run."""
+    return np.array([run.observables[name] for name in STATES])
+
+
+def apart(own: Array, truth: Array) -> Array:
+    """Return |difference| of states (4, n_t), angles on the circle."""
+    gap = own - truth
+    gap[1] = (gap[1] + np.pi) % (2 * np.pi) - np.pi
+    return np.abs(gap)
+
+
+def approximation_errors(session: Session) -> dict[str, Array]:
+    """Return the largest errors (4,) of the approximate solutions against the true rotation."""
+    truth = states(example_rotation(session))
+    return {name: apart(approximate_states(name), truth).max(axis=1) for name in APPROXIMATIONS}
+
+
+def value_range(times: Array, values: Array) -> tuple[float, float]:
+    """Return the smallest and the largest value of samples (n_t,), between them by splines."""
+    spline = CubicSpline(times, values)
+    every = np.concatenate([values, spline(spline.derivative().roots(extrapolate=False))])
+    return float(every.min()), float(every.max())
+
+
+@dataclass(frozen=True)
+class LockIn:
+    """How a motion from rest at 3 Hz, 60 N becomes a rotation.
+
+    Attributes
+    ----------
+    last_slip : float
+        Time until which the phase is more than half a turn from its final value [s].
+    last_reversal : float
+        Time at which the free mass last turns backwards [s].
+    settled : float
+        Time from which the phase stays within 0.5 rad of its final value [s].
+    turns : float
+        Turns per period, over the last eight.
+    direction : int
+    least_speed : float
+        Smallest speed of the last period over omega, in the sense of rotation.
+    """
+
+    last_slip: float
+    last_reversal: float
+    settled: float
+    turns: float
+    direction: int
+    least_speed: float
+
+
+def lock_in(times: Array, theta: Array, speed: Array) -> LockIn:
+    """Return the lock-in of a motion (n_t,) from rest."""
+    omega = 2 * np.pi * EXAMPLE.force_frequency
+    turns = (theta[-1] - theta[-1 - 8 * SAMPLES]) / (2 * np.pi * 8)
+    direction = 1 if turns > 0 else -1
+    stroboscopic = times[::SAMPLES]
+    phase = (direction * theta - omega * times)[::SAMPLES]
+    off = np.abs(phase - phase[-9:].mean())
+    last = slice(-1 - SAMPLES, None)
+    return LockIn(
+        last_slip=float(np.max(stroboscopic[off > np.pi], initial=0.0)),
+        last_reversal=float(np.max(times[direction * speed < 0], initial=0.0)),
+        settled=float(np.max(stroboscopic[off > 0.5], initial=0.0)),
+        turns=abs(turns),
+        direction=direction,
+        least_speed=value_range(times[last], direction * speed[last])[0] / omega,
+    )
+
+
+# Maps
+
+PLATES = (False, True)
+"""Without and with the plate's inertia: figures 4, 5 and figures 6, 7."""
+
+AxisSpan = tuple[str, float, float, int]
+
+
+def axes(session: Session, engine: str = REFERENCE) -> tuple[AxisSpan, AxisSpan]:
+    """Return the axes of figs. 4-7."""
+    count = POINTS if engine == REFERENCE else session.engine_points or ENGINE_POINTS
+    count = session.points or (FULL_POINTS if session.full else count)
+    return ("force_frequency", *HERTZ, count), ("force_amplitude", *NEWTON, count)
+
+
+def changed(plate: bool) -> dict[str, float]:
+    """Return the parameters of the free mass: a point, or the semicircular plate."""
+    return {"inertia_ratio": SEMICIRCLE} if plate else {}
+
+
+def stability_map(
+    session: Session, plate: bool, engine: str = REFERENCE, model: str | None = None
+) -> Map:
+    """Return the stability of the rotation of figs. 4 (point mass) and 6 (plate)."""
+    return _map(session, "floquet", plate, engine, model)
+
+
+def motion_map(session: Session, plate: bool, engine: str = REFERENCE) -> Map:
+    """Return the motion from rest of figs. 5 (point mass) and 7 (plate)."""
+    return _map(session, "class", plate, engine, None)
+
+
+def _map(session: Session, quantity: str, plate: bool, engine: str, model: str | None) -> Map:
+    return session.map(
+        SCENE,
+        quantity,
+        *axes(session, engine),
+        engine=engine,
+        model=model,
+        parameters=changed(plate),
+        refine=engine != REFERENCE and not session.full,
+    )
+
+
+def grid(session: Session, plate: bool) -> HulaHoop:
+    """Return the parameters of all points (n_y, n_x) of figs. 4-7."""
+    x, y = (np.linspace(*axis[1:]) for axis in axes(session))
+    return HulaHoop(
+        force_frequency=x[None, :],  # type: ignore[arg-type]
+        force_amplitude=y[:, None],  # type: ignore[arg-type]
+        **changed(plate),
+    )
+
+
+def is_class(plane: Map, variable: str, name: str) -> Any:
+    """Return where (n_y, n_x) a variable of a map is this class."""
+    return plane.variables[variable] == plane.about[variable].classes.index(name)
+
+
+def moves(session: Session, plate: bool, name: str, engine: str = REFERENCE) -> Any:
+    """Return where (n_y, n_x) the motion from rest is of this class."""
+    return is_class(motion_map(session, plate, engine), "motion", name)
+
+
+@once
+def printed_multipliers(session: Session, plate: bool) -> Array:
+    """Return the largest moduli (n_y, n_x) of multipliers by (55) as printed."""
+    p = grid(session, plate)
+    return np.abs(floquet_multipliers(paper_solution(p), p, as_printed=True)[0])
+
+
+def stable(session: Session, plate: bool, which: str) -> Any:
+    """Return where (n_y, n_x) a rotation is stable: "printed", or a model of the map."""
+    if which == "printed":
+        return printed_multipliers(session, plate) < 1
+    return is_class(stability_map(session, plate, model=which), "stability", "stable")
+
+
+def on_grid(session: Session, plane: Map, where: Any) -> Any:
+    """Return values at the reference's points (n_y, n_x), taken at those of another map."""
+    x, y = (Axis(*axis) for axis in axes(session))
+    return where[np.ix_(y.nearest(plane.y.values), x.nearest(plane.x.values))]
+
+
+STABILITIES = {
+    "printed": "paper's solution, (55) as printed",
+    "paper": "paper's solution, (55) corrected",
+    "corrected": "with its phase, (55) corrected",
+    "exact": "true rotation",
+}
+
+
+def regions(unstable: Any, least: int = 2) -> list[Any]:
+    """Return the connected regions (n_y, n_x) of at least so many points, largest first."""
+    labels, count = connected(unstable, np.ones((3, 3)))
+    parts = sorted((labels == i for i in range(1, count + 1)), key=np.sum, reverse=True)
+    return [part for part in parts if part.sum() >= least]
+
+
+def agreement(session: Session, plate: bool, which: str) -> dict[str, float]:
+    """Compare fig. 4 with fig. 5, or fig. 6 with fig. 7 (plate), on the robust points.
+
+    ``share`` of the points at which "stable" and "class blue o" are both true or both false;
+    ``trivial``, that which the better of "everywhere" and "nowhere" would reach; ``points``.
+    """
+    robust = motion_map(session, plate).robust
+    hoop = moves(session, plate, "blue_o")[robust]
+    return {
+        "share": float(np.mean(hoop == stable(session, plate, which)[robust])),
+        "trivial": float(max(hoop.mean(), 1 - hoop.mean())),
+        "points": int(robust.sum()),
+    }
+
+
+def own_maps(session: Session, plate: bool, engine: str) -> tuple[Any, Any, Any]:
+    """Return an engine's stability of its rotation, and its motion from rest.
+
+    Three bool arrays (k,) over the points that it computed in both maps, its motion robust:
+    the rotation is stable, hula-hoop motion from rest, and this repeats in each period.
+    """
+    calm, motion = stability_map(session, plate, engine), motion_map(session, plate, engine)
+    known = (calm.computed == 1) & (motion.computed == 1) & motion.robust
+    hoop = is_class(motion, "motion", "blue_o")
+    first = hoop & (motion.variables["periods"] == 1)
+    return is_class(calm, "stability", "stable")[known], hoop[known], first[known]
+
+
+# Sections 1 to 4 ----------------------------------------------------------------------------------
+
+
+PHASES = 2 * np.pi * np.arange(256) / 256
+LINEAR, MIXING = np.random.default_rng(14).normal(size=(2, 3, 3))
+START, FIRST, SECOND, FORCE = np.random.default_rng(18).normal(size=(4, 3))
+"""Random operators, and U_0, V_1, V_2, f, by which orders in p are distinguished."""
+TRIAL = ApproximateSolution(
+    alpha=0.8, q_1=1.3, beta=0.5, u_1=0.3, gamma=0.7, theta_0=0.0, residual=np.nan
+)
+
+NUMBERS = {name: float(value) for name, value in nondimensional(EXAMPLE)._asdict().items()}
+ALONG = NUMBERS | {name: vars(TRIAL)[name] for name in ("alpha", "q_1", "beta", "u_1", "gamma")}
+ALONG |= {"s": PHASES}
+"""Coefficients of (7), (8), and with them the values of the trial motion over a turn."""
+
+LONG_TIME = NUMBERS | {"t": np.linspace(0, 40, 400)}
+
+BODIES = {"I_m": np.repeat([0.0, SEMICIRCLE], 8)}
+
+
+def dimensional(values: Values) -> Values:
+    """Return parameters, a state and accelerations of the scene [SI] at a point.
+
+    It has ``I_m`` and ``t`` [s]; y, theta and their rates are of random size.
+    """
+    p = EXAMPLE.replace(inertia_ratio=values["I_m"])
+    c, t = coefficients(p), values["t"]
+    q, v = (0.01 * values["y"], values["theta"]), (values["y_v"], 20 * values["theta_v"])
+    a = get_scene(SCENE).accelerations(drive(t, c), q, v, c)
+    return {
+        "M": p.main_mass, "m": p.free_mass, "R": p.rod_length,
+        "k": p.stiffness, "rho": p.damping_ratio, "zeta_m": p.hinge_damping_ratio,
+        "omega_n": float(p.omega_n), "F": p.force_amplitude, "f": p.force_frequency,
+        "y": q[0], "theta": q[1], "y_v": v[0], "theta_v": v[1],
+        "y_a": float(a[0]), "theta_a": float(a[1]), "energy": float(energy(q, v, c)),
+    }  # fmt: skip
+
+
+# Sections 1, 2
+
+
+def uniform_rotation(session: Session) -> Numbers:
+    """Return the largest errors of theta [rad] of the printed solution and a uniform rotation.
+
+    And that of y, over its largest value.
+    """
+    truth = states(example_rotation(session))
+    start = orbit_guesses(EXAMPLE)[0]
+    angle = start[1] + start[3] * samples(1.0)
+    gap = apart(np.array([0 * angle, angle, 0 * angle, 0 * angle + start[3]]), truth)
+    (y_error, error, *_), uniform = approximation_errors(session)["paper"], gap[1].max()
+    return {
+        "y_error": y_error / np.abs(truth[0]).max(),
+        "error": error,
+        "uniform": uniform,
+        "ratio": error / uniform,
+    }
+
+
+def plate_inertia(session: Session, expected: float = SEMICIRCLE) -> Numbers:
+    """Return I_eq of the semicircular plate by quadrature over the half disc, and its error."""
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    radius, angle = (1 + nodes[:, None]) / 2, np.pi * (1 + nodes[None]) / 2
+    share = weights[:, None] * weights[None] * radius  # of the area, in the polar plane
+    centre = np.sum(share * radius * np.sin(angle)) / np.sum(share)
+    ratio = np.sum(share * radius**2) / np.sum(share) / centre**2 - 1
+    return {"ratio": ratio, "error": abs(ratio - expected)}
+
+
+def equations_of_motion(session: Session, who: str) -> Numbers:
+    """Return errors at random states: of (7), (8), or of the accelerations of an engine."""
+    if who == REFERENCE:
+        row = next(row for row in read_paper(SCENE).rows if row.name == "lagrange")
+        assert row.equations is not None
+        return {"error": row.equations()["(7), (8)"], "count": len(BODIES["I_m"])}
+    case, scene = Query(SCENE).case, get_scene(SCENE)
+    times, points = random_states(scene_equations(case), case, scene.coordinates)
+    derivative = scene.right_hand_side(case.parameters)
+    truth = np.array([derivative(t, x)[2:] for t, x in zip(times, points, strict=True)])
+    engine, model = choose_engine(who, case, None)
+    with contained():
+        own = engine.bind(case, model).accelerations(times, points)
+    return {"error": float(np.abs(own - truth).max() / np.abs(truth).max())}
+
+
+def mass_ratio(session: Session) -> Numbers:
+    """Return m/(M + m) of table 1."""
+    return {"value": NUMBERS["epsilon"]}
+
+
+# Section 3
+
+
+def even_harmonics(session: Session) -> Numbers:
+    """Return the largest even harmonic of the nonlinear terms of (7), over all of them."""
+    motion = TRIAL.motion(PHASES / TRIAL.alpha)
+    terms = motion.theta_dot**2 * np.sin(motion.theta), motion.theta_ddot * np.cos(motion.theta)
+    spectra = np.abs(np.fft.rfft(terms))
+    return {"share": np.max(np.max(spectra[:, 0:7:2], axis=1) / np.max(spectra, axis=1))}
+
+
+def orders(p: Any, other: Any = 0.0, known: Any = FORCE) -> Any:
+    """Return (14) with (18) at p, with random operators and functions.
+
+    These are matrices for L, products of sines for N. With the other argument of N, and without a
+    known function, it is (15) with (19).
+    """
+    v = START + p * FIRST + p**2 * SECOND
+    nonlinear = MIXING @ np.sin(v + other)
+    return LINEAR @ (v - START) + p * LINEAR @ START + p * (nonlinear - known)
+
+
+def homotopy(session: Session) -> Numbers:
+    """Return the largest difference of (11) from (10), and at p = 0, 1 from (12), (13).
+
+    With random values for L(V), L(U_0), N(V) and f. It also covers the errors of (21), (22) as the
+    first two orders of (14), and of (38), (39) as those of (15).
+    """
+    linear, start, nonlinear, force = np.random.default_rng(11).normal(size=4)
+
+    def in_11(p: float) -> float:
+        return float(linear - start + p * start + p * (nonlinear - force))
+
+    in_10 = 0.7 * (linear - start) + 0.3 * (linear + nonlinear - force)
+    ends = in_11(0.0) - (linear - start), in_11(1.0) - (linear + nonlinear - force)
+    series = [abs(in_11(0.3) - in_10), *map(abs, ends)]
+    for other, known in ((0.0, FORCE), (SECOND, 0.0)):
+        first_order = LINEAR @ FIRST + MIXING @ np.sin(START + other) + LINEAR @ START - known
+        series.append(np.max(np.abs(orders(0.0, other, known))))
+        slope = orders(1e-30j, other, known).imag / 1e-30
+        series.append(np.max(np.abs(slope - first_order)))
+    return {"error": max(series)}
+
+
+def second_order(session: Session) -> Numbers:
+    """Return errors of the second order of (20), whose N is taken at V_1 as printed."""
+    step = 1e-4
+    truth = (orders(step) - 2 * orders(0.0) + orders(-step)) / step**2 / 2
+    printed, right = (
+        float(np.max(np.abs(LINEAR @ SECOND + MIXING @ nonlinear - truth)))
+        for nonlinear in (np.sin(FIRST), np.cos(START) * FIRST)
+    )
+    return {"as_printed": printed, "corrected": right, "share": right / printed}
+
+
+def bessel_series(session: Session) -> Numbers:
+    """Return the largest error of ten terms of (26) against J_0 ... J_5 at |u_1| = 0.5 and 2."""
+    errors = [
+        abs(
+            (u / 2) ** n
+            * sum((-(u**2) / 4) ** k / (factorial(k) * factorial(n + k)) for k in range(10))
+            - jv(n, u)
+        )
+        for u in (0.5, 2.0)
+        for n in range(6)
+    ]
+    return {"error": max(errors)}
+
+
+def bessel(session: Session) -> Numbers:
+    """Return relative errors of (27) for J_0 ... J_5 at |u_1| = 0.5, and J_2, J_3 over J_0."""
+    u = 0.5
+    simple = [u**n / (2**n * factorial(n)) for n in range(6)]
+    errors = {f"J_{n}": abs(own / jv(n, u) - 1) for n, own in enumerate(simple)}
+    errors |= {f"J_{n} against J_0": jv(n, u) / jv(0, u) for n in (2, 3)}
+    return {"errors": errors, "largest": max(errors.values())}
+
+
+def change_of_u_1(session: Session) -> Numbers:
+    """Return the change of u_1 by the term that (35) has lost, at 3 Hz and 60 N and in figure 4.
+
+    (35), (36), (46) and (47) are two complex equations for q_1 exp(i beta) and u_1 exp(i gamma),
+    of which the first is eliminated. Without the term the second occurs with its real part alone.
+    """
+    changes = []
+    for p in (EXAMPLE, grid(session, False)):
+        c = nondimensional(p)
+        spring = 1 - c.alpha**2 - 2j * c.rho * c.alpha
+        hinge = 4 * c.alpha**2 * c.inertia + 2j * c.zeta_m * c.alpha
+        a, inertial = -spring * hinge / (c.alpha**2 / 2), c.epsilon * c.alpha**2
+        whole = abs((c.force + 1j * inertial) / (a - inertial / 2))
+        real = a.real - inertial / 2
+        cosine, sine = c.force * a.real + inertial * a.imag, inertial * real - c.force * a.imag
+        without = np.hypot(cosine, sine) / abs(real * a.real + a.imag**2)
+        changes.append(float(np.max(np.abs(whole / without - 1))))
+    return {"changes": changes}
+
+
+def approximations(session: Session) -> Numbers:
+    """Return bounds of the corrections (34) and (45) by (49)-(52), over q_1 and u_1.
+
+    The residuals of (35), (36), (46), (47) are their coefficients of sine and cosine.
+    """
+    plate = EXAMPLE.replace(inertia_ratio=SEMICIRCLE)
+    solution = paper_solution(plate)
+    left = np.abs(printed_residuals(solution, plate)).reshape(2, 2).max(axis=1)
+    a = np.array([1, 2]) * float(solution.alpha)
+    of_q, of_theta = left * (a + 3) / abs(1 - a**2) / np.abs([solution.q_1, solution.u_1])
+    return {"of_q": of_q, "of_theta": of_theta}
+
+
+def secular_terms(session: Session) -> Numbers:
+    """Return the growth of the correction after (34), in each half of 3000 periods of the spring.
+
+    It is the response to 2 rho q' of (34), q'' + q = 2 rho (sin(tau) - alpha sin(alpha tau)), over
+    rho and the coefficients of (34). ``damped`` is the share of its cos(tau) and sin(tau) that
+    damping in the kernel would leave after some periods.
+    """
+    c = nondimensional(EXAMPLE)
+    alpha, periods = float(c.alpha), 10
+    tau = np.linspace(0, 2e4, 200_001)
+    resonant = (np.sin(tau) - tau * np.cos(tau)) / 2
+    forced = alpha * (np.sin(alpha * tau) - alpha * np.sin(tau)) / (1 - alpha**2)
+    wave = 2 * np.abs(resonant - forced) / abs(1 - alpha**2)
+    early, late = (half.max() for half in np.split(wave[:-1], 2))
+    left = np.exp(-float(c.rho) * 2 * np.pi * periods)
+    return {"growth": late / early, "damped": left, "periods": periods}
+
+
+def mean_balance(session: Session) -> Numbers:
+    """Return mean torques over the friction without and with theta_0, and the gain by theta_0."""
+    c, errors = nondimensional(EXAMPLE), approximation_errors(session)
+    torques = {
+        name: float(abs(balance_residuals(APPROXIMATIONS[name](EXAMPLE), EXAMPLE)[2]))
+        / float(c.zeta_m * c.alpha)
+        for name in ("paper", "corrected")
+    }
+    return {
+        **torques,
+        "phase": float(corrected_solution(EXAMPLE).theta_0),
+        "gain": errors["paper"][1] / errors["corrected"][1],
+    }
+
+
+def dropped_torque(session: Session) -> Numbers:
+    """Return the change of u_1 by terms of second order where |u_1| < 0.5 in figure 4.
+
+    The median, the largest, and the share of the points at which it is a tenth or less.
+    """
+    paper, full = (solve(grid(session, False)).u_1 for solve in (paper_solution, refined_solution))
+    gap = np.abs(np.abs(full / paper) - 1)[np.abs(paper) < 0.5]
+    return {"median": np.median(gap), "largest": np.max(gap), "within": np.mean(gap <= 0.1)}
+
+
+def closed_form(session: Session) -> Numbers:
+    """Return the largest residual of (49)-(52) over the grids of figures 4 and 6."""
+    residuals = [paper_solution(grid(session, plate)).residual for plate in PLATES]
+    return {"residual": np.max(residuals)}
+
+
+# Section 4
+
+
+def effect_of_55(session: Session) -> Numbers:
+    """Return multipliers and stable shares of figure 4 with (55) as printed, and corrected."""
+    solution = paper_solution(EXAMPLE)
+    multipliers = [
+        float(abs(floquet_multipliers(solution, EXAMPLE, as_printed)[0]))
+        for as_printed in (True, False)
+    ]
+    shares = [float(np.mean(stable(session, False, name))) for name in ("printed", "paper")]
+    return {"multipliers": multipliers, "shares": shares}
+
+
+def eigenvalues(session: Session, count: int = 64) -> Numbers:
+    """Return the share of a period with an eigenvalue of A(tau) of (62) above 1 in modulus.
+
+    And the largest multiplier. ``count`` times are taken over the period.
+    """
+    solution, c = corrected_solution(EXAMPLE), nondimensional(EXAMPLE)
+    tau = 2 * np.pi / c.alpha * np.arange(count) / count
+    p_1, p_2, p_3, p_4, p_5 = variational_coefficients(solution, EXAMPLE, tau)
+    one, none = np.ones(count), np.zeros(count)
+    mass = np.array([[one, p_1], [p_5, one]])
+    right = -np.array(
+        [[one, p_3, 2 * c.rho * one, p_2], [none, p_4, none, c.zeta_m / c.inertia * one]]
+    )
+    lower = np.linalg.solve(np.moveaxis(mass, -1, 0), np.moveaxis(right, -1, 0))
+    upper = np.broadcast_to(np.eye(2, 4, 2), (count, 2, 4))
+    moduli = np.abs(np.linalg.eigvals(np.concatenate([upper, lower], axis=1)))
+    return {
+        "above": np.mean(moduli.max(axis=1) > 1),
+        "largest": float(abs(floquet_multipliers(solution, EXAMPLE)[0])),
+    }
+
+
+# Section 5.1, transients, and the end of region II ------------------------------------------------
+
+
+OMEGA = 2 * np.pi * float(EXAMPLE.force_frequency)
+
+
+def printed_solution(session: Session) -> Numbers:
+    """Return the amplitudes of the printed solution [mm, rad], and its range of speeds [rad/s]."""
+    solution = paper_solution(EXAMPLE)
+    u_1 = abs(float(solution.u_1))
+    return {
+        "paper": 1e3 * abs(float(solution.q_1)) * float(EXAMPLE.rod_length),
+        "u_1": u_1,
+        "slowest": (1 - 2 * u_1) * OMEGA,
+        "fastest": (1 + 2 * u_1) * OMEGA,
+        "second": second_harmonic(example_orbit(session)),
+    }
+
+
+def rotation(session: Session, who: str) -> Numbers:
+    """Return the properties of the true rotation at 3 Hz and 60 N.
+
+    Whether it is stable, and its largest multiplier; the mean slope of theta [rad/s], and its
+    relative distance from omega; the mean of theta - omega t [rad]; the amplitude of y at the
+    frequency of the force [mm]. The largest other harmonic of y and of theta over the first and
+    the second, and the larger of both. The range of theta' [rad/s], and its width by omega.
+    """
+    report, run = example_orbit(session, who), example_rotation(session, who)
+    slow, fast = value_range(run.times, run.observables["theta_dot"])
+    speed = report.mean_speed or 0.0
+    first, *others = (term.amplitude for term in report.harmonics["y"].terms)
+    angle = report.harmonics["theta"]
+    rest = max(others) / first
+    theta = max(one.amplitude for one in angle.terms if one.order != 2) / second_harmonic(report)
+    return {
+        "stable": report.stable,
+        "multiplier": report.floquet_multipliers[0].modulus,
+        "speed": speed,
+        "off": abs(speed / OMEGA - 1),
+        "mean_phase": float(angle.mean),
+        "first": 1e3 * first,
+        "rest": rest,
+        "theta": theta,
+        "other": max(rest, theta),
+        "slow": slow,
+        "fast": fast,
+        "width": (fast - slow) / OMEGA,
+    }
+
+
+def motion_from_rest(session: Session, who: str) -> Numbers:
+    """Return the lock-in of the motion from rest, and its angular velocity then.
+
+    Times of the last slip and reversal [s], and turns per period; the least theta' of the last
+    period, and the frequency of the largest peak of theta' over the last 12 periods, by omega.
+    """
+    run, periods = example_from_rest(session, who), 12
+    theta_dot = run.observables["theta_dot"]
+    end = lock_in(run.times, run.observables["theta"], theta_dot)
+    window = theta_dot[-periods * SAMPLES :]
+    spectrum = np.abs(np.fft.rfft((window - window.mean()) * np.hanning(len(window))))
+    ratio = float(np.argmax(spectrum)) / periods
+    return {
+        "value": end.last_reversal,
+        "slip": end.last_slip,
+        "turns": abs(end.turns - 1),
+        "least": end.least_speed,
+        "settled": end.settled,
+        "ratio": ratio,
+        "off": abs(ratio - 2),
+    }
+
+
+def errors_of_solutions(session: Session) -> Numbers:
+    """Return errors of the approximate solutions: y [mm], over its size, theta [rad].
+
+    And the share of the printed solution's error of theta that Newton's method leaves.
+    """
+    size = example_orbit(session).harmonics["y"].terms[0].amplitude
+    errors, numbers = approximation_errors(session), dict[str, float]()
+    for name, (y, theta, *_) in errors.items():
+        numbers |= {name: 1e3 * y, f"{name}_share": y / size, f"{name}_theta": theta}
+    left = [errors[name][1] / errors["paper"][1] for name in ("refined", "corrected")]
+    return {"left": left[0], "left_with_phase": left[1], **numbers}
+
+
+def multipliers(session: Session) -> Numbers:
+    """Return the largest multipliers of approximate solutions, and with (55) as printed."""
+    cases = {
+        "paper": ("paper", False),
+        "corrected": ("corrected", False),
+        "printed": ("paper", True),
+    }
+    return {
+        name: abs(floquet_multipliers(APPROXIMATIONS[which](EXAMPLE), EXAMPLE, as_printed)[0])
+        for name, (which, as_printed) in cases.items()
+    }
+
+
+def power(session: Session) -> Numbers:
+    """Return the mean powers of the force and of the hinge's friction [W], true rotation."""
+    powers = example_orbit(session).power
+    return {"hinge": -powers["hinge"], "force": powers["force"]}
+
+
+TRANSIENT, PASSING, LASTING = 100, 4, 20
+"""Periods of the force that count as transient, and that hula-hoop motion takes in it at least."""
+
+
+def transients(session: Session, plate: bool = False) -> Numbers:
+    """Return the share of cyan o with passing hula-hoop motion, as in the table, on the way there.
+
+    For 4 and 20 periods: a turn in each, one way, and theta' oscillating most at 2 omega.
+    """
+    motion, samples = motion_map(session, plate), OPTIONS.samples
+    rows, columns = np.nonzero(moves(session, plate, "cyan_o"))
+    if not len(rows):
+        return {"passing": 0.0, "lasting": 0.0, "count": 0}
+    hertz = motion.x.values[columns]
+    p = grid(session, plate).replace(force_frequency=hertz, force_amplitude=motion.y.values[rows])
+    places = np.stack([columns, rows], axis=1)
+    points = Points(get_scene(SCENE), p, places, {}, REFERENCE, EXACT)
+    spacing = 1 / (samples * hertz)
+    path = Flow(points, points.scene)(
+        np.arange(len(hertz)), np.zeros((4, len(hertz))), 0.0, spacing, TRANSIENT * samples,
+        step_counts(points, spacing, OPTIONS.steps),
+    )  # fmt: skip
+    theta, speed = path[1] / (2 * np.pi), path[3]
+    shares = {}
+    for name, periods in (("passing", PASSING), ("lasting", LASTING)):
+        there = np.zeros(len(hertz), dtype=bool)
+        for start in range(TRANSIENT - periods):
+            part = slice(start * samples, (start + periods) * samples)
+            turns = theta[:, part.stop] - theta[:, part.start]
+            one_way = np.all(np.sign(turns)[:, None] * speed[:, part] > 0, axis=1)
+            locked = np.abs(np.abs(turns) - periods) < OPTIONS.slack
+            f_u = strongest(speed[:, part], periods)
+            there |= locked & one_way & (np.abs(f_u - 2) < OPTIONS.near)
+        shares[name] = float(np.mean(there))
+    return {**shares, "count": len(hertz)}
+
+
+def transients_of_both(session: Session) -> Numbers:
+    """Return these shares in figure 5, and as lists in figures 5 and 7."""
+    first, second = (transients(session, plate) for plate in PLATES)
+    return {**first, "both": [[one["passing"], one["lasting"]] for one in (first, second)]}
+
+
+# The end of region II
+
+LINES = (4.5, 5.0, 5.5, 6.0)
+"""Frequencies [Hz] at which region II lies below region I."""
+
+FORCES = np.linspace(5.0, 300.0, 119)
+"""Forces among which the last stable one is sought [N]: our axis and as far again."""
+
+NEAR = {False: (32.0, 28.0, 23.0, 18.0), True: (110.0, 95.0, 78.0, 61.0)}
+"""Forces [N] near the end without and with inertia, from which it is sought."""
+
+STEPS = 80
+"""Steps of engines in a period."""
+
+FORMULAS = {
+    "printed": (paper_solution, True),
+    "paper": (paper_solution, False),
+    "corrected": (corrected_solution, False),
+}
+
+
+@once
+def ends(session: Session, plate: bool) -> list[BoundaryAlong]:
+    """Return where the true symmetric rotation loses its stability on each line."""
+    p, kind = PLATE if plate else HulaHoop(), ("period_doubling", "force_amplitude")
+    return [
+        BoundaryAlong(
+            get_scene(SCENE), p.replace(force_frequency=line, force_amplitude=force), *kind
+        )
+        for line, force in zip(LINES, NEAR[plate], strict=True)
+    ]
+
+
+def formula_end(name: str, p: HulaHoop) -> float:
+    """Return the force [N] at which a multiplier of an approximate solution leaves the unit circle.
+
+    The last of `FORCES` where none does below it.
+    """
+    solution, as_printed = FORMULAS[name]
+
+    def outside(force: Array | float) -> Array:
+        here = p.replace(force_amplitude=force)
+        return np.abs(floquet_multipliers(solution(here), here, as_printed=as_printed)[0]) - 1
+
+    values = outside(FORCES)
+    crossed = np.flatnonzero((values[:-1] < 0) & (values[1:] >= 0))
+    if not crossed.size:
+        return float(FORCES[-1])
+    low, high = FORCES[crossed[0]], FORCES[crossed[0] + 1]
+    return float(brentq(lambda force: float(outside(force)), low, high, xtol=1e-9))
+
+
+def distances(session: Session, who: str, plate: bool) -> Numbers:
+    """Return the first and last end [N], and the distances of all formulas from the ends.
+
+    For an engine, the largest distance of its ends from those of the reference.
+    """
+    points = ends(session, plate)
+    true = np.array([one.value(one.solution[1].z[-1]) for one in points])
+    numbers = {"first": true[0], "last": true[-1]}
+    for name in FORMULAS if who == REFERENCE else ():
+        off = np.abs(np.array([formula_end(name, one.parameters) for one in points]) - true)
+        numbers |= {name: np.max(off), f"{name}_share": np.max(off / true)}
+    if who == REFERENCE:
+        return numbers
+    off = []
+    for one in points:
+        case = Case(SCENE, "point", one.parameters)
+        engine, model = choose_engine(who, case, None)
+        setup = Setup(engine, case, model, choose_method(engine, case, model, None))
+        z = one.solution[1].z
+        off.append(one.unit * abs(engine_point(setup, one, STEPS, z).z[-1] - z[-1]))
+    return {"off": max(off)}
+
+
+# Readings
+
+
+def from_rest(p: HulaHoop, angles: Array | float = 0.0) -> list[LockIn]:
+    """Return the lock-in of motions at 3 Hz from rest at some angles [rad], by the reference."""
+    count = np.broadcast(p.damping_ratio, p.hinge_damping_ratio, angles).size
+    times = samples(LONG_RUN)
+    states = np.zeros((4, len(times), count))
+    states[1, 0] = angles
+    derivative = get_scene(SCENE).right_hand_side(p)
+    for i in range(len(times) - 1):
+        states[:, i + 1] = rk8_steps(derivative, states[:, i], times[i], times[i + 1], 1)
+    return [lock_in(times, states[1, :, i], states[3, :, i]) for i in range(count)]
+
+
+def in_words(end: LockIn) -> str:
+    """Return a lock-in in words."""
+    if abs(end.turns) < LOCKED:
+        return "no lock-in, no turns in the end"
+    if abs(end.turns - 1) > LOCKED:  # chaos: how many turns depends on the last digit
+        return "no lock-in, irregular turns"
+    sense = "forwards" if end.direction > 0 else "backwards"
+    backwards = "reverses to the end" if end.least_speed < 0 else "last reversal"
+    return (
+        f"locks in, turning {sense}; last slip {end.last_slip:.2f} s, {backwards} "
+        f"{end.last_reversal:.2f} s"
+    )
+
+
+def damping_units(session: Session) -> Numbers:
+    """Return the lock-in from rest by each reading of the damping of table 1."""
+    mass = EXAMPLE.main_mass + EXAMPLE.free_mass
+    rho = 0.1 / float(2 * mass * EXAMPLE.omega_n)
+    zeta = 0.01 / float(EXAMPLE.free_mass * EXAMPLE.rod_length**2 * EXAMPLE.omega_n)
+    per_metre = zeta * EXAMPLE.rod_length**2
+    ratios = [(0.1, 0.01), (rho, zeta), (rho, 0.01), (0.1, zeta), (rho, per_metre), (0.05, 0.01),
+              (0.1, 0.02)]  # fmt: skip
+    damping, hinge = np.array(ratios).T
+    p = EXAMPLE.replace(damping_ratio=damping, hinge_damping_ratio=hinge)
+    return {"ends": [in_words(end) for end in from_rest(p)]}
+
+
+def starts(session: Session) -> Numbers:
+    """Return the lock-in from rest at angles near 0, and the robust share of figure 5."""
+    angles = np.array([0.0, 1e-6, -1e-6, 1e-3, -1e-3, 1e-2, -1e-2, 0.1, -0.1])
+    ends = [in_words(end) for end in from_rest(EXAMPLE, angles)]
+    return {"ends": ends, "robust": np.mean(motion_map(session, False).variables["robust"] == 1)}
+
+
+# Sections 5.2 and 6: figures 4 to 7 ---------------------------------------------------------------
+
+
+SMALL = 0.1
+"""Turns per period that chaotic motion may drift by in the window of the maps."""
+
+CORRECTED = ("paper", "corrected")
+"""Approximate solutions by (55) corrected: without and with theta_0."""
+
+
+def count(where: Any) -> int:
+    """Return the number of points at which something holds."""
+    return int(np.sum(where))
+
+
+def share(where: Any, of_none: float = np.nan) -> float:
+    """Return the share of points at which something holds; there may be no point."""
+    return float(np.mean(where)) if where.size else of_none
+
+
+def by_plate(names: Iterable[str], where: Callable[[str, bool], Any]) -> dict[str, list[float]]:
+    """Return the shares of points of a solution without and with inertia, by its name."""
+    return {name: [float(np.mean(where(name, plate))) for plate in PLATES] for name in names}
+
+
+def printed_u_1(session: Session, plate: bool = False) -> Any:
+    """Return |u_1| (n_y, n_x) of the printed solution in figure 4, or 6 (plate)."""
+    return np.abs(paper_solution(grid(session, plate)).u_1)
+
+
+# Figures 4 and 6: stability
+
+
+def stable_zone(session: Session, who: str) -> Numbers:
+    """Return where a rotation is stable, of the points where approximate ones are."""
+    own = stability_map(session, False, who)
+    calm, shares = is_class(own, "stability", "stable"), {}
+    for name in CORRECTED:
+        zone = on_grid(session, own, stable(session, False, name)) & (own.computed == 1)
+        shares[name] = float(np.mean(calm[zone]))
+    return {**shares, "share": shares["paper"]}
+
+
+PARTS = ((0.0, 1.0), (0.1, 0.8), (0.0, 0.6), (0.2, 1.0))
+"""Parts of each axis of figures 4 and 6 that regions are counted on."""
+
+
+def part(where: Any, x: tuple[float, float], y: tuple[float, float]) -> Any:
+    """Return the part (n, m) of points (n_y, n_x) between shares of both axes."""
+    rows, columns = (
+        slice(*(round(share * size) for share in ends))
+        for ends, size in zip((y, x), where.shape, strict=True)
+    )
+    return where[rows, columns]
+
+
+def unstable_regions(session: Session, plate: bool, printed: str) -> Numbers:
+    """Count unstable regions by each solution, on our axes and grid, and on parts of them.
+
+    The value is that of the printed solution, of (55) as printed if it fits.
+    """
+    unstable = {name: ~stable(session, plate, name) for name in STABILITIES}
+    counts = {name: len(regions(where)) for name, where in unstable.items()}
+    choices = np.array(
+        [
+            len(regions(part(unstable[name], x, y)[::every, ::every], least))
+            for name, x, y, every, least in product(
+                (*CORRECTED, "exact"), PARTS, PARTS, (1, 2), (1, 2, 3)
+            )
+        ]
+    )
+    return {
+        "value": counts["printed" if counts["printed"] == int(printed) else "paper"],
+        "choices": choices,
+        "least": choices.min(),
+        "largest": choices.max(),
+        "spread": np.ptp(choices),
+        "counts": {words: counts[name] for name, words in STABILITIES.items()},
+    }
+
+
+def colours_of_region_1(session: Session) -> Numbers:
+    """Count points of region I in figure 4 with |u_1| below 0.5 (red), and from 0.5 on (black).
+
+    With (55) corrected and as printed.
+    """
+    u_1, numbers = printed_u_1(session), {}
+    for name in ("paper", "printed"):
+        inside = u_1[regions(~stable(session, False, name))[0]]
+        numbers[name] = [count(inside < 0.5), count(inside >= 0.5)]
+    return {**numbers, "least": min(*numbers["paper"], *numbers["printed"])}
+
+
+def classes_of_figure_6(session: Session) -> Numbers:
+    """Count points of figure 6 that are blue, red, black, and stable with |u_1| of 0.5 or more.
+
+    With (55) corrected and as printed.
+    """
+    large, numbers = printed_u_1(session, plate=True) >= 0.5, {}
+    for name in ("paper", "printed"):
+        calm = stable(session, True, name)
+        kinds = (calm & ~large, ~calm & ~large, ~calm & large, calm & large)
+        numbers[name] = [count(kind) for kind in kinds]
+    both = list(zip(*numbers.values(), strict=True))
+    return {**numbers, "least": min(map(min, both[:3])), "others": max(both[3])}
+
+
+def small_regions(session: Session) -> Numbers:
+    """Return the number of unstable regions besides the largest, and the largest |u_1| in them.
+
+    With (55) corrected and as printed.
+    """
+    u_1 = printed_u_1(session)
+    numbers: dict[str, float] = {}
+    for name, prefix in (("paper", ""), ("printed", "printed_")):
+        small = regions(~stable(session, False, name))[1:]
+        numbers[f"{prefix}count"] = len(small)
+        numbers[f"{prefix}largest"] = max((u_1[region].max() for region in small), default=0.0)
+    return numbers
+
+
+def stable_above_half(session: Session) -> Numbers:
+    """Count rotations of figures 4 and 6 with |u_1| of 0.5 or more, and the stable ones.
+
+    ``hoop`` counts the true rotations that are stable and keep their sense.
+    """
+    large, calm, hoop = {}, {}, 0
+    for model, plate in product(("exact", "paper"), PLATES):
+        plane = stability_map(session, plate, model=model)
+        here = plane.variables["u_1"] >= 0.5
+        still = here & is_class(plane, "stability", "stable")
+        large[model, plate] = count(still | (here & is_class(plane, "stability", "unstable")))
+        calm[model, plate] = count(still)
+        if model == "exact":
+            hoop += count(still & (plane.variables["min_speed"] >= 0))
+    return {
+        "hoop": hoop,
+        "large": sum(large["exact", plate] for plate in PLATES),
+        "calm": sum(calm["exact", plate] for plate in PLATES),
+        "without": calm["exact", False],
+        "printed": sum(large["paper", plate] for plate in PLATES),
+        "printed_calm": sum(calm["paper", plate] for plate in PLATES),
+    }
+
+
+def reversals_by_u_1(session: Session) -> Numbers:
+    """Return shares of true rotations with reversals: |u_1| of 0.5 or more, and stable below.
+
+    And the least theta' of (17) with u_1 of 0.5, by omega.
+    """
+    motion = replace(TRIAL, u_1=0.5, gamma=np.pi / 2).motion(PHASES / TRIAL.alpha)
+    slowest = float(np.min(motion.theta_dot) / TRIAL.alpha)
+    exact = stability_map(session, False)
+    u_1, least = exact.variables["u_1"], exact.variables["min_speed"]
+    below = (u_1 < 0.5) & is_class(exact, "stability", "stable")
+    return {
+        "least": slowest,
+        "off": abs(slowest),
+        "above": np.mean(least[u_1 >= 0.5] < 0),
+        "below": np.mean(least[below] < 0),
+    }
+
+
+def smoothness(session: Session) -> Numbers:
+    """Return rank correlations of u_1 with 1 - min theta'/omega, of stable true rotations."""
+    ranks = []
+    for plate in PLATES:
+        plane = stability_map(session, plate)
+        here = is_class(plane, "stability", "stable")
+        u_1, least = (plane.variables[name][here] for name in ("u_1", "min_speed"))
+        ranks.append(float(spearmanr(u_1, 1 - least).statistic))
+    return {"ranks": ranks}
+
+
+def wrong_about_stability(session: Session) -> Numbers:
+    """Return shares of points where solutions are wrong on stability, and their ratio."""
+    shares = by_plate(
+        CORRECTED,
+        lambda name, plate: stable(session, plate, name) != stable(session, plate, "exact"),
+    )
+    return {**shares, "left": np.divide(shares["corrected"], shares["paper"])}
+
+
+def right_about_stability(session: Session) -> Numbers:
+    """Return the shares of points of figures 4 and 6 where solutions are right on stability."""
+    wrong = wrong_about_stability(session)
+    return {name: 1 - np.array(wrong[name]) for name in CORRECTED}
+
+
+def unstable_by_inertia(
+    session: Session, names: Iterable[str] = STABILITIES, low: float = 0.0, high: float = np.inf
+) -> Numbers:
+    """Return shares of unstable points without and with inertia, and their changes.
+
+    In a range of natural frequencies, by default all; and the range [Hz].
+    """
+    frequency: Any = grid(session, False).force_frequency
+    there = (frequency >= low * NATURAL) & (frequency < high * NATURAL)
+    shares = by_plate(names, lambda name, plate: ~stable(session, plate, name) & there)
+    return {
+        **shares,
+        "changes": [after - before for before, after in shares.values()],
+        "after": [after for _, after in shares.values()],
+        "low": max(low * NATURAL, HERTZ[0]),
+        "high": high * NATURAL,
+    }
+
+
+def stable_by_inertia(session: Session, who: str) -> Numbers:
+    """Return shares of the points of figures 4 and 6 where the rotation is stable."""
+    maps = [stability_map(session, plate, who) for plate in PLATES]
+    return {"shares": [np.mean(is_class(plane, "stability", "stable")) for plane in maps]}
+
+
+# Figures 5 and 7: motion from rest
+
+
+def share_of_class(session: Session, who: str, name: str) -> float:
+    """Return the share of a class in all of figure 5."""
+    return float(np.mean(moves(session, False, name, who)))
+
+
+def class_by_inertia(session: Session, who: str, name: str, below: float = np.inf) -> Numbers:
+    """Return the shares of a class in figures 5 and 7 below a frequency [Hz], and their change."""
+    shares = [
+        float(np.mean(is_class(motion, "motion", name) & (motion.x.values < below)))
+        for motion in (motion_map(session, plate, who) for plate in PLATES)
+    ]
+    return {"shares": shares, "change": shares[1] - shares[0]}
+
+
+def cyan_in_region_1(session: Session) -> Numbers:
+    """Count points of cyan o in region I without and with inertia, by three solutions.
+
+    And those of figure 7, with those among them that repeat after several periods.
+    """
+    cyan = [moves(session, plate, "cyan_o") for plate in PLATES]
+    counts = {
+        STABILITIES[name]: [
+            count(here & regions(~stable(session, plate, name))[0])
+            for here, plate in zip(cyan, PLATES, strict=True)
+        ]
+        for name in (*CORRECTED, "exact")
+    }
+    changes = [after - before for before, after in counts.values()]
+    periods = motion_map(session, True).variables["periods"][cyan[1]]
+    return {
+        "counts": counts,
+        "changes": changes,
+        "least": min(changes),
+        "several": count(periods > 1),
+        "count": periods.size,
+    }
+
+
+def slow_cyan(session: Session) -> Numbers:
+    """Count points of cyan o below half the natural frequency, in figures 5 and 7.
+
+    And those of them that repeat in each period, without the symmetry of half a period.
+    """
+    counts: dict[str, list[int]] = {"every": [], "first": []}
+    for plate in PLATES:
+        motion = motion_map(session, plate)
+        here = is_class(motion, "motion", "cyan_o") & (motion.x.values < NATURAL / 2)
+        counts["every"].append(count(here))
+        counts["first"].append(count(here & (motion.variables["periods"] == 1)))
+    return {**counts, **{f"{name}_change": two[1] - two[0] for name, two in counts.items()}}
+
+
+def classes(session: Session) -> Numbers:
+    """Count the points of each class in figures 5 and 7."""
+    names = motion_map(session, False).about["motion"].classes
+    first, second = (
+        {name.replace("_", " "): count(moves(session, plate, name)) for name in names}
+        for plate in PLATES
+    )
+    return {"counts": first, "plate": second, "least": min(first.values())}
+
+
+def red_x(session: Session) -> Numbers:
+    """Return the share of red x of figure 5 that hardly turns, and how many lock otherwise."""
+    motion, red = motion_map(session, False), moves(session, False, "red_x")
+    return {
+        "share": np.mean(motion.variables["turns"][red & motion.robust] < SMALL),
+        "locked": count(red & is_class(motion, "label", "other_lock")),
+    }
+
+
+def robust_in(session: Session, here: Any, name: str) -> Numbers:
+    """Return the share of a class among the robust points of a region of figure 5, their number."""
+    there = moves(session, False, name)[here & motion_map(session, False).robust]
+    return {"share": share(there), "count": there.size}
+
+
+def region_2(session: Session) -> Numbers:
+    """Return the share of hula-hoop motion where the printed solution is stable.
+
+    And where that with theta_0 is; of this also the largest on parts of our axes.
+    """
+    calm, robust = stable(session, False, "corrected"), motion_map(session, False).robust
+    return {
+        **robust_in(session, stable(session, False, "paper"), "blue_o"),
+        "corrected": robust_in(session, calm, "blue_o")["share"],
+        "parts": largest_on_parts(moves(session, False, "blue_o"), calm & robust),
+    }
+
+
+def largest_on_parts(right: Any, counted: Any) -> float:
+    """Return the largest share, on parts of our axes, of those that are right, of the counted."""
+    return max(
+        share(part(right, *ends)[part(counted, *ends)], 0.0) for ends in product(PARTS, PARTS)
+    )
+
+
+def region_1(session: Session) -> Numbers:
+    """Return the share of red x in the largest unstable region, and of reversals among them."""
+    largest = regions(~stable(session, False, "paper"))[0]
+    red = largest & moves(session, False, "red_x")
+    speeds = motion_map(session, False).variables["min_speed"][red]
+    return {**robust_in(session, largest, "red_x"), "reversing": share(speeds < 0, 0.0)}
+
+
+def red_zone(session: Session) -> Numbers:
+    """Return the motions from rest where the rotation is unstable though |u_1| < 0.5.
+
+    Shares without hula-hoop motion and with reversals, and the rank correlation of |u_1| with the
+    largest backward speed.
+    """
+    motion, u_1 = motion_map(session, False), printed_u_1(session)
+    here = ~stable(session, False, "paper") & (u_1 < 0.5) & motion.robust
+    speed = motion.variables["min_speed"]
+    known = here & np.isfinite(speed)
+    return {
+        "count": count(here),
+        "none": np.mean(~moves(session, False, "blue_o")[here]),
+        "reversing": np.mean(speed[here] < 0),
+        "known": count(known),
+        "rank": float(spearmanr(u_1[known], -speed[known]).statistic),
+    }
+
+
+def near(where: Any, cells: int = 2) -> Any:
+    """Return which points (n_y, n_x) lie within some cells of others."""
+    return binary_dilation(where, np.ones((3, 3)), iterations=cells)
+
+
+def transition(session: Session) -> Numbers:
+    """Return the share of cyan + in figure 5 that lies near both rotation and its absence."""
+    cyan, red, blue, plus = (
+        moves(session, False, name) for name in ("cyan_plus", "red_x", "blue_o", "blue_plus")
+    )
+    between = (near(red) & near(blue | plus))[cyan]
+    return {"between": share(between, 0.0), "count": between.size}
+
+
+def region_3(session: Session) -> Numbers:
+    """Count points of cyan o in figure 5, and those that repeat each period.
+
+    And shares of them at which approximate solutions are unstable: with theta_0, and as printed.
+    """
+    cyan, variables = moves(session, False, "cyan_o"), motion_map(session, False).variables
+    periods, f_u = (variables[name][cyan] for name in ("periods", "f_u"))
+    as_printed = ~stable(session, False, "printed")[cyan]
+    return {
+        "count": periods.size,
+        "share": share(~stable(session, False, "corrected")[cyan]),
+        "paper": share(as_printed),
+        "unstable": count(as_printed),
+        "first": count((periods == 1) & (np.abs(f_u - 1) < 0.02)),
+    }
+
+
+# Figures 4 and 5, 6 and 7
+
+
+def agreements(session: Session, who: str, plate: bool) -> Numbers:
+    """Return the share of the robust points at which stability predicts the motion from rest.
+
+    By each solution; of an engine, by the stability of its rotation.
+    """
+    if who != REFERENCE:
+        calm, hoop, _ = own_maps(session, plate, who)
+        return {"share": np.mean(calm == hoop), "count": len(hoop)}
+    by_solution = {name: agreement(session, plate, name) for name in STABILITIES}
+    shares = {name: item["share"] for name, item in by_solution.items()}
+    hoop, robust = moves(session, plate, "blue_o"), motion_map(session, plate).robust
+    parts = [largest_on_parts(hoop == stable(session, plate, name), robust) for name in CORRECTED]
+    return {
+        **by_solution["paper"],
+        **shares,
+        "best": max(shares[name] for name in CORRECTED),
+        "parts": max(parts),
+    }
+
+
+def unstable_seen(session: Session, who: str) -> Numbers:
+    """Count robust points of figure 5 with a periodic motion where a rotation is unstable."""
+    if who != REFERENCE:
+        calm, _, periodic = own_maps(session, False, who)
+        return {"count": np.sum(periodic & ~calm), "total": np.sum(periodic)}
+    motion = motion_map(session, False)
+    hoop = is_class(motion, "motion", "blue_o") & motion.robust
+    periodic = hoop & (motion.variables["periods"] == 1)
+    paper, exact = (count(~stable(session, False, name) & periodic) for name in ("paper", "exact"))
+    total = count(periodic)
+    more = count(hoop) - total
+    return {"paper": paper, "exact": exact, "count": exact, "total": total, "more": more}
+
+
+def stable_elsewhere(session: Session) -> Numbers:
+    """Return where motions from rest end that do not reach a stable true rotation.
+
+    And the largest multiplier of these rotations.
+    """
+    motion = motion_map(session, False)
+    here = stable(session, False, "exact") & motion.robust
+    elsewhere = here & ~is_class(motion, "motion", "blue_o")
+    return {
+        "share": elsewhere.sum() / here.sum(),
+        "multiplier": stability_map(session, False).variables["multiplier"][here].max(),
+        "total": count(here),
+        "kinds": {
+            name.replace("_", " "): count(elsewhere & is_class(motion, "motion", name))
+            for name in motion.about["motion"].classes[1:]
+        },
+    }
+
+
+# Readings
+
+
+def axes_of_maps(session: Session) -> Numbers:
+    """Return stable shares and numbers of unstable regions on other axes: of figures 4 and 6."""
+    axes = [(HERTZ, NEWTON), (HERTZ, (5.0, 100.0)), ((1.0, 20.0), NEWTON), ((2.0, 8.0), NEWTON)]
+    shares, counts = np.zeros((2, len(axes), 2))
+    for (i, (hertz, newton)), plate in product(enumerate(axes), PLATES):
+        p = HulaHoop(
+            force_frequency=np.linspace(*hertz, POINTS)[None, :],  # type: ignore[arg-type]
+            force_amplitude=np.linspace(*newton, POINTS)[:, None],  # type: ignore[arg-type]
+            **changed(plate),
+        )
+        multiplier = np.abs(floquet_multipliers(paper_solution(p), p)[0])
+        shares[i, int(plate)] = np.mean(multiplier < 1)
+        counts[i, int(plate)] = len(regions(multiplier >= 1))
+    return {"shares": shares, "counts": counts}
+
+
+def drawn_solution(session: Session) -> Numbers:
+    """Return regions and agreement with the motion from rest, of figures 4 and 6, by solution."""
+    return {
+        name: {
+            "counts": [len(regions(~stable(session, plate, name))) for plate in PLATES],
+            "shares": [agreement(session, plate, name)["share"] for plate in PLATES],
+        }
+        for name in STABILITIES
+    }
+
+
+def class_definitions(session: Session) -> Numbers:
+    """Return the shares of the classes of figure 5 with other limits between them."""
+    values = motion_map(session, False).variables
+    limits = {
+        "ours": (0.5 / 120, 0.02, 0.0),
+        "quarter": (0.25 / 120, 0.02, 0.0),
+        "slack": (0.05, 0.02, 0.0),
+        "wide": (0.5 / 120, 0.1, 0.0),
+        "slow": (0.5 / 120, 0.02, -0.05),
+    }
+    shares = {}
+    for name, (slack, near_two, least) in limits.items():
+        with np.errstate(invalid="ignore"):
+            turns = np.abs(values["turns"] - 1) < slack
+            two = np.abs(values["f_u"] - 2) < near_two
+            forward = values["min_speed"] >= least
+        classes = {
+            "blue o": turns & two & forward,
+            "blue +": turns & two & ~forward,
+            "cyan o": turns & ~two & forward,
+            "cyan +": turns & ~two & ~forward,
+            "red x": ~turns,
+        }
+        shares[name] = {one: float(np.mean(where)) for one, where in classes.items()}
+    return shares
+
+
+def definition(session: Session) -> Numbers:
+    """Return shares of figure 5 with hula-hoop motion by wider definitions, and of an ideal one."""
+    plane = stability_map(session, False)
+    u_1 = plane.variables["u_1"][is_class(plane, "stability", "stable")]
+    kinds = ("blue_o", "blue_plus", "cyan_o", "cyan_plus")
+    shares = [float(np.mean(moves(session, False, name))) for name in kinds]
+    return {
+        "ideal": np.mean(u_1 == 0),
+        "least": np.min(u_1),
+        "shares": [shares[0], sum(shares[:2]), sum(shares)],
+    }
