@@ -34,6 +34,8 @@ class System:
         Time of the initial state [s].
     mjcf : str
         Text of the file, parameters applied; empty for an engine that reads none.
+    path : str
+        The file of a model of the user's, beside which its meshes are; empty for a scene.
     terms : tuple of Term
         Its springs, dampers, tendons and actuators, which include all forcing; actuators in the
         order of the file. The damper of a ball joint acts against its angular velocity.
@@ -60,6 +62,7 @@ class System:
     velocities: Array
     start_time: float = 0.0
     mjcf: str = ""
+    path: str = ""
     terms: tuple[Term, ...] = ()
     armatures: Mapping[str, float] | None = None
     closures: tuple[Closure, ...] = ()

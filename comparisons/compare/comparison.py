@@ -1,4 +1,4 @@
-"""`compare`: what two readings of a model differ in, and the edit that closes the gap."""
+"""`compare`: the differences of two readings of a model, and the edits that close the gap."""
 
 from __future__ import annotations
 
@@ -7,18 +7,21 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ...reference.errors import MbcheckError
+from ...reference.errors import MbcheckError, UsageError
 from ..documents import document
 from ..documents.fields import HIDDEN, documented
+from ..documents.waivers import FileWaiver, waivers_of
 from ..reports.item import ReportItem
 from ..reports.words import number
 from .elements import (
     ENUMERATIONS,
     REFERENCES,
+    SWITCHES,
     Attribute,
     Compiled,
     Match,
@@ -28,6 +31,8 @@ from .elements import (
     names_of_both,
     touches_nothing,
 )
+from .engine import EngineReading
+from .explain import find_edits, guesses
 from .gaps import Gap, gaps_between
 from .reading import Edit, Operand, Reading
 from .states import Side, StateRows, layout, states_of
@@ -42,8 +47,17 @@ half a unit of the sixth digit, and what follows from several such numbers."""
 SINGLE = 1e-6
 """The same of fields that MuJoCo keeps in numbers of 32 bits."""
 
+NEVER_SAVED = re.compile(r"\b(euler|axisangle|xyaxes|zaxis|fromto|dampratio|include)\b")
+"""Words of MJCF that MuJoCo never writes, since it computes other attributes from them."""
+
 MEASURED = 60
 """Differences whose effects are measured at the most."""
+
+RULE, UNUSED = "compare", "waiver_unused"
+"""Rules of reports: a difference, and a waiver that waives nothing."""
+
+MIN_FORCE = 1e-6
+"""Share of the largest force below which the force of a joint counts as that large."""
 
 MAX_VALUES = 6
 """Numbers of an attribute that are shown at the most."""
@@ -58,10 +72,6 @@ NEUTRAL: Mapping[str, Mapping[str, float]] = {
 }  # fmt: skip
 """Kind of element -> values of its fields with which it does nothing."""
 
-DERIVED = {"range": "limited", "ctrlrange": "ctrllimited", "forcerange": "forcelimited",
-           "actrange": "actlimited", "actfrcrange": "actfrclimited"}  # fmt: skip
-"""End of a field -> that of the field that says whether it counts."""
-
 OPTION_WORDS = {
     "integrator": "mjtIntegrator",
     "cone": "mjtCone",
@@ -70,6 +80,9 @@ OPTION_WORDS = {
 }
 FLAGS = {"disableflags": "mjtDisableBit", "enableflags": "mjtEnableBit"}
 """Option -> the enumeration of its number, or of its bits."""
+
+RETARGETED = ("actuator_trnid", "eq_obj1id", "eq_obj2id")
+"""References to elements that can be edited in a compiled model."""
 
 WITH = {"body_inertia": "body_iquat"}
 """Field -> another that says in which frame it is."""
@@ -93,7 +106,7 @@ class Difference:
         by how much accelerations change with this edit of A alone, relative to the largest; null
         if it cannot be tried
     edits : list of Edit
-        What makes A's model like B's in this.
+        Edits that give A's model the values of B.
     share : float
         The largest difference of its numbers, in the largest of them; infinite of words.
     """
@@ -107,19 +120,24 @@ class Difference:
     share: float = field(default=math.inf, metadata=HIDDEN)
 
     @property
+    def id(self) -> str:
+        """Element and attribute."""
+        return f"{self.element} {self.attribute}".strip()
+
+    @property
     @documented
     def sentence(self) -> str:
-        """What became of it, in words."""
+        """The difference in words."""
         if not self.attribute:
             return f"{self.element} {'lost' if self.after == 'lost' else 'is new'}"
-        if self.after in ("none", "no limit") or set(self.after.split()) == {"0"}:
-            return f"{self.element}: {self.attribute} {self.before} dropped"
-        return f"{self.element}: {self.attribute} {self.before} read as {self.after}"
+        dropped = self.after in ("none", "no limit") or set(self.after.split()) == {"0"}
+        words = (self.attribute, self.before, "dropped" if dropped else f"read as {self.after}")
+        return f"{self.element}: {' '.join(filter(None, words))}"
 
 
 @dataclass(frozen=True)
 class ModelComparison:
-    """What two readings of one model differ in.
+    """The differences of two readings of one model.
 
     Attributes
     ----------
@@ -127,6 +145,10 @@ class ModelComparison:
         the first model, and who reads it
     b : str
         the second
+    versions : mapping of str to str
+        the reader of each, with its version
+    conventions : sequence of str
+        departures of an engine from the protocol of engines, which are accounted for
     renamed : sequence of str
         elements that have another name, or another place in the order, in B
     differences : sequence of Difference
@@ -134,7 +156,7 @@ class ModelComparison:
     gaps : sequence of Gap
         what they do differently at states
     left : sequence of Gap
-        what is still different after A is edited by all differences
+        gaps that remain after A is edited by all differences
     states : sequence of str
         names of the states; none if they have no states in common
     why_no_states : str
@@ -143,11 +165,16 @@ class ModelComparison:
         number of attributes that differ by the digits of a text alone
     not_compared : sequence of str
         fields that are in one release of MuJoCo alone
+    waived : mapping of str to str
+        reasons of waivers, by element and attribute
+    unused_waivers : sequence of str
+        waivers of this model that waive nothing
     """
 
     a: str
     b: str
     versions: Mapping[str, str]
+    conventions: Sequence[str]
     renamed: Sequence[str]
     differences: Sequence[Difference]
     gaps: Sequence[Gap]
@@ -156,6 +183,8 @@ class ModelComparison:
     why_no_states: str
     rounded: int
     not_compared: Sequence[str]
+    waived: Mapping[str, str] = field(default_factory=dict)
+    unused_waivers: Sequence[str] = ()
 
     @property
     @documented
@@ -164,36 +193,44 @@ class ModelComparison:
         return not self.left if self.gaps else None
 
     @property
+    def findings(self) -> list[Difference | Gap]:
+        """Differences, and gaps that they do not explain, but for those that are waived."""
+        every: list[Difference | Gap] = [*self.differences, *self.left]
+        return [one for one in every if one.id not in self.waived]
+
+    @property
     def exit_code(self) -> int:
-        """1 if anything differs."""
-        return int(bool(self.differences or self.gaps or self.left))
+        """1 if a difference is not waived."""
+        return int(bool(self.findings))
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``compare`` document of docs/json.md."""
         return document("compare", self)
 
     def items(self) -> list[ReportItem]:
-        """Return an item for each difference, and one for what they do not explain."""
+        """Return an item for each finding, and one for each waiver that waives nothing."""
         file = self.a.rpartition("@")[0] or self.a
-        items = [
-            ReportItem(
-                id=f"{one.element} {one.attribute}".strip(), rule="compare", suite=self.b,
-                outcome="failure", severity="error", message=one.sentence, file=file,
-                numbers={"before": one.before, "after": one.after, "effect": one.effect},
-            )
-            for one in self.differences
-        ]  # fmt: skip
+        items = []
+        for one in self.findings:
+            numbers, message = dict[str, object](), one.sentence
+            if isinstance(one, Gap):
+                message += ", and no edit explains it"
+            else:
+                numbers = {"before": one.before, "after": one.after, "effect": one.effect}
+            items.append(
+                ReportItem(
+                    id=one.id, rule=RULE, suite=self.b, outcome="failure", severity="error",
+                    message=message, file=file, numbers=numbers,
+                )
+            )  # fmt: skip
         items += [
-            ReportItem(
-                id=f"{gap.quantity} {gap.element}", rule="compare", suite=self.b, outcome="failure",
-                severity="error", message=f"{gap.sentence}, and no edit explains it", file=file,
-            )
-            for gap in self.left
-        ]  # fmt: skip
-        return items or [ReportItem("compare", "compare", self.b, "pass", None, "", file=file)]
+            ReportItem(one, UNUSED, self.b, "skipped", "warning", one, file=file)
+            for one in self.unused_waivers
+        ]
+        return items or [ReportItem(RULE, RULE, self.b, "pass", None, "", file=file)]
 
 
-def compare(a: str, b: str, install: bool = False) -> ModelComparison:
+def compare(a: str, b: str, install: bool = False, waivers: str | None = None) -> ModelComparison:
     """Compare two readings of one model.
 
     Parameters
@@ -203,6 +240,8 @@ def compare(a: str, b: str, install: bool = False) -> ModelComparison:
         MuJoCo and NumPy.
     install : bool
         Make an environment for a missing release, in the user's cache.
+    waivers : str or None
+        File of waivers, each with its reason.
 
     Raises
     ------
@@ -212,19 +251,44 @@ def compare(a: str, b: str, install: bool = False) -> ModelComparison:
         If a process that reads a file ends, or does not answer in time.
     """
     operands = [Operand.parse(text) for text in (a, b)]
-    pythons = [one.python(install) for one in operands]
-    with ExitStack() as stack:
-        first, second = (
-            stack.enter_context(Reading(*one)) for one in zip(operands, pythons, strict=True)
+    if operands[0].is_engine:
+        raise UsageError(
+            f"an engine is compared with MuJoCo: mbcheck compare {operands[0].file} {a}"
         )
-        return compared(first, second, (a, b))
+    allowed = waivers_of(Path(waivers), operands[0].file, (RULE,)) if waivers else ()
+    with ExitStack() as stack:
+        first, second = (stack.enter_context(opened(one, install)) for one in operands)
+        return with_waivers(compared(first, second, (a, b)), allowed)
+
+
+def with_waivers(result: ModelComparison, waivers: Sequence[FileWaiver]) -> ModelComparison:
+    """Return a comparison whose findings are waived, and waivers that waive nothing."""
+    waived, used = dict[str, str](), set[FileWaiver]()
+    for one in result.findings:
+        waiver = next((w for w in waivers if w.covers(RULE, one.id)), None)
+        if waiver:
+            waived[one.id] = waiver.reason
+            used.add(waiver)
+    unused = [
+        f"{one.file}, line {one.line}: {one.pattern or 'all'} is alike, remove the waiver"
+        for one in waivers
+        if one.required and one not in used
+    ]
+    return replace(result, waived=waived, unused_waivers=unused)
+
+
+def opened(operand: Operand, install: bool) -> Reading:
+    """Return a file as its reader reads it."""
+    if operand.is_engine:
+        return EngineReading(operand)
+    return Reading(operand, operand.python(install))
 
 
 def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelComparison:
-    """Return what two readings differ in."""
+    """Return the differences of two readings."""
     one, other = first.model, second.model
     match = match_elements(one, other)
-    share = SIX_DIGITS if written_in_six_digits(first) != written_in_six_digits(second) else EQUAL
+    share = SIX_DIGITS if is_saved_by_mujoco(first) != is_saved_by_mujoco(second) else EQUAL
     every = list(differences_of(one, other, match))
     differences = [d for d in every if d.share > share]
     rounding = [d for d in every if d.share <= share]
@@ -234,13 +298,16 @@ def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelCo
         trial = EditTrial(first, second, match, rows, [e for d in rounding for e in d.edits])
         states = list(trial.states)
         gaps = trial.gaps(())
+        if gaps and isinstance(second, EngineReading):
+            differences += trial.read_differently([e for d in differences for e in d.edits])
         differences = [*map(trial.measured, differences[:MEASURED]), *differences[MEASURED:]]
         differences.sort(key=lambda d: -1.0 if d.effect is None else d.effect, reverse=True)
         left = trial.left([e for d in differences for e in d.edits], gaps) if gaps else []
     return ModelComparison(
         a=names[0],
         b=names[1],
-        versions={"a": one.version, "b": other.version},
+        versions={"a": first.version, "b": second.version},
+        conventions=second.conventions,
         renamed=list(renamed(one, other, match)),
         differences=differences,
         gaps=gaps,
@@ -318,14 +385,25 @@ def edits_of(one: Compiled, other: Compiled, pair: Sequence[Attribute]) -> Itera
             yield name, None, np.asarray(other.answer[name]).tolist()
             continue
         theirs = pair[1].rows.get(name, ())
+        if name in RETARGETED and len(theirs):
+            numbers = [number_of(one, label) for label in pair[1].values]
+            width = np.size(one.field(name)[rows])
+            numbers += [-1] * (width - len(numbers))
+            shape = np.shape(one.field(name)[rows])
+            yield f"model.{name}", rows.tolist(), np.reshape(numbers, shape).tolist()
+            continue
         fixed = name in (*ENUMERATIONS, *REFERENCES) or name.startswith("sensor_")
         if fixed or len(theirs) != len(rows):
             continue
-        switch = next((name.removesuffix(end) + on for end, on in DERIVED.items()
-                       if name.endswith(f"_{end}")), None)  # fmt: skip
-        for own in (name, WITH.get(name), switch):
+        for own in (name, WITH.get(name), SWITCHES.get(name)):
             if own and f"model.{own}" in one.answer:
                 yield f"model.{own}", rows.tolist(), other.field(own)[theirs].tolist()
+
+
+def number_of(model: Compiled, label: str) -> int:
+    """Return the number of an element, -1 if there is none of this label."""
+    listed = next((one for one in model.labels.values() if label in one), [])
+    return listed.index(label) if listed else -1
 
 
 def neutral(model: Compiled, element: ModelElement) -> Iterator[Edit]:
@@ -371,12 +449,14 @@ def shortened(before: Sequence[Any], after: Sequence[Any]) -> tuple[Sequence[Any
     return before[:last], after[:last]
 
 
-def written_in_six_digits(reading: Reading) -> bool:
-    """Return whether each number of a file stands there as MuJoCo writes it, with six digits."""
+def is_saved_by_mujoco(reading: Reading) -> bool:
+    """Return True if a file is written as MuJoCo writes it: radians, numbers of six digits."""
     with open(reading.operand.file, encoding="utf-8", errors="replace") as file:
         text = re.sub(r"<!--.*?-->", "", file.read(), flags=re.DOTALL)
+    if not re.search(r'angle\s*=\s*"radian"', text) or NEVER_SAVED.search(text):
+        return False
     numbers = re.findall(r"(?<![\w.+-])[-+]?\d*\.?\d+(?:[eE][-+]?\d+)?(?![\w.])", text)
-    return bool(numbers) and all(one == f"{float(one):.6g}" for one in numbers)
+    return all(one in (f"{float(one):.6g}", f"{float(one):.0f}") for one in numbers)
 
 
 # What they do --------------------------------------------------------------------------------
@@ -391,21 +471,25 @@ class EditTrial:
     match : Match
     rows : StateRows
     always : sequence of Edit
-        Of A, which are made always: what differs by the digits of a text.
+        Edits of A that are always made: attributes that differ by the digits of a text.
     """
 
     def __init__(
         self, first: Reading, second: Reading, match: Match, rows: StateRows, always: Sequence[Edit]
     ) -> None:
-        self.first, self.rows, self.always = first, rows, always
+        self.first, self.second, self.rows, self.always = first, second, rows, always
         self.states = states_of(first)
+        if isinstance(second, EngineReading):  # which has no activations
+            rest = [0.0] * int(first.model.field("na"))
+            self.states = {name: {**one, "act": rest} for name, one in self.states.items()}
+        self.elements = [pair[0] for pair in match.pairs]
         self.sides = [side_of(first.model, 0, match, rows), side_of(second.model, 1, match, rows)]
         theirs = [rows.translated(state, second.model) for state in self.states.values()]
         self.other = [self.sides[1].in_order(one) for one in second.at(theirs)]
         self.own = self.answers(())
 
     def answers(self, edits: Sequence[Edit], brief: bool = False) -> list[dict[str, Any]]:
-        """Return what A does with edits; in brief its accelerations alone."""
+        """Return the answers of A after edits; in brief its accelerations alone."""
         answers = self.first.at(list(self.states.values()), [*self.always, *edits], brief)
         if brief:
             return [{"qacc": one["qacc"][self.rows.rows["qvel"][0]]} for one in answers]
@@ -416,10 +500,42 @@ class EditTrial:
         own = self.answers(edits) if edits else self.own
         labels = {kind: list(one.values()) for kind, one in self.sides[0].labels.items()}
         labels["joint"] = self.rows.labels
-        return gaps_between(own, self.other, list(self.states), labels)
+        eps = max(self.first.eps, self.second.eps)
+        return gaps_between(own, self.other, list(self.states), labels, eps)
+
+    def force_gap(self, edits: Sequence[Edit]) -> Any:
+        """Return the differences of accelerations as forces, relative to each joint's largest."""
+        forces = np.array([one["mass"] @ one["qacc"] for one in self.own])
+        size = abs(forces).max(axis=0)
+        apart = [
+            mine["mass"] @ (theirs["qacc"] - edited["qacc"])
+            for mine, theirs, edited in zip(
+                self.own, self.other, self.answers(edits, brief=True), strict=True
+            )
+        ]
+        floor = MIN_FORCE * size.max(initial=0.0) or 1.0
+        return (np.array(apart) / np.maximum(size, floor)).ravel()
+
+    def read_differently(self, before: Sequence[Edit]) -> list[Difference]:
+        """Return the attributes that an engine lost or scaled, after edits that are known."""
+        elements = [option_element(self.first.model), *self.elements]
+        picks = find_edits(
+            lambda edits: self.force_gap([*before, *edits]),
+            lambda edits: not self.gaps([*before, *edits]),
+            list(guesses(self.first.model, elements)),
+        )
+        differences = []
+        for one, factor in picks:
+            values = one.cells(factor)
+            file_cell, read_cell = cells_of(*values) if values[0] else ("", values[1][0])
+            edits = [one.edit(factor)]
+            differences.append(
+                Difference(one.element, one.attribute, file_cell, read_cell, edits=edits)
+            )
+        return differences
 
     def left(self, edits: Sequence[Edit], gaps: list[Gap]) -> list[Gap]:
-        """Return what edits leave open: all of it where they cannot be made."""
+        """Return the gaps that edits leave; all of them if the edits cannot be made."""
         try:
             return self.gaps(edits)
         except MbcheckError:
@@ -443,7 +559,7 @@ class EditTrial:
 
 
 def side_of(model: Compiled, side: int, match: Match, rows: StateRows) -> Side:
-    """Return what of a model stands where; ``side`` is 0 for A and 1 for B."""
+    """Return the rows of a model; ``side`` is 0 for A and 1 for B."""
     labels: dict[str, dict[int, str]] = {kind: {} for kind in model.labels}
     for pair in match.pairs:
         labels[pair[0].kind][pair[side].number] = pair[0].label

@@ -8,9 +8,11 @@ the place of principal axes, rotations in that of quaternions, names in that of 
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -36,7 +38,7 @@ KINDS: Mapping[str, str] = {
     "pair": "pair_geom2",
     "exclude": "exclude_signature",
 }
-"""Kind of element -> the field by which those without a name are told apart.
+"""Kind of element -> the field that distinguishes elements without a name.
 
 Kinds that others refer to come first."""
 
@@ -51,8 +53,16 @@ ROWS: Mapping[str, tuple[str, str]] = {
 }
 """Field, or its first word -> the kind of element of its rows, and the field of their addresses."""
 
-COLUMNS = {"key_qpos": "qpos0", "key_qvel": "dof", "key_ctrl": "actuator"}
-"""Field of keyframes -> one of `ROWS` that says whose its columns are."""
+COLUMNS: Mapping[str, tuple[str, str, int]] = {
+    "key_qpos": ("joint", "jnt_qposadr", 0),
+    "key_qvel": ("joint", "jnt_dofadr", 0),
+    "key_act": ("actuator", "actuator_actadr", 0),
+    "key_ctrl": ("actuator", "actuator_ctrladr", 0),
+    "key_mpos": ("body", "body_mocapid", 3),
+    "key_mquat": ("body", "body_mocapid", 4),
+}
+"""Field of keyframes -> the kind of the elements of its columns, the field of their addresses, and
+the columns of each; 0 if they end where the next begin."""
 
 ENUMERATIONS = {
     "jnt_type": "mjtJoint",
@@ -96,7 +106,7 @@ REFERRED = {
     "xbody": "body",
     "sdf": "mesh",
 }
-"""Kind of a reference -> that of the element that it is to, where that is another word."""
+"""Kind of a reference -> the kind of its element, where MuJoCo has two words."""
 
 SIZES = {"plane": 0, "sphere": 1, "capsule": 2, "cylinder": 2}
 """Type of a geom or site -> how many of its three sizes count, where not all do."""
@@ -141,6 +151,21 @@ WORDS = {
 EQUALITY_DATA = {"connect": "anchor", "weld": "relpose", "joint": "polycoef", "tendon": "polycoef"}
 """Type of an equality -> what its numbers are."""
 
+SWITCHES = {
+    "jnt_range": "jnt_limited",
+    "jnt_actfrcrange": "jnt_actfrclimited",
+    "tendon_range": "tendon_limited",
+    "tendon_actfrcrange": "tendon_actfrclimited",
+    "actuator_ctrlrange": "actuator_ctrllimited",
+    "actuator_forcerange": "actuator_forcelimited",
+    "actuator_actrange": "actuator_actlimited",
+    "eq_type": "eq_active0",
+}
+"""Field -> the field that switches it on."""
+
+DATA_WIDTHS = {"anchor": 6, "relpose": 11, "polycoef": 5}
+"""Attribute of an equality -> the count of its numbers; releases reserve more."""
+
 CONTACT = (
     "condim", "friction", "solref", "solimp", "solmix", "margin", "gap", "priority", "adhesion",
     "surfacevel",
@@ -165,7 +190,7 @@ class Attribute:
     Attributes
     ----------
     values : sequence of float or str
-        In a form in which equal physics is equal.
+        Values in a form in which equal physics is equal.
     rows : mapping of str to array
         Fields of the compiled model that hold it, and their rows.
     """
@@ -285,19 +310,28 @@ class Compiled:
                 self.described(labels, "eq_type", int(rows[0]))[0], "data"
             )
         if name in COLUMNS:
-            kind, address = ROWS[COLUMNS[name]]
-            starts = self.field(address) if address else np.arange(len(labels[kind]))
-            pieces = np.split(values[rows].T, starts[1:])
-            for label, piece in zip(labels[kind], pieces, strict=False):
-                table[f"{attribute} of {label}"] = Attribute(np.ravel(piece).tolist())
+            for number, columns in self.columns_of(name):
+                label = labels[COLUMNS[name][0]][number]
+                table[f"{attribute} of {label}"] = Attribute(values[rows][0, columns].tolist())
             return
         known = table.get(attribute)
         attribute = name if known else attribute
         pieces = [values[row] for row in rows]
-        if attribute == "polycoef":
-            pieces = [values[row][:5] for row in rows]
+        if attribute in DATA_WIDTHS:
+            pieces = [values[row][: DATA_WIDTHS[attribute]] for row in rows]
         flat = [one for value in pieces for one in np.ravel(np.asarray(value)).tolist()]
         table[attribute] = Attribute(flat, {name: rows})
+
+    def columns_of(self, name: str) -> Iterator[tuple[int, slice]]:
+        """Yield the number of each element that has columns in a field of keyframes, and these."""
+        kind, address, width = COLUMNS[name]
+        starts = self.answer.get(f"model.{address}", np.arange(len(self.labels[kind])))
+        ends = [*starts[1:].tolist(), self.field(name).shape[1]]
+        for number, start in enumerate(starts.tolist()):
+            if start >= 0:
+                begin = start * max(width, 1)
+                count = int(self.field("actuator_actnum")[number]) if name == "key_act" else width
+                yield number, slice(begin, begin + count if count else ends[number])
 
     def comparable(self, name: str, labels: Mapping[str, Sequence[str]]) -> Any:
         """Return a field in a form in which equal physics is equal."""
@@ -328,7 +362,7 @@ class Compiled:
         return [self.word(ENUMERATIONS[name], int(one)) for one in self.field(name)]
 
     def axes(self) -> Any:
-        """Return the orientation of geoms: of what is round its axis, of a sphere nothing."""
+        """Return the orientation of geoms: the axis of round ones, nothing of a sphere."""
         axes, kinds = rotations(self.field("geom_quat")), self.types("geom_type")
         lines = np.where(np.array(kinds) == "sphere", 0.0, 1.0)[:, None] * axes[:, :, 2]
         round_ = np.isin(kinds, ("sphere", "capsule", "cylinder"))
@@ -370,7 +404,7 @@ def folded(table: dict[str, Attribute], kind: str) -> dict[str, Attribute]:
 
 
 def touches_nothing(table: Mapping[str, Attribute]) -> bool:
-    """Return whether a geom takes part in no contact but those of pairs."""
+    """Return True if a geom takes part in no contact but those of pairs."""
     return not any(any(table[name].values) for name in ("contype", "conaffinity"))
 
 
@@ -399,12 +433,13 @@ class Match:
 
 
 def match_elements(one: Compiled, other: Compiled) -> Match:
-    """Return which elements of two models are the same.
+    """Return the pairs of corresponding elements of two models.
 
-    By name; those without a partner of their name by their place (parent, or what they refer to)
-    and by how many of their attributes are equal.
+    They are matched by name; those without a partner of their name by their place (their parent, or
+    the elements to which they refer) and by the number of equal attributes.
     """
     labels = {kind: list(listed) for kind, listed in other.labels.items()}
+    contents = contents_of(one), contents_of(other)
     pairs: list[tuple[ModelElement, ModelElement]] = []
     gone: list[ModelElement] = []
     new: list[ModelElement] = []
@@ -415,7 +450,9 @@ def match_elements(one: Compiled, other: Compiled) -> Match:
         for numbers in levels(one) if kind == "body" else [range(len(mine))]:
             theirs = other.elements(kind, labels)
             for rest in leftover_groups(mine, theirs, numbers, partners):
-                partners |= dict(assigned(mine, theirs, *rest))
+                partners |= dict(
+                    assigned(mine, theirs, *rest, contents if kind == "body" else None)
+                )
             rename(labels, one, kind, partners)
         theirs = other.elements(kind, labels)
         pairs += [(mine[i], theirs[j]) for i, j in sorted(partners.items())]
@@ -477,15 +514,41 @@ def place_of(element: ModelElement) -> tuple[str, ...]:
     )
 
 
+def contents_of(model: Compiled) -> list[Counter[str]]:
+    """Return the attributes, in five digits, of all joints and geoms on each body and below it."""
+    contents = [Counter[str]() for _ in model.labels["body"]]
+    for kind in ("joint", "geom"):
+        owners = model.field(KINDS[kind]).tolist()
+        for element in model.elements(kind, model.labels):
+            for name, one in element.attributes.items():
+                if not set(one.rows) & set(REFERENCES):
+                    words = (f"{v:.4e}" if isinstance(v, float) else str(v) for v in one.values)
+                    contents[owners[element.number]][f"{kind} {name} {' '.join(words)}"] += 1
+    for i, parent in reversed(list(enumerate(model.field("body_parentid").tolist()))):
+        if i:
+            contents[parent] += contents[i]
+    return contents
+
+
 def assigned(
-    mine: Sequence[ModelElement], theirs: Sequence[ModelElement], left: list[int], right: list[int]
+    mine: Sequence[ModelElement],
+    theirs: Sequence[ModelElement],
+    left: list[int],
+    right: list[int],
+    contents: tuple[Sequence[Counter[str]], Sequence[Counter[str]]] | None,
 ) -> Iterator[tuple[int, int]]:
-    """Yield pairs of numbers so that as few attributes as possible differ, in order if equal."""
-    costs = [
-        [difference_count(mine[i], theirs[j]) + 1e-6 * abs(a - b) for b, j in enumerate(right)]
-        for a, i in enumerate(left)
-    ]
-    for a, b in zip(*linear_sum_assignment(np.array(costs)), strict=True):
+    """Yield pairs of numbers so that as few attributes as possible differ, in order if equal.
+
+    The share of differing ``contents`` counts as one attribute of bodies.
+    """
+    costs = np.zeros((len(left), len(right)))
+    for (a, i), (b, j) in product(enumerate(left), enumerate(right)):
+        costs[a, b] = difference_count(mine[i], theirs[j]) + 1e-6 * abs(a - b)
+        if contents:
+            both = contents[0][i], contents[1][j]
+            shared, every = (both[0] & both[1]).total(), (both[0] | both[1]).total()
+            costs[a, b] += 1 - shared / every if every else 0.0
+    for a, b in zip(*linear_sum_assignment(costs), strict=True):
         yield left[a], right[b]
 
 
@@ -501,7 +564,7 @@ def difference_count(one: ModelElement, other: ModelElement) -> float:
 def difference_share(one: Values, other: Values, least: float = 0.0) -> float:
     """Return the largest difference of numbers in the largest of them, infinite of other words.
 
-    What is smaller than ``least`` counts as that large.
+    Numbers below ``least`` count as that large.
     """
     if len(one) != len(other):
         return np.inf

@@ -1,4 +1,4 @@
-"""In what two models differ at the same states, beyond what rounding explains."""
+"""Quantities of two models that differ at the same states by more than round-off."""
 
 from __future__ import annotations
 
@@ -50,8 +50,8 @@ ROWS = {
 }
 """Number of a row of a constraint -> its name."""
 
-COLLISION = 1e-6
-"""Tolerance of MuJoCo's collision of convex shapes, ``ccd_tolerance`` [m]."""
+COLLISION = 2e-6
+"""Largest difference of two depths [m] that are both good to MuJoCo's ``ccd_tolerance``, 1e-6 m."""
 
 CONTACT = {
     "depth": (slice(0, 1), COLLISION),
@@ -61,7 +61,10 @@ CONTACT = {
     "solref": (slice(20, 22), 1e-12),
     "solimp": (slice(22, 27), 1e-12),
 }
-"""Quantity of a contact -> where it stands among its numbers, and its tolerance."""
+"""Quantity of a contact -> its columns, and its tolerance."""
+
+GEOMETRY = [0, *range(3, 15)]
+"""Columns of depth, position and frame of a contact."""
 
 TINY = 1e-300
 
@@ -94,6 +97,11 @@ class Gap:
     tolerance: Number
 
     @property
+    def id(self) -> str:
+        """Quantity and element."""
+        return f"{self.quantity} {self.element}"
+
+    @property
     @documented
     def sentence(self) -> str:
         """The difference in words."""
@@ -109,21 +117,24 @@ def gaps_between(
     other: Sequence[Mapping[str, Any]],
     states: Sequence[str],
     labels: Mapping[str, Sequence[str]],
+    eps: float = EPS,
 ) -> list[Gap]:
     """Return the largest gap of each quantity, in units of its tolerance.
 
     Parameters
     ----------
     own, other : sequence of mapping of str to array
-        What A and B do at each state, in the order of A.
+        Answers of A and B at each state, in the order of A.
     states : sequence of str
         Names of the states.
     labels : mapping of str to sequence of str
         Labels of bodies, tendons and actuators, and of each degree of freedom (``joint``).
+    eps : float
+        Rounding unit of the numbers of both.
     """
     worst: dict[str, tuple[float, Gap]] = {}
     for a, b, state in zip(own, other, states, strict=True):
-        for ratio, gap in (*array_gaps(a, b, state, labels), *row_gaps(a, b, state)):
+        for ratio, gap in (*array_gaps(a, b, state, labels, eps), *row_gaps(a, b, state)):
             if ratio > worst[gap.quantity][0] if gap.quantity in worst else ratio > 1:
                 worst[gap.quantity] = ratio, gap
     order = [name for name, _ in QUANTITIES.values()]
@@ -134,10 +145,14 @@ def gaps_between(
 
 
 def array_gaps(
-    a: Mapping[str, Any], b: Mapping[str, Any], state: str, labels: Mapping[str, Sequence[str]]
+    a: Mapping[str, Any],
+    b: Mapping[str, Any],
+    state: str,
+    labels: Mapping[str, Sequence[str]],
+    eps: float,
 ) -> Iterator[tuple[float, Gap]]:
     """Yield the largest difference of each quantity over its tolerance, and where it is."""
-    for key, tolerance in tolerances(a, b):
+    for key, tolerance in tolerances(a, b, eps):
         name, kind = QUANTITIES[key]
         limit = np.broadcast_to(tolerance, a[key].shape)
         if limit.size:
@@ -150,8 +165,24 @@ def array_gaps(
             yield float(ratio[at]), Gap(name, label, state, *values)
 
 
+def collides_differently(a: Mapping[str, Any], b: Mapping[str, Any]) -> bool:
+    """Return True if contacts differ by no more than the tolerance of collisions, or their order.
+
+    Accelerations then differ by more than round-off, for no other reason.
+    """
+    for pair, one in a.get("contacts", {}).items():
+        other = b.get("contacts", {}).get(pair)
+        if other is not None:
+            apart = abs(abs(one.numbers[GEOMETRY]) - abs(other.numbers[GEOMETRY])).max()
+            if one.first != other.first or OPERATIONS * EPS < apart < COLLISION:
+                return True
+    return False
+
+
 def row_gaps(a: Mapping[str, Any], b: Mapping[str, Any], state: str) -> Iterator[tuple[float, Gap]]:
     """Yield differences of rows of constraints and of contacts, over their tolerances."""
+    if "rows" not in b:
+        return
     unit = OPERATIONS * EPS
     for key in dict.fromkeys((*a["rows"], *b["rows"])):
         kind, label, _ = key
@@ -176,9 +207,12 @@ def row_gaps(a: Mapping[str, Any], b: Mapping[str, Any], state: str) -> Iterator
             yield np.inf, missing("contact", pair[0], state, one)
             continue
         for name, (columns, limit) in CONTACT.items():
-            apart = abs(one[columns] - other[columns])
+            if name == "depth" and one.first != other.first:
+                continue  # MuJoCo's collision of convex shapes depends on their order
+            mine, theirs = one.numbers[columns], other.numbers[columns]
+            apart = abs(mine - theirs)
             at = int(np.argmax(apart))
-            values = float(one[columns][at]), float(other[columns][at])
+            values = float(mine[at]), float(theirs[at])
             yield float(apart[at]) / limit, Gap(f"contact, {name}", pair[0], state, *values, limit)
 
 
@@ -188,33 +222,54 @@ def missing(quantity: str, label: str, state: str, of_a: Any) -> Gap:
     return Gap(quantity, label, state, there, 1.0 - there, 0.0)
 
 
-def tolerances(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+def constraint_force(a: Mapping[str, Any]) -> float:
+    """Return the largest generalised force that a row of a constraint may exert (SI)."""
+    return max(
+        (
+            abs(one["jacobian"]).max(initial=0.0) * abs(one["aref"]) / one["inverse_inertia"]
+            for one in a["rows"].values()
+        ),
+        default=0.0,
+    )
+
+
+def tolerances(a: Mapping[str, Any], b: Mapping[str, Any], eps: float) -> Iterator[tuple[str, Any]]:
     """Yield the quantities that both have, and how far rounding may part them.
 
     Sums round by the largest of their terms; accelerations lose as many digits as the mass matrix
-    has a condition number. What constraints do is known as far as two runs of the solver agree.
+    has a condition number. With constraints the largest force of a row counts as well, and the
+    difference of two runs of the solver.
     """
-    unit, n = OPERATIONS * EPS, len(a["bias"])
+    unit, n = OPERATIONS * eps, len(a["bias"])
     common = [key for key in QUANTITIES if key in a and key in b]
-    size = {key: max(abs(side[key]).max(initial=0.0) for side in (a, b)) for key in common}
+    size = {
+        key: max(abs(np.nan_to_num(side[key], posinf=0)).max(initial=0.0) for side in (a, b))
+        for key in common
+    }
     force = sum(
         size[key] for key in ("bias", "spring", "damper", "actuator", "fluid") if key in size
     )
     finite = n and np.all(np.isfinite(a["mass"]))
     condition = np.linalg.cond(a["mass"]) if finite else np.inf if n else 1.0
+    norm = np.linalg.norm(a["mass"], 2) if finite else 1.0
+    constrained = [key for key in size if key == "qacc" or key.startswith("step_")]
+    constrained *= collides_differently(a, b)
     own = {
         "xmat": 1.0,
         **{key: force for key in ("bias", "gravity", "actuator", "damper", "spring", "fluid")},
     }
     for key in size:
-        if a[key].shape != b[key].shape:
+        if a[key].shape != b[key].shape or key in constrained:
             continue
         tolerance: Any = unit * own.get(key, size[key])
         if key in ("qacc_smooth", "qacc") or key.startswith("step_"):
             floor = max(abs(a["qacc_floor"]).max(initial=0), abs(b["qacc_floor"]).max(initial=0))
-            smooth = unit * condition * max(size["qacc_smooth"], size["qacc"])
-            tolerance = smooth + (4 * floor if key != "qacc_smooth" else 0.0)
+            largest = max(size[name] for name in ("qacc_smooth", "qacc") if name in size)
+            tolerance = unit * condition * largest
+            if key != "qacc_smooth":
+                tolerance += 4 * floor + unit * condition * constraint_force(a) / norm
         if key.startswith("step_"):
-            floors = (abs(side[key.replace("step", "floor")]).max(initial=0.0) for side in (a, b))
-            tolerance = tolerance + unit * size[key] + 4 * max(floors)  # a step is below 1 s
+            floors = [abs(side[key.replace("step", "floor")]).max(initial=0.0) for side in (a, b)]
+            floor = max(np.nan_to_num(floors, nan=np.inf))  # of a step that overflows
+            tolerance = tolerance + unit * size[key] + 4 * floor  # a step is below 1 s
         yield key, tolerance

@@ -1,4 +1,4 @@
-"""What is compared: a file, as MuJoCo of this or of another installation reads it."""
+"""A file and its reader: MuJoCo of this or of another installation."""
 
 from __future__ import annotations
 
@@ -20,11 +20,15 @@ import numpy as np
 from ...reference.errors import EngineError, UsageError
 from ..reports.words import printable
 from .elements import Compiled
+from .gaps import EPS
 
 PROBE = Path(__file__).parent / "mujoco" / "probe.py"
 
 PATIENCE = 300.0
 """Time [s] after which a process that answers nothing is ended."""
+
+MUJOCO = "mujoco"
+"""Name of the default reader, the MuJoCo of this Python."""
 
 RELEASE, VERSION = "mujoco==", re.compile(r"mujoco==\d+(\.\d+)+")
 
@@ -35,12 +39,12 @@ State = Mapping[str, list[float]]
 """``qpos``, ``qvel``, ``act`` and ``ctrl`` of MuJoCo's data."""
 
 Answer = dict[str, Any]
-"""What a model does at one state: quantity -> array, as `probe.evaluated` names them."""
+"""Quantity of `probe.evaluated` -> array, at one state."""
 
 
 @dataclass(frozen=True)
 class Operand:
-    """A file, and who reads it: ``mujoco``, a release, or a Python."""
+    """A file and its reader: ``mujoco``, a release, a Python, or an engine."""
 
     file: str
     reader: str
@@ -50,8 +54,13 @@ class Operand:
         """Return an operand from ``FILE`` or ``FILE@READER``."""
         file, at, reader = text.rpartition("@")
         if not at or os.path.exists(text):
-            return cls(text, "mujoco")
+            return cls(text, MUJOCO)
         return cls(file, reader)
+
+    @property
+    def is_engine(self) -> bool:
+        """True if an engine reads the file: ``package.module:Class``, or the name of one."""
+        return self.reader != MUJOCO and os.sep not in self.reader and RELEASE not in self.reader
 
     def python(self, install: bool) -> str:
         """Return the Python whose MuJoCo reads the file.
@@ -61,14 +70,12 @@ class Operand:
         UsageError
             If there is none.
         """
-        if self.reader == "mujoco":
+        if self.reader == MUJOCO:
             return sys.executable
         if self.reader.startswith(RELEASE):
             if not VERSION.fullmatch(self.reader):
                 raise UsageError(f"{self.reader} is no release: write mujoco==3.3.7 or the like")
             return installed(self.reader.removeprefix(RELEASE), install)
-        if os.sep not in self.reader:
-            raise UsageError(f"{self.reader} is no reader: mujoco, mujoco==VERSION or a Python")
         if not os.access(self.reader, os.X_OK) or os.path.isdir(self.reader):
             raise UsageError(f"{self.reader} is no Python that can be run")
         return self.reader
@@ -108,7 +115,7 @@ def installed(version: str, install: bool) -> str:
 
 
 class Reading:
-    """A file that MuJoCo has read, in a process of its own.
+    """A file that MuJoCo reads in a separate process.
 
     Parameters
     ----------
@@ -123,6 +130,12 @@ class Reading:
     EngineError
         If the process ends, or does not answer in time.
     """
+
+    eps = EPS
+    """Rounding unit of its numbers."""
+
+    conventions: Sequence[str] = ()
+    """Departures from the protocol of engines, in words."""
 
     def __init__(self, operand: Operand, python: str) -> None:
         if not os.path.isfile(operand.file):
@@ -142,6 +155,11 @@ class Reading:
         except BaseException:
             self.close()
             raise
+
+    @property
+    def version(self) -> str:
+        """Name and version of the reader."""
+        return f"MuJoCo {self.model.version}"
 
     def close(self) -> None:
         """End the process."""
@@ -186,7 +204,7 @@ class Reading:
     def at(
         self, states: Sequence[State], edits: Sequence[Edit] = (), brief: bool = False
     ) -> list[Answer]:
-        """Return what the model does at states, with some of its fields set to other values."""
+        """Return the answers of the model at states, after edits of its fields."""
         every = self.ask(states=list(states), edits=list(edits), brief=brief)
         answers: list[Answer] = [{} for _ in states]
         for key, value in every.items():

@@ -1,10 +1,10 @@
-"""States at which two models are compared, and what of one model is what of the other."""
+"""States at which two models are compared, and the rows of vectors that correspond."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -39,7 +39,7 @@ class StateRows:
     Attributes
     ----------
     rows : mapping of str to (array of int, array of int)
-        Of ``qpos``, ``qvel``, ``act`` and ``ctrl``, the rows of A and of B.
+        The rows of ``qpos``, ``qvel``, ``act`` and ``ctrl`` in A and in B.
     labels : list of str
         The joints of A at these rows of ``qvel``.
     """
@@ -173,7 +173,7 @@ def draw(model: Compiled, random: np.random.Generator) -> State:
 
 
 def is_limited(model: Compiled, number: int) -> bool:
-    """Return whether a joint has finite limits."""
+    """Return True if a joint has finite limits."""
     limits = model.field("jnt_range")[number]
     return bool(model.field("jnt_limited")[number] and np.all(np.isfinite(limits)))
 
@@ -204,9 +204,16 @@ def at_limits(model: Compiled, state: State) -> Iterator[tuple[str, State]]:
         )
 
 
+class Contact(NamedTuple):
+    """The geom with which MuJoCo's collision begins, and the numbers of a contact."""
+
+    first: str
+    numbers: Any
+
+
 @dataclass(frozen=True)
 class Side:
-    """What of one of two models stands where in what `probe.evaluated` yields.
+    """The rows of one of two models in the answers of `probe.evaluated`.
 
     Attributes
     ----------
@@ -222,7 +229,7 @@ class Side:
     rows: Mapping[str, Any]
 
     def in_order(self, answer: Mapping[str, Any]) -> dict[str, Any]:
-        """Return what the model does at a state, of its elements in the order of A."""
+        """Return the answer at a state with the elements of A, in the order of A."""
         dofs, own = self.rows["qvel"], dict[str, Any]()
         for name, value in answer.items():
             kind = {"xpos": "body", "xmat": "body"}.get(name, name.partition("_")[0])
@@ -230,14 +237,16 @@ class Side:
             if name == "mass":
                 own[name] = value[np.ix_(dofs, dofs)]
             elif name.startswith(("step_", "floor_")):
-                positions = len(value) - len(answer["bias"])
+                positions = len(value) - len(dofs)
                 own[name] = np.concatenate([value[self.rows["qpos"]], value[positions + dofs]])
             elif name.startswith(("row_", "contact_")):
                 continue
             elif kind in self.labels and (name != "actuator"):
                 own[name] = value[list(self.labels[kind])]
-            elif value.shape == answer["bias"].shape:
+            elif value.shape == dofs.shape:
                 own[name] = value[dofs]
+        if "row_type" not in answer:
+            return own
         return own | {"rows": self.constraint_rows(answer), "contacts": self.contacts(answer)}
 
     def constraint_rows(self, answer: Mapping[str, Any]) -> dict[tuple[str, str, int], Any]:
@@ -262,15 +271,14 @@ class Side:
             } | {"jacobian": answer["row_jacobian"][i][self.rows["qvel"]]}
         return rows
 
-    def contacts(self, answer: Mapping[str, Any]) -> dict[tuple[str, int], Any]:
-        """Return the contacts: labels of their geoms, count -> numbers."""
-        rows: dict[tuple[str, int], Any] = {}
+    def contacts(self, answer: Mapping[str, Any]) -> dict[tuple[str, int], Contact]:
+        """Return the contacts: labels of their geoms, count -> contact."""
+        rows: dict[tuple[str, int], Contact] = {}
         numbers = zip(answer["contact_geoms"].tolist(), answer["contact_numbers"], strict=True)
         for geoms, values in sorted(numbers, key=lambda pair: tuple(pair[1][3:6])):
-            label = " and ".join(
-                sorted(self.labels["geom"].get(one, f"geom number {one}") for one in geoms)
-            )
-            rows[label, sum(key[0] == label for key in rows)] = values
+            labels = [self.labels["geom"].get(one, f"geom number {one}") for one in geoms]
+            label = " and ".join(sorted(labels))
+            rows[label, sum(key[0] == label for key in rows)] = Contact(labels[0], values)
         return rows
 
 

@@ -28,10 +28,14 @@ from .request import CompareRequest
 if TYPE_CHECKING:
     from ..reports.item import ReportItem
     from ..reports.sections import Section
-    from .comparison import ModelComparison
+    from .comparison import Difference, ModelComparison
+    from .gaps import Gap
 
-RULE = "a difference between two readings of one model", "the model moves differently"
-"""What SARIF says of a difference."""
+RULES = {
+    "compare": ("a difference between two readings of one model", "the model moves differently"),
+    "waiver_unused": ("a waiver that waives nothing", "the difference that it allowed is gone"),
+}
+"""Rule -> its meaning, and the reason for it, in SARIF."""
 
 
 @click.command(
@@ -39,6 +43,7 @@ RULE = "a difference between two readings of one model", "the model moves differ
         "mbcheck compare old.xml new.xml",
         "mbcheck compare model.xml model.xml@mujoco==3.3.7 --install",
         "mbcheck compare model.xml model.xml@/opt/other/bin/python --json -",
+        "mbcheck compare model.xml model.xml@my_engine:MyEngine --waivers known.toml",
     ),
 )
 @with_options_of(CompareRequest)
@@ -50,6 +55,7 @@ def compare_models(
     a: str,
     b: str,
     install: bool,
+    waivers: str | None,
     annotations: bool | None,
     json_file: Destination | None,
     junit_file: Destination | None,
@@ -58,7 +64,7 @@ def compare_models(
 ) -> int:
     """Compare two readings of one model, and name the elements that differ.
 
-    What was compiled is compared by element and attribute, renamed and reordered elements
+    The compiled models are compared by element and attribute, renamed and reordered elements
     matched; then what both do at the same states, and whether editing A by the differences makes
     it move like B. Exit code 0 if they are alike, 1 if they differ, 2 if one cannot be read.
     """
@@ -74,7 +80,7 @@ def compare_models(
     items: list[ReportItem] = []
     with annotated(lambda: items, annotations, to_stdout(*documents)):
         try:
-            result = compare(a, b, install)
+            result = compare(a, b, install, waivers)
         except EngineError as error:
             return complain(str(error), MISUSED)
         items += result.items()
@@ -85,7 +91,7 @@ def compare_models(
         if junit_file:
             junit_file.write(junit(items))
         if sarif_file:
-            sarif_file.write(sarif(items, {"compare": RULE}, versions(())["mbcheck"]))
+            sarif_file.write(sarif(items, RULES, versions(())["mbcheck"]))
         if markdown_file:
             markdown_file.write(markdown_sections(title, report))
         append_step_summary(markdown_sections(title, report))
@@ -98,10 +104,11 @@ def verdict(result: ModelComparison) -> str:
     """Return one line: alike, or how many elements differ."""
     if not result.exit_code:
         return "alike"
-    if not result.differences:
-        return "compiled alike, and different at states"
-    elements = {one.element for one in result.differences}
-    return f"{plural(len(result.differences), 'difference')} in {plural(len(elements), 'element')}"
+    open_ones = [one for one in result.differences if one.id not in result.waived]
+    if not open_ones:
+        return "read alike, and different at states"
+    elements = {one.element for one in open_ones}
+    return f"{plural(len(open_ones), 'difference')} in {plural(len(elements), 'element')}"
 
 
 def sections(result: ModelComparison) -> Iterator[Section]:
@@ -109,22 +116,32 @@ def sections(result: ModelComparison) -> Iterator[Section]:
     from ..reports.sections import Section
     from ..reports.words import number
 
-    yield Section(lines=[f"A: {result.a} (MuJoCo {result.versions['a']})",
-                         f"B: {result.b} (MuJoCo {result.versions['b']})"])  # fmt: skip
+    yield Section(lines=[f"A: {result.a} ({result.versions['a']})",
+                         f"B: {result.b} ({result.versions['b']})"])  # fmt: skip
+    if result.conventions:
+        yield Section("Conventions of the engine, accounted for", lines=result.conventions)
     if result.renamed:
         yield Section("Renamed or reordered, compared all the same", lines=result.renamed)
     if result.differences:
         rows = [
-            [one.sentence, "-" if one.effect is None else number(one.effect, 2)]
+            [
+                one.sentence + waived_words(result, one),
+                "-" if one.effect is None else number(one.effect, 2),
+            ]
             for one in result.differences
         ]
         heads = ("difference", "effect on accelerations")
-        yield Section("Compiled differently", heads, rows)
+        yield Section("Read differently", heads, rows)
     if result.gaps:
         title = "What they do at the same state, where they differ most"
         places = [(g.quantity, g.element, g.a, g.b, g.state) for g in result.gaps]
         yield Section(title, ("quantity", "element", "A", "B", "state"), places, digits=4)
     yield Section(lines=list(conclusion(result)))
+
+
+def waived_words(result: ModelComparison, one: Difference | Gap) -> str:
+    """Return the reason for which a finding is waived, in words."""
+    return f" (waived: {result.waived[one.id]})" if one.id in result.waived else ""
 
 
 def conclusion(result: ModelComparison) -> Iterator[str]:
@@ -137,11 +154,12 @@ def conclusion(result: ModelComparison) -> Iterator[str]:
         yield f"{edits} the gap: both then agree to rounding at all states."
     elif result.closed is False:
         yield "Edits of A by these differences leave open:"
-        yield from (f"  {gap.sentence}" for gap in result.left)
+        yield from (f"  {gap.sentence}{waived_words(result, gap)}" for gap in result.left)
     elif result.differences:
         yield f"At the {len(result.states)} states that were tried, both move alike."
     if result.rounded:
         yield f"{result.rounded} attributes differ only by the six digits of a text."
     if result.not_compared:
         yield f"Fields of one release alone, not compared: {', '.join(result.not_compared)}."
+    yield from result.unused_waivers
     yield verdict(result).capitalize() + "."

@@ -1,1 +1,1 @@
-"""What runs where MuJoCo is."""
+"""The script that other installations of MuJoCo run."""

@@ -39,12 +39,18 @@ PARTS = (
 
 INTEGRATORS = ("euler", "rk4", "implicit", "implicitfast")
 
-SETTLED = 30
-"""Most times that the solver goes on until its answer stays the same."""
+MAX_RESTARTS = 30
+"""Largest number of times that the solver starts again from its answer, until that has settled."""
 
-COLD, WARM = 0.0, 1.0
-"""Accelerations that the solver starts from: none, or the unconstrained ones. How far its answers
-lie apart is how well it solves."""
+ITERATIONS = 30
+"""Iterations of the solver each time."""
+
+SETTLED = 1e-14
+"""Relative change of accelerations below which they have settled."""
+
+PERTURBED = 1.001
+"""Factor of the accelerations from which the solver starts a second time; the distance of both
+answers is its error."""
 
 Answer = dict[str, Any]
 
@@ -93,18 +99,19 @@ def put(data: Any, state: Mapping[str, Any]) -> None:
         getattr(data, name)[:] = value
 
 
-def solved(model: Any, state: Mapping[str, Any], start: float) -> Any:
-    """Return data at a state, constraints solved until nothing changes."""
+def solved(model: Any, state: Mapping[str, Any], start: Any = 0.0) -> Any:
+    """Return data at a state, constraints solved from accelerations until nothing changes."""
     data = mujoco.MjData(model)
     put(data, state)
     mujoco.mj_forward(model, data)
-    data.qacc_warmstart[:] = start * data.qacc_smooth
-    last = np.full(model.nv, np.nan)
-    for _ in range(SETTLED):
+    data.qacc_warmstart[:] = start
+    last, before = data.qacc.copy(), np.inf
+    for _ in range(MAX_RESTARTS):
         mujoco.mj_forward(model, data)
-        if np.array_equal(data.qacc, last):
+        change = abs(data.qacc - last).max(initial=0.0)
+        if change >= before or change <= SETTLED * abs(data.qacc).max(initial=0.0):
             break
-        last = data.qacc.copy()
+        last, before = data.qacc.copy(), change
         data.qacc_warmstart[:] = last
     return data
 
@@ -113,23 +120,24 @@ def evaluated(model: Any, states: Sequence[Mapping[str, Any]], brief: bool) -> I
     """Yield what a model does at states; in brief its accelerations alone."""
     newton = int(mujoco.mjtSolver.mjSOL_NEWTON)
     settings = [("opt.tolerance", None, 0.0), ("opt.solver", None, newton)]
-    exact = edited(model, [*settings, ("opt.iterations", None, 100)], False)
+    settings.append(("opt.noslip_iterations", None, 0))  # they depend on the order of joints
+    exact = edited(model, [*settings, ("opt.iterations", None, ITERATIONS)], False)
     integrators = {
         name: int(getattr(mujoco.mjtIntegrator, f"mjINT_{name.upper()}")) for name in INTEGRATORS
     }
     for state in states:
         if brief:
-            yield {"qacc": solved(exact, state, COLD).qacc.copy()}
+            yield {"qacc": solved(exact, state).qacc.copy()}
             continue
         answer = smooth(model, state)
-        data = solved(exact, state, COLD)
+        data = solved(exact, state)
         answer["qacc"] = data.qacc.copy()
-        answer["qacc_floor"] = abs(data.qacc - solved(exact, state, WARM).qacc)
+        answer["qacc_floor"] = abs(data.qacc - solved(exact, state, PERTURBED * data.qacc).qacc)
         answer.update(constraint_rows(exact, data))
         answer.update(contacts(data))
         for name, number in integrators.items():
             exact.opt.integrator = number
-            ends = [stepped(exact, state, start * answer["qacc"]) for start in (WARM, COLD)]
+            ends = [stepped(exact, state, start * answer["qacc"]) for start in (1.0, PERTURBED)]
             answer[f"step_{name}"], answer[f"floor_{name}"] = ends[0], abs(ends[1] - ends[0])
         yield answer
 
@@ -144,7 +152,7 @@ def stepped(model: Any, state: Mapping[str, Any], start: Any) -> Any:
 
 
 def smooth(model: Any, state: Mapping[str, Any]) -> Answer:
-    """Return what a model does at a state without constraints, and as its file says."""
+    """Return kinematics, mass matrix and forces at a state, without constraints."""
     data = mujoco.MjData(model)
     put(data, {"qpos": state["qpos"]})
     mujoco.mj_forward(model, data)
@@ -220,16 +228,16 @@ def main() -> None:
     """Answer requests until there are none left."""
     model = None
     for line in sys.stdin:
-        asked = json.loads(line)
+        request = json.loads(line)
         try:
-            if "file" in asked:
-                model = mujoco.MjModel.from_xml_path(asked["file"])
+            if "file" in request:
+                model = mujoco.MjModel.from_xml_path(request["file"])
                 answer = compiled(model)
-            elif "touching" in asked:
-                answer = touching(model, asked["touching"])
+            elif "touching" in request:
+                answer = touching(model, request["touching"])
             else:
-                own = edited(model, asked["edits"], bool(asked["edits"]))
-                every = enumerate(evaluated(own, asked["states"], asked["brief"]))
+                own = edited(model, request["edits"], bool(request["edits"]))
+                every = enumerate(evaluated(own, request["states"], request["brief"]))
                 answer = {f"{i}.{key}": value for i, one in every for key, value in one.items()}
             np.savez(f"{sys.argv[1]}/answer.npz", **answer)
         except Exception as error:

@@ -1,0 +1,227 @@
+"""An engine as the reader of a file: accelerations and mass matrices, in MuJoCo's conventions."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ...models.joints import JointLayout, layout_of
+from ...models.mechanism import Term
+from ...models.system import System
+from ...reference.errors import EngineError, MbcheckError, UsageError
+from ...reference.scene import Array, Case
+from ..engines.registry import get_engine
+from ..engines.run import call_engine
+from ..engines.validation import numbers
+from .elements import Compiled, levels
+from .gaps import OPERATIONS
+from .reading import MUJOCO, Answer, Edit, Operand, Reading, State
+from .states import control_of
+
+TRIED_STATES = 4
+"""Number of states at which an engine's conventions are tried."""
+
+CLEARER = 0.5
+"""A convention is adopted if it reduces the error of accelerations to this share or less."""
+
+FILE_ORDER = "the order of the file"
+
+
+@dataclass(frozen=True)
+class Convention:
+    """The order of joints, and the coordinates of ball and free joints, of an engine.
+
+    Attributes
+    ----------
+    order : str
+        Order of the joints in all vectors.
+    joints : tuple of int
+        Numbers of the joints in this order.
+    scalar_last : bool
+        True if a quaternion is (x, y, z, w).
+    world_rates : bool
+        True if angular velocities are in the frame of the world.
+    body_velocities : bool
+        True if the velocity of a free joint is in the frame of the body.
+    angular_first : bool
+        True if the angular velocity of a free joint precedes its linear velocity.
+    """
+
+    order: str
+    joints: tuple[int, ...]
+    scalar_last: bool = False
+    world_rates: bool = False
+    body_velocities: bool = False
+    angular_first: bool = False
+
+    @property
+    def sentences(self) -> list[str]:
+        """The departures from the protocol of engines, in words."""
+        words = {
+            f"joints in {self.order}": self.order != FILE_ORDER,
+            "quaternions as (x, y, z, w)": self.scalar_last,
+            "angular velocities in the frame of the world": self.world_rates,
+            "velocities of free joints in the frame of the body": self.body_velocities,
+            "angular before linear velocities of free joints": self.angular_first,
+        }
+        return [sentence for sentence, departs in words.items() if departs]
+
+    def positions(self, layout: JointLayout, q: Array) -> Array:
+        """Return positions (n_q,) in the convention of the engine."""
+        q = q.copy()
+        for rows in layout.quaternions if self.scalar_last else ():
+            q[rows] = np.roll(q[rows], -1)
+        return np.concatenate([q[layout.positions[i]] for i in self.joints])
+
+    def velocity_map(self, layout: JointLayout, q: Array, v: Array) -> tuple[Array, Array]:
+        """Return T (n, n) and c (n,): the engine has velocities T v and accelerations T a + c."""
+        blocks, rest = [np.zeros((0, len(v)))], [np.zeros(0)]
+        for i in self.joints:
+            at = layout.velocities[i]
+            block, drift = np.eye(len(v))[at], np.zeros(at.stop - at.start)
+            if layout.kinds[i] in ("ball", "free"):
+                turn = q[layout.positions[i]][-4:]
+                body = Rotation.from_quat(np.roll(turn, -1)).as_matrix()
+                if self.world_rates:
+                    block[-3:] = body @ block[-3:]
+                if layout.kinds[i] == "free" and self.body_velocities:
+                    block[:3] = body.T @ block[:3]
+                    drift[:3] = -np.cross(v[at][3:], block[:3] @ v)
+                if layout.kinds[i] == "free" and self.angular_first:
+                    block, drift = np.roll(block, 3, axis=0), np.roll(drift, 3)
+            blocks.append(block)
+            rest.append(drift)
+        return np.vstack(blocks), np.concatenate(rest)
+
+
+def conventions(model: Compiled, layout: JointLayout) -> Iterator[Convention]:
+    """Yield conventions in which an engine may differ from the protocol, the protocol's first."""
+    names, bodies = model.names["joint"], model.field("jnt_bodyid").tolist()
+    depth = {i: level for level, bodies_ in enumerate(levels(model)) for i in bodies_}
+    keys: dict[str, Callable[[int], Any]] = {
+        FILE_ORDER: lambda i: i,
+        "breadth-first order": lambda i: depth[bodies[i]],
+        "alphabetical order": lambda i: names[i],
+        "reversed order": lambda i: -i,
+    }
+    orders: dict[tuple[int, ...], str] = {}
+    for name, key in keys.items():
+        orders.setdefault(tuple(sorted(range(len(names)), key=key)), name)
+    ball = (False, True) if layout.is_spatial else (False,)
+    free = (False, True) if "free" in layout.kinds else (False,)
+    for joints, name in orders.items():
+        for flags in product(ball, ball, free, free):
+            yield Convention(name, joints, *flags)
+
+
+class EngineReading(Reading):
+    """A file that an engine reads through the public door; MuJoCo reads its names and ranges.
+
+    Parameters
+    ----------
+    operand : Operand
+
+    Raises
+    ------
+    UsageError
+        If there is no such engine, or it reads no MJCF.
+    """
+
+    def __init__(self, operand: Operand) -> None:
+        self.engine = get_engine(operand.reader)
+        if not self.engine.reads_mjcf:
+            raise UsageError(f"{operand.reader} reads no MJCF: compare an engine that does")
+        super().__init__(replace(operand, reader=MUJOCO), sys.executable)
+        if self.engine.precision == "float32":
+            self.eps = float(np.finfo(np.float32).eps)
+        kinds = tuple(self.model.types("jnt_type"))
+        self.layout = layout_of(kinds)
+        self.system = System(
+            case=Case(Path(operand.file).stem, "file", None),
+            model="file",
+            joints=tuple(self.model.names["joint"]),
+            positions=self.model.field("qpos0").astype(float),
+            velocities=np.zeros(self.layout.size[1]),
+            mjcf=Path(operand.file).read_text(encoding="utf-8", errors="replace"),
+            path=str(Path(operand.file).resolve()),
+            kinds=kinds,
+        )
+
+    @property
+    def version(self) -> str:
+        """Name and version of the engine."""
+        return f"{self.engine.name} {self.engine.version}"
+
+    def ask_engine(self, function: str, state: State, convention: Convention) -> Array:
+        """Return accelerations (n,) or a mass matrix (n, n) at a state, in MuJoCo's convention.
+
+        Raises
+        ------
+        EngineError
+            If the engine cannot evaluate the file, or fails.
+        """
+        q, v = (np.array(state[name], dtype=float) for name in ("qpos", "qvel"))
+        turn, drift = convention.velocity_map(self.layout, q, v)
+        terms = tuple(
+            Term("actuator", name, {}, amplitude=state["ctrl"][control_of(self.model, i)])
+            for i, name in enumerate(self.model.names["actuator"])
+        )
+        arguments: list[Any] = [
+            replace(self.system, terms=terms),
+            convention.positions(self.layout, q),
+        ]
+        if function == "accelerations":
+            arguments = [arguments[0], 0.0, arguments[1], turn @ v]
+        ask = partial(self.engine.by_method(function, None), *arguments)
+        shape = v.shape if function == "accelerations" else turn.shape
+        try:
+            answer = numbers(function, call_engine(ask), shape, finite=True)
+        except MbcheckError as error:
+            message = f"{self.engine.name} cannot evaluate {self.operand.file}: {error}"
+            raise EngineError("engine", message, error.traceback) from error
+        if function == "accelerations":
+            return np.asarray(np.linalg.solve(turn, answer - drift), dtype=float)
+        return np.asarray(turn.T @ answer @ turn)
+
+    def find_convention(self, states: Sequence[State], wanted: Sequence[Array]) -> Convention:
+        """Return the convention in which the engine agrees best with MuJoCo's accelerations."""
+        errors: dict[Convention, float] = {}
+        for one in conventions(self.model, self.layout):
+            answers = [self.ask_engine("accelerations", state, one) for state in states]
+            errors[one] = float(np.linalg.norm(np.subtract(answers, wanted)))
+            if errors[one] <= OPERATIONS * self.eps * np.linalg.norm(wanted):
+                return one
+        first, best = next(iter(errors)), min(errors, key=lambda one: errors[one])
+        return best if errors[best] < CLEARER * errors[first] else first
+
+    def at(
+        self, states: Sequence[State], edits: Sequence[Edit] = (), brief: bool = False
+    ) -> list[Answer]:
+        """Return accelerations and mass matrices at states, as the engine returns them.
+
+        Where MuJoCo has no row of a constraint, accelerations are those without constraints too.
+        """
+        mujoco = super().at(states)
+        smooth = [i for i, one in enumerate(mujoco) if not len(one["row_type"])]
+        sample = (smooth or range(len(states)))[-TRIED_STATES:]
+        convention = self.find_convention(
+            [states[i] for i in sample], [mujoco[i]["qacc"] for i in sample]
+        )
+        self.conventions = convention.sentences
+        answers: list[Answer] = []
+        for i, state in enumerate(states):
+            qacc = self.ask_engine("accelerations", state, convention)
+            answers.append({"qacc": qacc, "qacc_floor": np.zeros_like(qacc)})
+            if i in smooth:
+                answers[i]["qacc_smooth"] = qacc
+            if "mass_matrix" in self.engine.functions:
+                answers[i]["mass"] = self.ask_engine("mass_matrix", state, convention)
+        return answers

@@ -1,0 +1,181 @@
+"""The attributes that a reader lost or scaled, found by what its accelerations differ in."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from ...reference.errors import MbcheckError
+from .elements import SWITCHES, Compiled, ModelElement
+from .reading import Edit
+
+MAX_EDITS, TRIED_AGAIN = 8, 60
+"""Largest number of edits of one explanation, and of edits that are tried again for the next."""
+
+MIN_SHARE, OPEN_SHARE = 0.03, 0.3
+"""Smallest share of the remaining squared gap that an edit must explain, and largest share of the
+gap that an explanation may leave open."""
+
+ALIKE, WHOLE = 0.999, 1e-3
+"""Share of the best explanation from which another is as good, and distance from a complete loss
+within which the complete loss is tried."""
+
+FACTORS: Mapping[str, float] = {
+    **dict.fromkeys(("opt.gravity", "opt.density", "opt.viscosity"), 0.0),
+    **dict.fromkeys(("body_gravcomp", "body_ipos"), 0.0),
+    **dict.fromkeys(("body_mass", "body_inertia"), 2.0),
+    **dict.fromkeys(("dof_damping", "dof_armature", "dof_frictionloss"), 0.0),
+    **dict.fromkeys(("jnt_stiffness", "qpos_spring", "jnt_limited", "jnt_actfrclimited"), 0.0),
+    **dict.fromkeys(("jnt_axis",), -1.0),
+    **dict.fromkeys(("tendon_stiffness", "tendon_damping", "tendon_lengthspring"), 0.0),
+    **dict.fromkeys(("tendon_frictionloss", "tendon_limited", "eq_active0"), 0.0),
+    **dict.fromkeys(("actuator_gear", "actuator_gainprm", "actuator_biasprm"), 0.0),
+    **dict.fromkeys(("actuator_ctrllimited", "actuator_forcelimited", "geom_contype"), 0.0),
+}
+"""Field -> the factor of a complete loss, or of another value by which its effect is measured."""
+
+DISCRETE = ("jnt_axis", "eq_active0", "geom_contype", "limited")
+"""Ends of fields that a reader either keeps or not; others may be scaled."""
+
+
+@dataclass(frozen=True, eq=False)
+class Guess:
+    """An attribute, of one or of every element of a kind, that a reader may have multiplied.
+
+    Attributes
+    ----------
+    element, attribute : str
+        Labels.
+    field : str
+    rows : list of int or None
+        Rows of the field; None for all of an option.
+    values : array
+        Values of the file.
+    factor : float
+        The factor of a complete loss.
+    """
+
+    element: str
+    attribute: str
+    field: str
+    rows: list[int] | None
+    values: Any
+    factor: float
+
+    @property
+    def is_discrete(self) -> bool:
+        """True if a reader either keeps it or not."""
+        return self.field.endswith(DISCRETE)
+
+    def edit(self, factor: float) -> Edit:
+        """Return the edit of a model by a factor, by that of a complete loss if it is discrete."""
+        return (
+            self.field,
+            self.rows,
+            ((self.factor if self.is_discrete else factor) * self.values).tolist(),
+        )
+
+    def cells(self, factor: float) -> tuple[list[Any], list[Any]]:
+        """Return values of the file and those read; of several elements the factor alone."""
+        if self.is_discrete and self.factor == 0:
+            return [], ["none"]
+        if self.element.startswith("every ") and factor != 0:
+            return [], [f"{factor:.6g} times as large"]
+        values = np.ravel(self.values)
+        return values.tolist(), (factor * values).tolist()
+
+
+def guesses(model: Compiled, elements: Sequence[ModelElement]) -> Iterator[Guess]:
+    """Yield the losses of each attribute: of all elements of a kind together, and of each."""
+    for field, factor in FACTORS.items():
+        key = field if field.startswith("opt.") else f"model.{field}"
+        singles = []
+        for element in elements if key in model.answer else ():
+            for attribute, one in element.attributes.items():
+                switched = field in (SWITCHES.get(name) for name in one.rows)
+                if not switched and field not in one.rows:
+                    continue
+                rows = [element.number] if switched else one.rows[field]
+                listed = None if rows is None else list(map(int, rows))
+                values = np.asarray(model.answer[key], dtype=float)
+                values = values if listed is None else values[listed]
+                if values.any():
+                    singles.append(Guess(element.label, attribute, key, listed, values, factor))
+        if len(singles) > 1:
+            every = f"every {singles[0].element.partition(' ')[0]}"
+            rows = [row for one in singles for row in one.rows or ()]
+            values = np.concatenate([one.values for one in singles])
+            yield Guess(every, singles[0].attribute, key, rows, values, factor)
+        yield from singles
+
+
+def find_edits(
+    gap: Callable[[Sequence[Edit]], Any],
+    is_closed: Callable[[Sequence[Edit]], bool],
+    candidates: Sequence[Guess],
+) -> list[tuple[Guess, float]]:
+    """Return the edits, each with its factor, that together close most of a gap.
+
+    One edit after the other is selected, by the part of the remaining gap that it explains, as in
+    orthogonal matching pursuit; all factors are then fitted again by least squares.
+
+    Parameters
+    ----------
+    gap : callable ``(edits) -> array (m,)``
+        Differences of accelerations after edits, weighted.
+    is_closed : callable ``(edits) -> bool``
+        True if nothing is left beyond round-off.
+    candidates : sequence of Guess
+
+    References
+    ----------
+    Mallat and Zhang, Matching pursuits with time-frequency dictionaries, IEEE Transactions on
+    Signal Processing 41 (1993).
+    """
+    start = left = gap(())
+    picks: list[Guess] = []
+    factors = np.zeros(0)
+
+    def edits(values: Any) -> list[Edit]:
+        return [one.edit(float(factor)) for one, factor in zip(picks, values, strict=True)]
+
+    def remaining(values: Any, *more: Edit) -> Any:
+        try:
+            after = gap([*edits(values), *more])
+        except MbcheckError:  # of a model that cannot be simulated
+            after = np.full_like(start, np.inf)
+        return after if np.all(np.isfinite(after)) else np.full_like(start, np.linalg.norm(start))
+
+    while len(picks) < MAX_EDITS and not is_closed(edits(factors)):
+        gains: dict[Guess, tuple[float, float]] = {}
+        for guess in candidates:
+            effect = left - remaining(factors, guess.edit(guess.factor))
+            if guess not in picks and effect.any():
+                share = 1.0 if guess.is_discrete else float(left @ effect / (effect @ effect))
+                gains[guess] = float(left @ left - np.sum((left - share * effect) ** 2)), share
+        candidates = sorted(gains, key=lambda one: gains[one][0], reverse=True)[:TRIED_AGAIN]
+        if not gains or gains[candidates[0]][0] < MIN_SHARE * float(left @ left):
+            break
+        alike = [one for one in candidates if gains[one][0] >= ALIKE * gains[candidates[0]][0]]
+        pick = min(alike, key=lambda one: abs(gains[one][1] - 1))
+        picks.append(pick)
+        first = np.append(factors, 1 + gains[pick][1] * (pick.factor - 1))
+        factors = fitted(remaining, first, np.array([one.factor for one in picks]))
+        left = remaining(factors)
+    if np.linalg.norm(left) > OPEN_SHARE * np.linalg.norm(start):
+        return []
+    return list(zip(picks, factors.tolist(), strict=True))
+
+
+def fitted(remaining: Callable[[Any], Any], factors: Any, whole: Any) -> Any:
+    """Return the factors that leave least of a gap; complete losses where these do as well."""
+    best = least_squares(
+        remaining, factors, diff_step=1e-4, max_nfev=12, xtol=1e-15, ftol=1e-15, gtol=1e-15
+    ).x
+    rounded = np.where(abs(best - whole) < WHOLE, whole, best)
+    ends = [float(np.linalg.norm(remaining(one))) for one in (rounded, best)]
+    return rounded if ends[0] <= 2 * ends[1] else best
