@@ -3,11 +3,11 @@
 `check`, `simulate`, `orbit`, `frequencies` and `reproduce` return, typed, what the command line
 prints; `compute_map`, `read_map` and `compare_maps` are for maps, `tradeoff` is for what accuracy
 costs, `judge_trajectory` for runs of other simulators, `compare` for two readings of a model.
-`check_engine` is `check` of an engine that is given as an object. `budget` limits the time of all
-that is called within it.
+`check_engine` is `check` of an engine given as an object. `budget` limits the time of all calls
+within it.
 `Engine`, `Method`, `Option`, `ModelDescription`, `System`, `Motion`, `Unsupported`, `EngineError`,
 `UsageError`, `EngineUnavailableError`, `import_library` and `refuse_older` are for engines that
-are plugged in. All are loaded when first used, and engines when first asked for.
+are plugged in. All are loaded when first used.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ PLACES = {
     "simulate": ("comparisons.queries.simulate", "simulate"),
     "tradeoff": ("comparisons.tradeoff.report", "tradeoff"),
 }
-"""Module and name there of what is public."""
+"""Module and name of each public object."""
 
 __all__ = [
     "Engine",

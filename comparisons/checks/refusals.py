@@ -56,7 +56,7 @@ def refuse_undriven(setup: Setup) -> None:
             "same file differ in them",
         )
     raise CannotJudgeError(
-        "it moves as without the drive, a force in time that is given by system.force(...) and "
+        "it moves as without the drive, a force in time given by system.force(...) and "
         "system.controls(...), and in no file; see docs/engines.md"
     )
 
