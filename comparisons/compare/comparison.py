@@ -15,7 +15,7 @@ import numpy as np
 from ...reference.errors import MbcheckError, UsageError
 from ..documents import document
 from ..documents.fields import HIDDEN, documented
-from ..documents.waivers import FileWaiver, waivers_of
+from ..documents.waivers import Waiver, waivers_of
 from ..reports.item import ReportItem
 from ..reports.words import number
 from .elements import (
@@ -261,9 +261,9 @@ def compare(a: str, b: str, install: bool = False, waivers: str | None = None) -
         return with_waivers(compared(first, second, (a, b)), allowed)
 
 
-def with_waivers(result: ModelComparison, waivers: Sequence[FileWaiver]) -> ModelComparison:
+def with_waivers(result: ModelComparison, waivers: Sequence[Waiver]) -> ModelComparison:
     """Return a comparison whose findings are waived, and waivers that waive nothing."""
-    waived, used = dict[str, str](), set[FileWaiver]()
+    waived, used = dict[str, str](), set[Waiver]()
     for one in result.findings:
         waiver = next((w for w in waivers if w.covers(RULE, one.id)), None)
         if waiver:

@@ -1,7 +1,8 @@
-"""Files of waivers: findings that a user allows, each with the reason."""
+"""Waivers: findings that a user allows, each with the reason."""
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import tomllib
@@ -20,17 +21,18 @@ HEADER = re.compile(r"^[ \t]*\[\[[ \t]*waive[ \t]*\]\]", re.MULTILINE)
 
 
 @dataclass(eq=False)
-class FileWaiver:
-    """An entry of a file of waivers.
+class Waiver:
+    """A comment, or an entry of a file, that allows findings.
 
     Attributes
     ----------
     rule : str
+        Empty if the comment has not the form of a waiver.
     pattern : str or None
         Name of the elements, with the wildcards ``*`` and ``?``; None for all.
     reason : str
-    file, line
-        Position of the entry.
+    text, file, line
+        The comment or entry, and its position.
     required : bool
         True if it concerns this model alone, so that an unused one is reported.
     """
@@ -38,16 +40,18 @@ class FileWaiver:
     rule: str
     pattern: str | None
     reason: str
+    text: str
     file: str
     line: int
     required: bool = True
 
-    def covers(self, rule: str, element: str) -> bool:
-        """Return True if it allows a finding of a rule on an element."""
-        return rule == self.rule and (self.pattern is None or fnmatchcase(element, self.pattern))
+    def covers(self, rule: str, *names: str) -> bool:
+        """Return True if it allows a finding of a rule on an element with one of these names."""
+        named = self.pattern is None or any(fnmatchcase(name, self.pattern) for name in names)
+        return rule == self.rule and bool(self.reason) and named
 
 
-def waivers_of(place: Path, file: str, rules: Collection[str]) -> tuple[FileWaiver, ...]:
+def waivers_of(place: Path, file: str, rules: Collection[str]) -> tuple[Waiver, ...]:
     """Return the waivers of a TOML file that concern a model.
 
     Raises
@@ -79,10 +83,11 @@ def waivers_of(place: Path, file: str, rules: Collection[str]) -> tuple[FileWaiv
         names = (Path(file).name, file)
         if any(fnmatchcase(name, entry.get("file", "*")) for name in names):
             waivers.append(
-                FileWaiver(
+                Waiver(
                     rule=entry["rule"],
                     pattern=entry.get("element"),
                     reason=entry["reason"],
+                    text=json.dumps(entry),
                     file=os.path.relpath(place, Path(file).parent),
                     line=line,
                     required=entry.get("file") in names,

@@ -5,8 +5,6 @@ from __future__ import annotations
 import json
 import math
 import os
-import re
-import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, fields, replace
@@ -22,12 +20,13 @@ from ...reference.errors import UnknownNameError, UsageError
 from ..documents import document
 from ..documents.fields import documented, takes_fields_of
 from ..documents.reading import read_document
+from ..documents.waivers import Waiver, waivers_of
 from ..engines.mujoco.library import quiet
 from ..queries.environment import versions
 from .mujoco.closures import ClosedLoop, closures
 from .mujoco.facts import facts
 from .mujoco.model import ENGINE, Loaded, NotFiniteError, load
-from .mujoco.source import Element, Waiver
+from .mujoco.source import Element
 from .request import InspectRequest
 from .rules.table import RULES
 from .rules.text import repeated_default
@@ -312,7 +311,8 @@ def report_of(
     waivers = (*s.loaded.source.waivers, *selection.waivers)
     results, used = list[ModelFinding](), set[int]()
     for rule, hit in sorted(hits, key=lambda one: list(RULES).index(one[0])):
-        number = next((i for i, one in enumerate(waivers) if one.covers(rule, hit.name)), None)
+        names = hit.name, hit.name.partition("/")[0].partition(":")[2] or hit.name
+        number = next((i for i, one in enumerate(waivers) if one.covers(rule, *names)), None)
         if number is not None:
             used.add(number)
             results.append(finding(rule, hit, waivers[number].reason))
@@ -383,11 +383,6 @@ def complaint(waiver: Waiver) -> tuple[str, Hit]:
 BESIDE = "mbcheck-inspect.toml"
 """Name of the file of waivers in the folder of a model."""
 
-KEYS = ("rule", "reason", "element", "file")
-"""Keys of an entry in a file of waivers; the first two are required."""
-
-HEADER = re.compile(r"^[ \t]*\[\[[ \t]*waive[ \t]*\]\]", re.MULTILINE)
-
 Baseline = Mapping[tuple[str, str], float | None]
 """Rule and element of each known finding -> its measure, if it has one."""
 
@@ -411,7 +406,7 @@ def selection_of(request: InspectRequest) -> Selection:
     file = str(request.path)
     beside = os.path.join(os.path.dirname(file), BESIDE)
     place = request.waivers or (beside if os.path.isfile(beside) else None)
-    waivers = waivers_of(Path(place), file) if place else ()
+    waivers = waivers_of(Path(place), file, RULES) if place else ()
     known = baseline_of(request.baseline) if request.baseline else {}
     return Selection(rules_of(request), waivers, known.get(Path(file).as_posix(), {}))
 
@@ -420,7 +415,7 @@ def refuse_slips(request: InspectRequest) -> None:
     """Refuse unknown rules, and files that cannot be read, before any work."""
     rules_of(request)
     if request.waivers:
-        waivers_of(Path(request.waivers), "")
+        waivers_of(Path(request.waivers), "", RULES)
     if request.baseline:
         baseline_of(request.baseline)
 
@@ -442,51 +437,6 @@ def rules_of(request: InspectRequest) -> frozenset[str]:
             raise UnknownNameError("rule", pattern, RULES)
     default = {name for name, rule in RULES.items() if request.strict or not rule.house}
     return frozenset((matching(request.select) or default) - matching(request.ignore))
-
-
-def waivers_of(place: Path, file: str) -> tuple[Waiver, ...]:
-    """Return the waivers of a TOML file that concern a model.
-
-    Raises
-    ------
-    UsageError
-        If it cannot be read, or an entry is invalid.
-    """
-    text, content = read_document(place, "TOML", tomllib.loads, "--waivers: ")
-    for key in content:
-        if key != "waive":
-            raise UnknownNameError(f"table of {place}", key, ("waive",))
-    entries = content.get("waive", [])
-    entries = entries if isinstance(entries, list) else [entries]
-    lines = [text[: match.start()].count("\n") + 1 for match in HEADER.finditer(text)]
-    waivers = []
-    for number, entry in enumerate(entries):
-        line = lines[number] if number < len(lines) else 1
-        where = f"{place}, line {line}"
-        if not isinstance(entry, dict) or not all(isinstance(v, str) for v in entry.values()):
-            raise UsageError(f"{where}: an entry must be a table of strings")
-        odd = [key for key in entry if key not in KEYS]
-        if odd:
-            raise UnknownNameError("key", odd[0], KEYS)
-        missing = [key for key in KEYS[:2] if not entry.get(key, "").strip()]
-        if missing:
-            raise UsageError(f"{where}: add the missing {missing[0]}")
-        if entry["rule"] not in RULES:
-            raise UnknownNameError("rule", entry["rule"], RULES)
-        names = (Path(file).name, file)
-        if any(fnmatchcase(name, entry.get("file", "*")) for name in names):
-            waivers.append(
-                Waiver(
-                    rule=entry["rule"],
-                    pattern=entry.get("element"),
-                    reason=entry["reason"],
-                    text=json.dumps(entry),
-                    file=os.path.relpath(place, Path(file).parent),
-                    line=line,
-                    required=entry.get("file") in names,
-                )
-            )
-    return tuple(waivers)
 
 
 def baseline_of(name: str) -> dict[str, dict[tuple[str, str], float | None]]:

@@ -6,13 +6,13 @@ import re
 import xml.etree.ElementTree as ET
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
-from fnmatch import fnmatchcase
 from pathlib import Path
 from xml.parsers import expat
 
 from ....models.mjcf import address
 from ....reference.errors import UsageError
 from ...documents.reading import read_bytes
+from ...documents.waivers import Waiver
 
 ROOT = "mujoco"
 """Tag of the root element of every MJCF file."""
@@ -71,38 +71,6 @@ class Element:
 
 Attribute = tuple[Element, str]
 """An attribute of the text: its element and its name."""
-
-
-@dataclass(eq=False)
-class Waiver:
-    """A comment that allows a finding, or that tries to.
-
-    Attributes
-    ----------
-    rule : str
-        Empty if the comment has not the form of a waiver.
-    pattern : str or None
-        Name of the elements, with the wildcards ``*`` and ``?``; None for all.
-    reason : str
-    text, file, line
-        The comment and its position.
-    required : bool
-        True if it concerns this model alone, so that an unused one is a finding.
-    """
-
-    rule: str
-    pattern: str | None
-    reason: str
-    text: str
-    file: str
-    line: int
-    required: bool = True
-
-    def covers(self, rule: str, element: str) -> bool:
-        """Return True if it allows a finding of a rule on an element ``tag:name``."""
-        name = element.partition("/")[0].partition(":")[2] or element
-        named = self.pattern is None or any(fnmatchcase(w, self.pattern) for w in (element, name))
-        return rule == self.rule and bool(self.reason) and named
 
 
 @dataclass(frozen=True)
