@@ -114,7 +114,9 @@ class Listing:
         if entry is not None:
             return replace(result, verdict="known", known=entry.reason)
         largest = max(one.max_error or 0.0 for one in about)
-        reason = f"known, but not with an error above {largest:g}: {result.reason}"
+        unit = "" if result.unit == "1" else f" {result.unit}"
+        now = "" if result.error is None else f", now {result.error:.3g}{unit}"
+        reason = f"known up to an error of {largest:g}{unit}{now}: {result.reason}"
         return replace(result, reason=reason)
 
     def uses(

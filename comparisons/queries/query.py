@@ -158,10 +158,13 @@ def mjcf_text(
     Raises
     ------
     UsageError
-        For unknown names, impossible values, or a scene without MJCF.
+        For unknown names, impossible values, a scene without MJCF, or a model that is not for
+        these parameters.
     """
     case, models = user_case(scene, parameters), mjcf.models(scene)
     name = known_name(f"MJCF model of {scene}", model, tuple(models))
+    if reason := models[name].unsupported_reason(case.parameters):
+        raise UsageError(f"model {name} of {scene} is not for these parameters: {reason}")
     return mjcf.export(models[name], case.parameters)
 
 

@@ -28,7 +28,7 @@ def floating(p: RigidBody, time: float, state: Mapping[str, float]) -> Motion:
 def unsupported_floating(p: RigidBody) -> str | None:
     """Return the reason if the fixed point is not the centre of mass, or gravity acts."""
     if np.any(p.centre) or np.any(p.gravity):
-        return "a body that floats turns about its centre of mass, and falls under gravity"
+        return "a free body needs gravity_x, _y, _z and centre_x, _y, _z of 0"
     return None
 
 

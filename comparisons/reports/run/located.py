@@ -40,6 +40,7 @@ def located(results: Sequence[Result]) -> list[str]:
         level = next((name for name in KINDS if any(r.kind == name for r in mine)), None)
         own = [item for item in results if item.engine == engine]
         ran = {item.kind for item in own if item.verdict == "pass"}
+        ran -= {item.kind for item in own if item.verdict == "known"}
         if level is None:
             continue
         here = [item for item in mine if item.kind == level]

@@ -308,7 +308,8 @@ def run_badge(report: Report) -> str:
     """Return the badge of a run, as the endpoint of shields.io reads it."""
     counts, message, colour = report.summary, report.word.lower(), "lightgrey"
     if report.word in BADGE_COLOURS:
-        bad = [plural(counts[name], name) for name in FAILURES[::-1] if counts[name]]
+        bad = [f"{counts['known']} known"] * bool(counts["known"])
+        bad += [plural(counts[name], name) for name in FAILURES[::-1] if counts[name]]
         message, colour = ", ".join([f"{counts['pass']} passed", *bad]), BADGE_COLOURS[report.word]
     badge = {"schemaVersion": 1, "label": "mbcheck", "message": message, "color": colour}
     return json.dumps(badge) + "\n"

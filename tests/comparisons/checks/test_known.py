@@ -158,7 +158,7 @@ def test_an_error_that_grows_and_a_crash_are_news() -> None:
     assert listing(entry).settle(small).verdict == "known"
     settled = listing(entry).settle(large)
     assert settled.verdict == "deviation"
-    assert settled.reason.startswith("known, but not with an error above 0.5")
+    assert settled.reason.startswith("known up to an error of 0.5")
     for crash in (FAILED, replace(FAILED, error=0.1)):
         assert listing(entry).settle(crash).verdict == "error"
     wider = Entry(2, "*", "issue 8", max_error=0.7)

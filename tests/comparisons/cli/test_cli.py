@@ -336,6 +336,7 @@ def test_an_interrupt_that_ends_as_an_engine_error(monkeypatch: pytest.MonkeyPat
         ("export hula_hoop", "--output"),
         ("export hula_hoop --model tee -o x.xml", "did you mean 'tree'?"),
         ("export hula_hoop --set rod_length=-1 -o x.xml", "greater than 0"),
+        ("export rigid_body --model free -o x.xml", "gravity_x, _y, _z and centre_x"),
         ("list hula_hop", "did you mean 'hula_hoop'?"),
     ],
 )

@@ -26,8 +26,9 @@ COMMITTED = sorted(ROOT.glob("models/*/*.xml"))
 EXPORTED = [
     (scene, model)
     for scene in SCENES
-    for model in mjcf.models(scene)
-    if mjcf_text(scene, None, model) not in {path.read_text() for path in COMMITTED}
+    for model, known in mjcf.models(scene).items()
+    if mjcf.export(known, get_scene(scene).parameters())
+    not in {path.read_text() for path in COMMITTED}
 ]
 """Models whose default text is not a committed one."""
 
