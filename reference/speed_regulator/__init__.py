@@ -101,7 +101,7 @@ SCENE = Scene(
         "Determining the Functional Parameters of a Simple Speed Regulator",
         "",
         2018,
-        "10.1007/s00161-018-0722-y",
+        "",
     ),
     parameters=SpeedRegulator,
     coordinates=("phi",),

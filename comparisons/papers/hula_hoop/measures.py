@@ -1062,12 +1062,23 @@ def smoothness(session: Session) -> Numbers:
 
 
 def wrong_about_stability(session: Session) -> Numbers:
-    """Return shares of points where solutions are wrong on stability, and their ratio."""
-    shares = by_plate(
-        CORRECTED,
-        lambda name, plate: stable(session, plate, name) != stable(session, plate, "exact"),
-    )
-    return {**shares, "left": np.divide(shares["corrected"], shares["paper"])}
+    """Return shares of points where solutions are wrong on stability, and their ratios.
+
+    The ratios on the whole axes, and on the parts of them where the smaller one is largest.
+    """
+
+    def wrong(name: str, plate: bool) -> Any:
+        return stable(session, plate, name) != stable(session, plate, "exact")
+
+    def left(x: tuple[float, float], y: tuple[float, float]) -> Any:
+        shares = by_plate(CORRECTED, lambda name, plate: part(wrong(name, plate), x, y))
+        return np.divide(shares["corrected"], shares["paper"])
+
+    return {
+        **by_plate(CORRECTED, wrong),
+        "left": left((0.0, 1.0), (0.0, 1.0)),
+        "parts": max((left(*ends) for ends in product(PARTS, PARTS)), key=min),
+    }
 
 
 def right_about_stability(session: Session) -> Numbers:
