@@ -158,7 +158,7 @@ def mjcf_text(
     Raises
     ------
     UsageError
-        For unknown names, impossible values, a scene without MJCF, or a model that is not for
+        For unknown names, impossible values, a scene without MJCF, or a model unsuitable for
         these parameters.
     """
     case, models = user_case(scene, parameters), mjcf.models(scene)

@@ -1,79 +1,68 @@
-"""Bounds on the errors of a periodic orbit, from a second run and from perturbed ones.
+"""Bounds on the errors of a periodic orbit: period, state, multipliers, powers, harmonics.
 
-The orbit is solved for again with half as many steps more: a method of order 8 then errs by 4 % of
-what it did, so that the difference shows the truncation error. Round-off is common to both runs. It
-is measured by orbits whose coefficients, and whose states at the ends of parts of the period, are
-off at random by a multiple of their round-off (Higham, Accuracy and Stability of Numerical
-Algorithms, 2nd edition, section 1.17). The changes of all results are divided by that multiple.
+Newton's method leaves a residual of the period map, which itself is off by what integration and
+rounding of its coefficients do; the inverse of its Jacobian tells how far the true orbit may be
+(Kantorovich). Each source of error is followed by itself: the orbit is displaced as the source
+displaces it, and what that changes of multipliers, samples and quantities is added up. A multiplier
+keeps its value where the matrix changes as by other coordinates, or by a shift along the orbit:
+it is the change of the eigenvalue that counts, not those of the entries. Rounding of each step is
+independent of that of others, so that squares are added.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import eig, matrix_balance
 
-from ..differences import EPS, PROBE
+from ..differences import EPS, by_complex_step
 from ..errors import NoOrbitError
-from ..newton import Rows
 from ..orbits import (
     Orbit,
-    Orbits,
+    PeriodMap,
     hidden_by_rounding,
     mean_powers,
-    orbit_samples,
     reference_map,
+    section_row,
     state_scale,
 )
 from ..periodic import spectrum_of
-from ..scene import Array, EquationsOfMotion, coefficients_at
-from ..solve.rk8 import rk8_samples
+from ..scene import Array, EquationsOfMotion
+from ..solve.rk8 import rk8_samples, rk8_steps
+from . import modes
 from .modes import pair_bounds, separations
 
 
 class OrbitBoundOptions(NamedTuple):
-    """Second run and perturbed runs of an orbit.
+    """Sources of error of an orbit.
 
     Attributes
     ----------
-    finer : float
-        Ratio of the steps of the second run to those of the orbit.
-    safety : float
-        Factor on the truncation error that the second run shows.
-    draws : int
-        Number of perturbed orbits.
     displacement : float
-        Size of their departures from the orbit, relative to the states: large against round-off,
-        and small enough for changes to be linear.
-    deviations : float
-        Standard deviations of random round-off that a bound covers.
-    coefficient, step : float
-        Standard deviation of the relative round-off of a coefficient, and of a state in one step.
+        Displacement of orbits, relative to each state: changes are linear, round-off is small.
+    rounding : float
+        Round-off of a period's end, relative to the states, without that of the steps.
+    step_rounding : float
+        Round-off of a step: five standard deviations of half a unit, evenly spread.
     parts : int
-        Parts of a period, at the ends of which states are perturbed.
-    samples : int
-        Samples of each part.
+        Parts of a period; round-off is followed from the end of each to the period's end.
     curved : float
-        Relative change of the period map's Jacobian within the orbit's error above which the orbit
-        counts as unknown.
-    orders : int
-        Harmonics that are bounded, the mean included.
+        Relative change of the period map's Jacobian within the orbit's error that makes it unknown.
+    samples : int
+        Samples of a period.
     """
 
-    finer: float = 1.5
-    safety: float = 2.0
-    draws: int = 16
     displacement: float = 1e-7
-    deviations: float = 7.0
-    coefficient: float = 0.5 * EPS
-    step: float = 0.35 * EPS
+    rounding: float = 3 * EPS
+    step_rounding: float = 1.5 * EPS
     parts: int = 16
-    samples: int = 16
     curved: float = 0.25
-    orders: int = 7
+    samples: int = 256
 
 
 OPTIONS = OrbitBoundOptions()
@@ -90,7 +79,7 @@ class OrbitBounds:
     multipliers : array (2 n,)
     power, quantities : mapping of str to float
     harmonics : array (2 n,)
-        Bound on the mean of each state and on the complex amplitudes of its harmonics.
+        Bound on each state's mean and on the complex amplitudes of its harmonics.
     """
 
     period: float
@@ -101,108 +90,129 @@ class OrbitBounds:
     harmonics: Array
 
 
-class NearbyOrbits(NamedTuple):
-    """Orbits near one another, with samples over their periods.
+@dataclass(frozen=True)
+class Neighbours:
+    """The orbit, and orbits displaced by one source of error each.
 
     Attributes
     ----------
-    c : NamedTuple of arrays (k,)
-    orbits : Orbits
-    samples : array (k, 2 n, m)
+    unknowns : array (2 n, k)
+        Displacements, in the unknowns of `PeriodMap`; 0 for the orbit itself.
+    coefficients : NamedTuple of arrays (k,)
+    weights : array (k,)
+        The source in units of the displacement; 0 for the orbit itself.
+    random : bool array (k,)
+        True for sources that are independent of each other: their squares are added.
     """
 
-    c: Any
-    orbits: Orbits
-    samples: Array
+    unknowns: Array
+    coefficients: Any
+    weights: Array
+    random: NDArray[np.bool_]
+
+    def together(self, sizes: Array) -> Array:
+        """Return the change by all sources, from the sizes (k, ...) of that by each."""
+        each = self.weights[(slice(None), *[None] * (sizes.ndim - 1))] * sizes
+        squares = np.sum(each[self.random] ** 2, axis=0)
+        return np.asarray(np.sum(each[~self.random], axis=0) + np.sqrt(squares))
+
+    def changes(self, values: Array) -> Array:
+        """Return the change of values (k, ...) by all sources together."""
+        return self.together(np.abs(values - values[0]))
 
 
-def solve_orbits(
-    scene: EquationsOfMotion, c: Any, orbit: Orbit, steps: int, kicks: Array, samples: int
-) -> NearbyOrbits:
-    """Return the orbits of perturbed equations near an orbit.
+@dataclass(frozen=True)
+class Closing:
+    """The period map about an orbit, in so many steps."""
 
-    Parameters
-    ----------
-    scene : EquationsOfMotion
-    c : NamedTuple of arrays (k,)
-    orbit : Orbit
-    steps : int
-        Steps in the period.
-    kicks : array (parts, 2 n, columns, k)
-        Changes at the ends of parts of the period, of the states relative to themselves, and of the
-        entries of the Jacobian, which has these columns.
-    samples : int
-        Samples of each part.
-    """
-    parts, count = len(kicks), kicks.shape[-1]
+    scene: EquationsOfMotion
+    orbit: Orbit
+    steps: int
 
-    def follow(rows: Rows, x: Any, periods: Any, spacing: int) -> Any:
-        derivative, path = scene.derivative(coefficients_at(c, rows)), [x[..., None]]
-        columns = np.repeat(np.arange(len(rows) // len(np.unique(rows))), len(np.unique(rows)))
-        number = -(-steps // (parts * spacing))
-        for part, kick in enumerate(kicks):
-            times = (part + np.arange(1, spacing + 1)[:, None] / spacing) * periods / parts
-            ends = rk8_samples(derivative, x, part * periods / parts, times, number)
-            x = ends[..., -1]
-            size = x.real + 1j * PROBE * about.scale[:, rows] if np.iscomplexobj(x) else x
-            x += kick[:, columns, rows] * size
-            path.append(ends)
-        return np.concatenate(path, axis=-1)
+    @property
+    def scale(self) -> Array:
+        """Sizes (2 n,) of the states."""
+        return state_scale(self.scene, self.orbit.state, 2 * np.pi / self.orbit.period)
 
-    states = np.repeat(orbit.state[:, None], count, axis=1)
-    about = reference_map(scene, c, states, np.full(count, orbit.period), steps)
-    flow = replace(about, flow=lambda rows, x, periods: follow(rows, x, periods, 1)[..., -1])
-    orbits = flow.close()  # Newton's Jacobian precedes its last correction: begin again there
-    orbits = replace(flow, states=orbits.states, periods=orbits.periods).close()
-    path = follow(np.arange(count), orbits.states, orbits.periods, samples)[..., :-1]
-    return NearbyOrbits(c, orbits, path.swapaxes(0, 1))
+    def about(self, c: Any, count: int) -> PeriodMap:
+        """Return the period map of so many points about the orbit."""
+        states = np.repeat(self.orbit.state[:, None], count, axis=1)
+        return reference_map(self.scene, c, states, np.full(count, self.orbit.period), self.steps)
 
+    def linearise(self, c: Any, unknowns: Array) -> tuple[Array, Array]:
+        """Return the residuals of points (2 n, k), relative to their sizes, and the slopes."""
+        count = unknowns.shape[1]
+        return self.about(c, count).linearise(np.arange(count), unknowns)
 
-def measure(
-    scene: EquationsOfMotion, c: Any, state: Array, period: float, samples: Array
-) -> dict[Any, Any]:
-    """Return the results of one orbit, by the fields of `OrbitBounds`."""
-    turns = [scene.rotations_per_period.get(name, 0) for name in scene.state_names]
-    spectra = [spectrum_of(*pair)[: OPTIONS.orders] for pair in zip(samples, turns, strict=True)]
-    powers, quantities = mean_powers(scene, samples, c, period), scene.orbit.quantities(samples, c)
-    return {
-        "period": period,
-        "state": state,
-        "harmonics": 2 * np.array(spectra),
-        **{("power", name): value for name, value in powers.items()},
-        **{("quantity", name): value for name, value in quantities.items()},
-    }
+    def samples(self, at: Neighbours) -> Array:
+        """Return states (k, 2 n, count) over one period."""
+        count = len(at.weights)
+        parts = self.about(at.coefficients, count).place(np.arange(count), at.unknowns[:, None])
+        x, periods = parts[0][:, 0], parts[1][0] * np.ones(count)
+        derivative, times = (
+            self.scene.derivative(at.coefficients),
+            np.arange(1, OPTIONS.samples) / OPTIONS.samples,
+        )
+        rest = rk8_samples(
+            derivative, x, 0.0, np.outer(times, periods), -(-self.steps // OPTIONS.samples)
+        )
+        return np.concatenate([x[..., None], rest], axis=-1).swapaxes(0, 1)
 
+    def flows(self, c: Any) -> tuple[Array, Array, Array]:
+        """Return the Jacobians of the flow up to the end of each part, and from there to the end.
 
-def deviation(changes: Array) -> Array:
-    """Return the largest random error, from changes (k, ...) by perturbations."""
-    squares = np.mean(np.abs(changes[1:]) ** 2, axis=0)  # the first orbit is not perturbed
-    return np.asarray(OPTIONS.deviations * np.sqrt(squares))
+        Both of shape (parts, 2 n, 2 n), in the sizes of the states; then the largest values
+        (2 n,) of the states there, in the same.
+        """
+        scene, period, unit = self.scene, self.orbit.period, self.scale[:, None] / self.scale
+        derivative, x = scene.derivative(c), self.orbit.state
+        size, steps = len(x), -(-self.steps // OPTIONS.parts)
+        jacobians: list[Array] = []
+        largest = np.abs(x)
+        for i in range(OPTIONS.parts):
+            start, end = i * period / OPTIONS.parts, (i + 1) * period / OPTIONS.parts
+            part = partial(rk8_steps, derivative, t0=start, t1=end, steps=steps)
+            x, jacobian = by_complex_step(part, x)
+            jacobians.append(jacobian / unit)
+            largest = np.maximum(largest, np.abs(x))
+        before, after = [np.eye(size)], [np.eye(size)]
+        for jacobian in jacobians:
+            before.append(jacobian @ before[-1])
+        for jacobian in jacobians[:0:-1]:
+            after.append(after[-1] @ jacobian)
+        return np.array(before[1:]), np.array(after[::-1]), largest / self.scale
 
+    def neighbours(self, c: Any, inverse: Array, sources: Array, random: Array) -> Neighbours:
+        """Return the orbits that sources of error lead to.
 
-def multiplier_roundoff(matrices: Array, gain: float, multipliers: Any) -> Array:
-    """Return bounds (2 n,) on the round-off of multipliers.
+        Parameters
+        ----------
+        c : NamedTuple of numbers
+        inverse : array (2 n, 2 n)
+            Inverse of the slopes of `residual`.
+        sources, random : array (2 n, m)
+            Errors of the residual, in the sizes of the states, one in a column: certain ones, and
+            independent ones. The coefficients are further sources.
+        """
+        errors, places = np.hstack([sources, random]), np.flatnonzero(c)
+        sizes, (unknowns_count, size) = np.max(np.abs(errors), axis=0), errors.shape
+        of_one = np.concatenate([np.zeros((1 + size, len(c))), np.eye(len(c))[places]])
 
-    To first order an eigenvalue changes as its matrix does between its eigenvectors; two that
-    nearly coincide part as the roots of a parabola.
+        def times(factors: Array) -> Any:
+            return type(c)(*(value * factors[:, i] for i, value in enumerate(c)))
 
-    Parameters
-    ----------
-    matrices : array (k, 2 n, 2 n)
-        Monodromy matrices, the first without perturbations.
-    gain : float
-        Size of the perturbations over that of round-off.
-    multipliers : array (2 n,)
-    """
-    balanced, (unit, _) = matrix_balance(matrices[0], permute=False, separate=True)
-    values, left, right = eig(balanced, left=True, right=True)
-    with np.errstate(all="ignore"):
-        left = left.conj() / np.sum(left.conj() * right, axis=0)
-        changes = (matrices - matrices[0]) * unit / unit[:, None]
-        random = deviation(np.einsum("mi,kmj,ji->ki", left, changes, right)) / gain
-        own = np.linalg.norm(left, axis=0) * np.linalg.norm(right, axis=0)
-        bounds = pair_bounds(separations(values), random + EPS * np.linalg.norm(balanced) * own)
-    return np.asarray(bounds[np.argmin(np.abs(multipliers[:, None] - values), axis=1)])
+        points = times(1 + OPTIONS.displacement * of_one)
+        unknowns = np.zeros((unknowns_count, len(of_one)))
+        ends = self.about(points, len(of_one)).residual(np.arange(len(of_one)), unknowns)
+        change = (ends[:, 1 + size :] - ends[:, :1]) / OPTIONS.displacement
+        along = inverse @ (errors / np.where(sizes > 0, sizes, 1.0))
+        moves = np.hstack([np.zeros((unknowns_count, 1)), along, -inverse @ change])
+        length = OPTIONS.displacement / np.maximum(np.max(np.abs(moves), axis=0), 1.0)
+        weights = np.concatenate([[0.0], sizes, np.full(len(places), modes.OPTIONS.coefficient)])
+        independent = np.zeros(len(weights), dtype=bool)
+        independent[1 + sources.shape[1] : 1 + size] = True
+        coefficients = times(1 + length[:, None] * of_one)
+        return Neighbours(moves * length, coefficients, weights / length, independent)
 
 
 def orbit_bounds(scene: EquationsOfMotion, parameters: Any, orbit: Orbit) -> OrbitBounds:
@@ -219,48 +229,166 @@ def orbit_bounds(scene: EquationsOfMotion, parameters: Any, orbit: Orbit) -> Orb
     NoOrbitError
         If the orbit is so nearly one of a family that rounding hides it.
     """
-    c, n, count = scene.coefficients(parameters), len(orbit.state), OPTIONS.draws + 1
-    scale = state_scale(scene, orbit.state, 2 * np.pi / orbit.period)
-    gain = OPTIONS.displacement / float(np.max(orbit.error_bound / scale))
-    rng = np.random.default_rng(n)
-    kicks = rng.choice([-1.0, 1.0], (OPTIONS.parts, n, n + 1, count))
-    signs = rng.choice([-1.0, 1.0], (len(c), count))
-    kicks[..., 0], signs[:, 0] = 0.0, 0.0
-    kicks *= gain * OPTIONS.step * np.sqrt(orbit.steps / OPTIONS.parts + 4)
-    signs *= gain * OPTIONS.coefficient
-    points = type(c)(*(value * (1 + row) for value, row in zip(c, signs, strict=True)))
-    steps = int(np.ceil(OPTIONS.finer * orbit.steps))
-    with np.errstate(all="ignore"):
-        coarse = orbit.steps // 4  # round-off needs no more digits
-        near = solve_orbits(scene, points, orbit, coarse, kicks, OPTIONS.samples)
-        fine = solve_orbits(scene, points, orbit, steps, kicks[..., :1], 2 * OPTIONS.samples)
-        slopes = near.orbits.closing
-        bend = deviation(np.linalg.solve(slopes[0], slopes - slopes[0])) / gain
-    bent = float(np.max(np.sum(bend, axis=1)))
-    if not (np.all(near.orbits.closed) and np.all(fine.orbits.closed) and bent < OPTIONS.curved):
-        raise NoOrbitError(hidden_by_rounding(scene))
-    base = measure(scene, c, orbit.state, orbit.period, orbit_samples(scene, parameters, orbit))
-    second, *several = (
-        measure(
-            scene, coefficients_at(runs.c, i), runs.orbits.states[:, i],
-            float(runs.orbits.periods[i]), runs.samples[i],
-        )
-        for runs, i in ((fine, 0), *((near, i) for i in range(count)))
-    )  # fmt: skip
-    truncation, bounds = OPTIONS.safety / (1 - OPTIONS.finer**-8), {}
-    for key, value in base.items():
-        off = np.array([second[key] - value, *(one[key] - several[0][key] for one in several)])
-        if scene.orbit.units.get(key[1]) == "rad":
-            off = np.angle(np.exp(1j * off))
-        random = deviation(off[1:]) / gain
-        bounds[key] = truncation * np.abs(off[0]) + random + 2 * EPS * np.abs(value)
-    values, others = orbit.multipliers, fine.orbits.multipliers[:, 0]
-    apart = np.min(np.abs(values[:, None] - others), axis=1)
-    return OrbitBounds(
-        period=float(bounds["period"]),
-        state=bounds["state"] / (1 - bent),
-        multipliers=truncation * apart + multiplier_roundoff(near.orbits.monodromy, gain, values),
-        power={key[1]: float(bound) for key, bound in bounds.items() if key[0] == "power"},
-        quantities={key[1]: float(bound) for key, bound in bounds.items() if key[0] == "quantity"},
-        harmonics=np.max(bounds["harmonics"], axis=1),
+    c, section, size = scene.coefficients(parameters), section_row(scene), len(orbit.state)
+    steps = orbit.steps
+    coarse, rough, fine = (
+        Closing(scene, orbit, n) for n in (max(steps // 4, 8), steps, 3 * steps // 2)
     )
+    columns = np.arange(size)
+    if section is not None:
+        columns[section] = size
+    with np.errstate(all="ignore"):
+        here = np.zeros((size, 1))
+        (rest, slopes), (other, other_slopes) = (
+            [part[0] for part in (value.T, jacobian)]
+            for value, jacobian in (closing.linearise(c, here) for closing in (fine, rough))
+        )
+        inverse, monodromy = np.linalg.inv(slopes[:, columns]), slopes[:, :size] + np.eye(size)
+        rounding = OPTIONS.rounding + OPTIONS.step_rounding * np.sqrt(fine.steps)
+        before, after, largest = coarse.flows(c)  # rounding needs no more digits
+        random = rounding * spread_of(after, largest)
+        integration = 2 * np.abs(rest - other) + np.sum(np.abs(random), axis=1)
+        sources = np.stack([rest, 2 * (rest - other)], axis=1)
+        near = coarse.neighbours(c, inverse, sources, random)
+        jacobians = coarse.linearise(near.coefficients, near.unknowns)[1]
+        bend = near.changes(jacobians)
+        bent = float(np.max(np.sum(np.abs(inverse) @ bend[:, columns], axis=1)))
+    if not bent < OPTIONS.curved:
+        raise NoOrbitError(hidden_by_rounding(scene))
+    spectrum, scale = Spectrum.of(monodromy), fine.scale
+    error = near.together(np.abs(near.unknowns.T)) / (1 - bent)
+    off = near.together(np.abs(spectrum.changes((jacobians - jacobians[0])[..., :size])))
+    off += 2 * np.abs(spectrum.changes((slopes - other_slopes)[None, :, :size])[0])
+    off += rounding * spectrum.scatter(before, after)
+    samples = rough.samples(near)
+    spread = near.changes(samples) + (integration * scale)[:, None]
+    own = SampleBounds(near, samples, integration * scale)
+    turns = [scene.rotations_per_period.get(name, 0) for name in scene.state_names]
+    return OrbitBounds(
+        period=orbit.period * float(EPS if section is None else error[section]),
+        state=np.where(columns == size, 0.0, error * scale) + EPS * np.abs(orbit.state),
+        multipliers=spectrum.bounds(off, orbit.multipliers),
+        power=own.of(partial(mean_powers, scene, period=orbit.period)),
+        quantities=own.of(scene.orbit.quantities),
+        harmonics=np.array(
+            [2 * np.mean(b) + tail(x, n) for b, x, n in zip(spread, samples[0], turns, strict=True)]
+        ),
+    )
+
+
+def spread_of(after: Array, largest: Array) -> Array:
+    """Return columns (2 n, 2 n): the effect of a unit of round-off at the end of each part.
+
+    They are independent of each other, and together as large as that of the start and, on average,
+    of one part.
+
+    Parameters
+    ----------
+    after : array (k, 2 n, 2 n)
+        Jacobians of the flow from each part to the period's end.
+    largest : array (2 n,)
+        Largest values of the states.
+    """
+    count, size = after.shape[:2]
+    each = np.concatenate([np.eye(size)[None], after / np.sqrt(count)]) * largest
+    return np.asarray(np.linalg.qr(np.concatenate(each, axis=1).T, mode="r")).T
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """Multipliers, and how they change with their matrix, to first order.
+
+    Attributes
+    ----------
+    values : array (2 n,)
+    left, right : array (2 n, 2 n)
+        Eigenvectors, in columns; ``left`` conjugate, and over its product with ``right``.
+    own : array (2 n,)
+        Round-off of their computation, in balanced coordinates.
+    """
+
+    values: Any
+    left: Any
+    right: Any
+    own: Array
+
+    @classmethod
+    def of(cls, matrix: Array) -> Spectrum:
+        """Return the spectrum of a matrix."""
+        balanced, (unit, _) = matrix_balance(matrix, permute=False, separate=True)
+        values, left, right = eig(balanced, left=True, right=True)
+        with np.errstate(all="ignore"):
+            left = left.conj() / np.sum(left.conj() * right, axis=0)
+        lengths = np.linalg.norm(left, axis=0) * np.linalg.norm(right, axis=0)
+        own = EPS * np.linalg.norm(balanced) * lengths
+        return cls(values, left / unit[:, None], right * unit[:, None], own)
+
+    def changes(self, changes: Array) -> Any:
+        """Return the changes (k, 2 n) by those of the matrix (k, 2 n, 2 n)."""
+        return np.einsum("mi,kmj,ji->ki", self.left, changes, self.right)
+
+    def scatter(self, before: Array, after: Array) -> Array:
+        """Return the change by a unit of round-off in the entries of each part's Jacobian.
+
+        Parameters
+        ----------
+        before, after : array (k, 2 n, 2 n)
+            See `Closing.flows`.
+        """
+        rows = np.abs(self.left.T @ after) ** 2
+        columns = before**2 @ np.abs(self.right) ** 2
+        return np.asarray(np.sqrt(np.mean(np.einsum("kim,kmi->ki", rows, columns), axis=0)))
+
+    def bounds(self, off: Array, multipliers: Any) -> Array:
+        """Return bounds on the errors of multipliers from first-order bounds (2 n,)."""
+        with np.errstate(all="ignore"):
+            bounds = pair_bounds(separations(self.values), off + self.own)
+        nearest = np.argmin(np.abs(np.asarray(multipliers)[:, None] - self.values), axis=1)
+        return np.asarray(bounds[nearest] + np.abs(multipliers - self.values[nearest]))
+
+
+def tail(samples: Array, turns: int) -> float:
+    """Return the share of harmonics beyond the samples: at most as much as the last ones."""
+    spectrum = np.abs(spectrum_of(samples, turns))
+    return float(4 * np.max(spectrum[-len(spectrum) // 8 :])) + EPS * float(np.max(np.abs(samples)))
+
+
+@dataclass(frozen=True)
+class SampleBounds:
+    """Samples of neighbours of an orbit, from which results are bounded.
+
+    Attributes
+    ----------
+    near : Neighbours
+    samples : array (k, 2 n, count)
+    integration : array (2 n,)
+        Bounds on the errors of the samples by integration.
+    """
+
+    near: Neighbours
+    samples: Array
+    integration: Array
+
+    def of(self, measure: Callable[[Array, Any], Mapping[str, float]]) -> dict[str, float]:
+        """Return bounds on the errors of numbers from samples (2 n, k) and coefficients."""
+        c = self.near.coefficients
+        several = [type(c)(*(value[i] for value in c)) for i in range(len(self.samples))]
+        base = measure(self.samples[0], several[0])
+
+        def changes(others: Mapping[str, float]) -> Array:
+            return np.array([abs(others[name] - value) for name, value in base.items()])
+
+        bounds = 2 * EPS * np.abs([*base.values()])
+        sources = zip(self.near.weights, self.samples, several, strict=True)
+        bounds += self.near.together(
+            np.array([changes(measure(x, one) if weight else base) for weight, x, one in sources])
+        )
+        phase = 2 * np.pi * np.arange(OPTIONS.samples) / OPTIONS.samples
+        for i, size in enumerate(self.integration):
+            step = max(size, OPTIONS.displacement * float(np.max(np.abs(self.samples[0, i]))))
+            for pattern in (1.0, np.cos(phase), np.sin(phase)):
+                moved = self.samples[0].copy()
+                moved[i] += step * pattern
+                bounds += size / step * changes(measure(moved, several[0]))
+        bounds += changes(measure(self.samples[0][:, ::2], several[0]))
+        return dict(zip(base, map(float, bounds), strict=True))
