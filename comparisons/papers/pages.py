@@ -383,8 +383,7 @@ def row_lines(row: RowEntry) -> Iterator[str]:
     """Yield the values of a row, its limits, its cause and its command."""
     ours = {REFERENCE: row.reference, **row.engines}
     values = [f"{name} {plain(value)}" for name, value in ours.items() if value]
-    shown = formula(row.printed) if row.erratum else f"**{plain(row.printed)}**"
-    printed = [f"printed {shown}"] if row.printed else []
+    printed = [f"printed **{plain(row.printed)}**"] if row.printed else []
     if printed or values:
         yield "; ".join([*printed, *values])
     yield from map(threshold, row.thresholds)
