@@ -588,8 +588,8 @@ def maxima_of_modes(session: Session, most: int) -> Numbers:
 
     numbers = (*range(1, most + 1), None)
     options = {"xatol": 1e-3}
-    found = [minimize_scalar(error, args=(n,), bounds=(4, 9), options=options) for n in numbers]
-    speeds, off = [float(one.x) for one in found], [float(one.fun) for one in found]
+    minima = [minimize_scalar(error, args=(n,), bounds=(4, 9), options=options) for n in numbers]
+    speeds, off = [float(one.x) for one in minima], [float(one.fun) for one in minima]
     return {
         "speeds": speeds,
         "off": off,
