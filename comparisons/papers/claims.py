@@ -163,10 +163,14 @@ def read_row(
 
 
 def add_forms(row: dict[str, Any]) -> dict[str, Any]:
-    """Return a row of a misprint with its forms, printed and corrected, from its equations."""
+    """Return a row of a misprint with its forms, printed and corrected, from its equations.
+
+    Products are blanks there, as in other formulas.
+    """
     pairs = pairwise(sides(row["equations"]["text"]))
     wrong = [(own, other) for (_, own), (left, other) in pairs if left == "printed"]
     texts = ["; ".join(own) for own in zip(*wrong, strict=True)]
+    texts = [text.replace("**", "^").replace("*", " ") for text in texts]
     forms = dict(zip(("corrected", "printed"), texts, strict=False))
     row = {"printed": forms.pop("printed", ""), **row}
     return {**row, "erratum": {**forms, **row["erratum"]}}

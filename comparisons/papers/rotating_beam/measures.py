@@ -577,10 +577,26 @@ def maxima_at_speeds(session: Session, speeds: Sequence[float]) -> Numbers:
 
 
 def maxima_of_modes(session: Session, most: int) -> Numbers:
-    """Return the best places by number of assumed modes, the last converged, and their errors."""
-    places = [best(SPEED, modes) for modes in (*range(1, most + 1), None)]
-    off = np.max(np.abs(np.array(places) - list(PRINTED_MAXIMA.values())), axis=1)
-    return {"places": places, "off": off, "nearest": int(np.argmin(off)) + 1, "least": min(off)}
+    """Return the best places by number of assumed modes, the last converged, and their errors.
+
+    Each number of modes at the speed [rad/s] at which they come nearest to the printed places; the
+    crossings there; and the larger error of one and two modes, ``within``.
+    """
+
+    def error(speed: float, modes: int | None) -> float:
+        return float(np.max(np.abs(np.subtract(best(speed, modes), list(PRINTED_MAXIMA.values())))))
+
+    numbers = (*range(1, most + 1), None)
+    options = {"xatol": 1e-3}
+    minima = [minimize_scalar(error, args=(n,), bounds=(4, 9), options=options) for n in numbers]
+    speeds, off = [float(one.x) for one in minima], [float(one.fun) for one in minima]
+    return {
+        "speeds": speeds,
+        "off": off,
+        "within": max(off[:2]),
+        "places": list(map(best, speeds, numbers)),
+        "crossings": list(map(crossings, speeds, numbers)),
+    }
 
 
 # Section 3.2: responses ---------------------------------------------------------------------------
@@ -610,7 +626,7 @@ def by_mass(session: Session, who: str, figure: int, of: Measure) -> Array:
 
 
 def against_none(session: Session, who: str, figure: int, of: Measure) -> Numbers:
-    """Return a measure by mass, its ratios to that without mass, and whether it grows evenly."""
+    """Return a measure by mass, its ratios to that without mass, and how it grows."""
     values = by_mass(session, who, figure, of)
     shares = values[1:] / values[0]
     return {
@@ -619,7 +635,7 @@ def against_none(session: Session, who: str, figure: int, of: Measure) -> Number
         "shares": shares,
         "least": np.min(shares),
         "most": np.max(shares),
-        "evenly": "evenly" if np.all(np.diff(values) > 0) else "not evenly",
+        "steadily": "monotonically" if np.all(np.diff(values) > 0) else "not monotonically",
     }
 
 
@@ -666,8 +682,9 @@ def energy_change(motion: Response, p: RotatingBeam) -> float:
 
 
 def energy_drift(session: Session) -> Numbers:
-    """Return that change, the largest of all masses."""
-    return {"drift": np.max(by_mass(session, REFERENCE, 5, energy_change))}
+    """Return that change, the largest of all masses, and amplitudes as `against_none` has them."""
+    drift = np.max(by_mass(session, REFERENCE, 5, energy_change))
+    return {"drift": drift, **against_none(session, REFERENCE, 5, free_amplitude)}
 
 
 # The pulse, linear about rest

@@ -809,14 +809,18 @@ def coupling_torques(session: Session) -> Numbers:
     """Return the torques by which vibration couples the rotors of each case [N m].
 
     Constant part and amplitude with the dampers; the amplitude by (34), without them; the largest
-    torque (26) on a rotor, and its share of those of section 5.2; case 3's share of case 2's.
+    torque (26) on a rotor, and its share of those of section 5.2; case 3's share of case 2's. And
+    the amplitude over the constant part in cases 2 and 3, with the dampers.
     """
     harmonics = [[complex(one) for one in coupling_harmonics(p)] for p in CASES.values()]
     undamped = np.array([float(theory.coupling_amplitude(p)) for p in CASES.values()])
+    coupled, overcome = (abs(first) / mean.real for mean, first in harmonics[1:])
     return {
         "mean": [mean.real for mean, _ in harmonics],
         "amplitude": [abs(first) for _, first in harmonics],
         "undamped": undamped,
+        "coupled": coupled,
+        "overcome": overcome,
         "of_case_3": undamped[2],
         "share": undamped[2] / undamped[1],
         "on_a_rotor": undamped[:2] / 2,
@@ -842,8 +846,7 @@ def critical_point(session: Session) -> Numbers:
 def theory_of_cases(session: Session) -> Numbers:
     """Compare theory and orbits at the three cases.
 
-    The kinds of synchronism by both, the number of cases in which they agree, and the distances
-    of the phases of cases 1 and 2 [rad].
+    The kinds of synchronism by both, and the distances of the phases of cases 1 and 2 [rad].
     """
     kinds = [kind_of(synchronous_orbit(session, p)) for p in CASES.values()]
     cosines = np.cos([theoretical_phase(case) for case in CASES])
@@ -851,7 +854,6 @@ def theory_of_cases(session: Session) -> Numbers:
     return {
         "kinds": kinds,
         "by_theory": by_theory,
-        "matches": sum(map(str.__eq__, kinds, by_theory)),
         "apart": [gap_to_theory(session, REFERENCE, case)["value"] for case in (1, 2)],
     }
 
@@ -1072,16 +1074,6 @@ def kinds_in_regions(
         "synphase": synphase,
         "antiphase": [1 - one for one in synphase],
     }
-
-
-def branch_of_33(session: Session) -> Numbers:
-    """Return shares of figure 3's range where (33), in (0, pi), is the unstable root of (30)."""
-    shares = {}
-    for name, beta in BETAS.items():
-        n = lattice(beta)
-        alpha = theory.printed_phase_difference(n)
-        shares[f"beta = {name}"] = np.mean(theory.stability(n, alpha) <= 0)
-    return {"shares": shares}
 
 
 def level_orbits(session: Session, who: str) -> Numbers:

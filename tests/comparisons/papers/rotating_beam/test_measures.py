@@ -118,3 +118,21 @@ def test_what_cannot_be_tested_tells_right_numbers() -> None:
     ]
     words = "from {:.4g} to {:.4g} rad/s".format(*at_rest)
     assert words in BY_NAME["coupling_of_6"].reason
+
+
+def test_corrected_conditions_of_10_belong_together() -> None:
+    """Both are in the constants of (9), so that they vanish at once at the first root."""
+    from sympy import Matrix, symbols
+    from sympy.parsing.sympy_parser import (
+        implicit_multiplication,
+        parse_expr,
+        standard_transformations,
+    )
+
+    rules = (*standard_transformations, implicit_multiplication)
+    errata = (BY_NAME[name].erratum for name in ("swapped_constants", "free_end"))
+    rows = Matrix([parse_expr(one.corrected, transformations=rules) for one in errata if one])
+    matrix = rows.jacobian(symbols("B_1 B_2")).subs({"beta_2": 1.8751040687, "L": 1.0})
+    assert rows.shape == (2, 1)
+    assert abs(matrix.det()) < 1e-8
+    assert abs(matrix[0, 0]) > 1
