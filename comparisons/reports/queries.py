@@ -115,8 +115,8 @@ def print_frequencies(console: Console, result: Frequencies) -> None:
     print_parameters(console, result.parameters)
     print_line(console, f"about {result.about}: {assignments(result.state)}")
     rows = [[m.omega, m.hertz, m.damping_ratio, m.re, m.im, m.error_bound] for m in result.modes]
-    heads = ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "im [1/s]", "error bound"]
-    print_table(console, heads, rows)
+    heads = ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "im [1/s]"]
+    print_table(console, [*heads, "error bound [1/s] of re, im, omega"], rows)
 
 
 def csv_text(result: Simulation, bounds: bool = False) -> str:
