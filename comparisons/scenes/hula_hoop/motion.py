@@ -58,7 +58,7 @@ MOTION_VARIABLES = with_bounds(
         "motion": Variable(
             "1",
             "from rest, in the end; figs. 5, 7: one turn in a period of the force without (o) or "
-            "with (plus) reversal, theta' oscillating most at 2 omega (blue) or not (cyan); else red_x",
+            "with (plus) reversal, theta' oscillating at 2 omega (blue) or not (cyan); else red_x",
             MOTIONS,
         ),
         "label": Variable("1", "kind of motion", LABELS),
