@@ -60,18 +60,31 @@ def scene(name: str) -> str:
 def maps() -> str:
     """Return the quantities of all maps."""
     return markdown_table(
-        ("Scene", "`--quantity`", "What", "`--model` of the reference", "Variables", "Engines"),
+        ("Scene", "`--quantity`", "What", "`--model` of the reference", "Engines"),
         [
             (
                 name,
                 f"`{item['quantity']}`",
                 item["about"],
                 code(item["models"]),
-                code(item["variables"]),
                 "yes" if item["engines"] else "no",
             )
             for name in SCENES
             for item in catalogue.scene_sheet(name)["maps"]
+        ],
+    )
+
+
+def variables() -> str:
+    """Return the variables of all maps, without the bounds on their errors."""
+    return markdown_table(
+        ("Scene", "`--quantity`", "Variable", "Unit", "Meaning", "Classes"),
+        [
+            (name, f"`{item['quantity']}`", f"`{key}`", v["unit"], v["meaning"], code(v["classes"]))
+            for name in SCENES
+            for item in catalogue.scene_sheet(name)["maps"]
+            for key, v in item["variables"].items()
+            if "bound" not in key
         ],
     )
 
@@ -121,6 +134,7 @@ def not_provoked() -> str:
 
 TABLES: Mapping[str, Callable[[], str]] = {
     "maps": maps,
+    "variables": variables,
     "axes": axes,
     "coverage": coverage,
     "rules of models": findings,

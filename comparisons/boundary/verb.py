@@ -163,5 +163,6 @@ def print_boundary(screen: Any, text: Mapping[str, Any], quiet: bool) -> None:
         print_line(
             screen,
             f"no stability changes along {plural(text['lines'], 'line')}; more --lines may meet "
-            "an island, and mbcheck map shows where orbits are stable",
+            "an island; mbcheck orbit says at one point whether the orbit is stable, and mbcheck "
+            "map where orbits are",
         )

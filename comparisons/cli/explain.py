@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import tomllib
 from collections.abc import Mapping
 from fnmatch import fnmatchcase
@@ -12,12 +13,15 @@ import click
 from rich.console import Console
 
 from ...reference import SCENES, get_scene
-from ...reference.errors import UnknownNameError
+from ...reference.errors import UsageError
 from ..checks.rules.cautions import RULES as CAUTIONS
 from ..inspect.console import print_rule
 from ..inspect.rules.table import RULES as FINDINGS
 from ..reports.text import print_line
 from ..terminal.program import console, examples
+
+CLOSE = 0.75
+"""Least similarity, by `difflib`, of a term that is suggested for an unknown one."""
 
 
 def glossary() -> Mapping[str, Mapping[str, Any]]:
@@ -27,7 +31,8 @@ def glossary() -> Mapping[str, Mapping[str, Any]]:
     -------
     Mapping
         A text; for a kind of check, its ``question``, the faults that it ``catches``, and its
-        ``quantities``. Terms and quantities may be patterns.
+        ``quantities``. A key may name several terms, separated by commas; terms and quantities
+        may be patterns.
     """
     text = files(__package__).joinpath("glossary.toml").read_text(encoding="utf-8")
     return tomllib.loads(text)
@@ -47,7 +52,7 @@ def explanations(name: str) -> list[str]:
         f"{pattern} ({sort}): {text_of(entry)}"
         for sort, entries in terms.items()
         for pattern, entry in entries.items()
-        if fnmatchcase(name, pattern)
+        if any(fnmatchcase(name, one) for one in pattern.split(", "))
     ]
     matches += [
         f"{name} (quantity of the check {kind}): {entry['question']}"
@@ -71,8 +76,8 @@ def explain_term(screen: Console, name: str) -> None:
 
     Raises
     ------
-    UnknownNameError
-        If there is no such term.
+    UsageError
+        If there is no such term; names one that is close, if there is one.
     """
     matches = explanations(name) or explanations(name.lower())
     if name in CAUTIONS and name not in FINDINGS:
@@ -82,8 +87,10 @@ def explain_term(screen: Console, name: str) -> None:
     if name in FINDINGS:
         print_rule(screen, name)
     elif not matches:
-        known = [term for terms in glossary().values() for term in terms]
-        raise UnknownNameError("term", name, [*known, *CAUTIONS, *FINDINGS])
+        known = [term for terms in glossary().values() for key in terms for term in key.split(", ")]
+        close = difflib.get_close_matches(name, [*known, *CAUTIONS, *FINDINGS], 1, CLOSE)
+        hint = f"did you mean {close[0]!r}?" if close else "mbcheck explain lists all terms"
+        raise UsageError(f"unknown term {name!r}; {hint}")
 
 
 @click.command(

@@ -16,7 +16,7 @@ VERBS: Mapping[str, tuple[str, str]] = {
     "check": ("check.verb.check_verb", "Check engines against the reference."),
     "judge": ("judge.verb.judge_verb", "Judge a trajectory that was computed elsewhere."),
     "simulate": ("cli.verbs.simulate", "Simulate a scene from t = 0."),
-    "orbit": ("cli.verbs.orbit", "Find the periodic orbit of a scene."),
+    "orbit": ("cli.verbs.orbit", "Find a periodic orbit of a scene."),
     "frequencies": ("cli.verbs.frequencies", "Find the modes about a state of rest."),
     "export": ("cli.verbs.export", "Write a scene's MJCF with these parameters."),
     "list": ("cli.group.list_", "List scenes and engines, the parts of a scene, or all checks."),

@@ -85,7 +85,11 @@ def simulate(
 @budget_option(QUERY)
 @JSON
 def orbit(json_file: Destination | None, budget: float, **asked: Any) -> None:
-    """Find the periodic orbit of a scene.
+    """Find a periodic orbit of a scene.
+
+    Several may coexist at the same parameters. Starts are tried in a fixed order: the first
+    stable orbit is printed, or an unstable one if no stable one is found. A map may show
+    another. Error bounds are those of the orbit printed.
 
     The state is that where the period begins, with angles that turn in [0, 2 pi): at t = 0
     modulo the period of the drive or, where nothing drives the scene, where its first

@@ -120,9 +120,8 @@ def print_map(console: Any, result: Any) -> None:
             print_line(console, f"{name}: {number(low, 6)} to {with_unit(high, about.unit, 6)}")
     if "robust" in result.variables:
         share = float((result.robust & result.computed).sum() / max(computed, 1))
-        print_line(
-            console, f"{share:.1%} are robust: a perturbation and a halved step leave the class"
-        )
+        why = result.about["robust"].meaning.removeprefix("1 where ")
+        print_line(console, f"{share:.1%} are robust: {why}")
     if result.problems:
         x, y, words = result.problems[0]
         print_line(

@@ -214,7 +214,8 @@ class ReproduceRequest:
 def reproduce(request: ReproduceRequest) -> Findings:
     """Draw the figures of papers and judge the rows of their ledgers; takes a `ReproduceRequest`.
 
-    The findings are added to those of other calls in the folder. Only a call for whole papers
+    It writes ``findings.json`` and the figures; only ``mbcheck reproduce`` writes the pages. The
+    findings are added to those of other calls in the folder. Only a call for whole papers
     computes maps again that are there.
 
     Raises

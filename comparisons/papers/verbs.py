@@ -45,8 +45,12 @@ def reproduce_papers(json_file: Destination | None, **options: Any) -> int:
     from . import pages
 
     out = Path(options["out"])
-    with progress_bar(True, "figures and rows") as advance:
-        result = reproduce(**options, progress=advance)
+    try:
+        with progress_bar(True, "figures and rows") as advance:
+            result = reproduce(**options, progress=advance)
+    except KeyboardInterrupt:
+        click.echo("finished figures and rows are kept: repeat with --resume", err=True)
+        raise
     pages.write_pages(contents(out), out)
     if json_file:
         json_file.write(json_text(result.as_json()))

@@ -164,7 +164,9 @@ class OrbitReport(Origin):
 
 @takes_fields_of(MethodQuery)
 def orbit(asked: MethodQuery) -> OrbitReport:
-    """Find the periodic orbit, a stable one where there is a choice; takes a `MethodQuery`.
+    """Find a periodic orbit, a stable one if the search finds one; takes a `MethodQuery`.
+
+    Several may coexist: `mbcheck.reference.orbits.find_orbit` has the order of the search.
 
     An engine's orbit is that of its own discrete flow: where it closes after a whole
     number of steps.

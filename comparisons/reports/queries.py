@@ -114,9 +114,12 @@ def print_frequencies(console: Console, result: Frequencies) -> None:
     print_line(console, f"{result.scene}: {result.engine}, model {result.model}, {kind}")
     print_parameters(console, result.parameters)
     print_line(console, f"about {result.about}: {assignments(result.state)}")
-    rows = [[m.omega, m.hertz, m.damping_ratio, m.re, m.im, m.error_bound] for m in result.modes]
-    heads = ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "im [1/s]", "error bound"]
-    print_table(console, heads, rows)
+    rows = [
+        [m.omega, m.hertz, m.damping_ratio, m.re, m.im, number(m.error_bound, 2, "-")]
+        for m in result.modes
+    ]
+    heads = ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "im [1/s]"]
+    print_table(console, [*heads, "error bound [1/s] of re, im, omega"], rows)
 
 
 def csv_text(result: Simulation, bounds: bool = False) -> str:

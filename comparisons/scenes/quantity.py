@@ -157,8 +157,8 @@ class Quantity:
     about : str
         One line for ``mbcheck map --help`` and the docs.
     variables : mapping of str to Variable
-        The first is drawn and compared. ``robust`` is 1 where a perturbation and a halved step
-        leave the class unchanged, else 0.
+        The first is drawn and compared. ``robust`` is 1 where the changes that its
+        meaning names leave the class unchanged, else 0.
     evaluate : callable ``(Points) -> QuantityValues``
         Runs in a process of its own; what it returns depends on the points alone.
     models : tuple of str

@@ -49,7 +49,12 @@ class HulaHoop(Parameters):
     rod_length: float = quantity(0.05, "R_m", "m", "table 1", "hinge to free mass")
     stiffness: float = quantity(1000.0, "k", "N/m", "table 1", "spring of the main mass")
     damping_ratio: float = quantity(
-        0.1, "rho", "1", "table 1, (7)", "c / (2 (M + m) omega_n)", "non-negative"
+        0.1,
+        "rho",
+        "1",
+        "table 1, (7)",
+        "c / (2 (M + m) omega_n), omega_n = sqrt(k / (M + m))",
+        "non-negative",
     )
     hinge_damping_ratio: float = quantity(
         0.01, "zeta_m", "1", "table 1, (8)", "c_m / (m R_m^2 omega_n)", "non-negative"

@@ -44,7 +44,9 @@ FLOQUET_VARIABLES = with_bounds(
         "multiplier": Variable("1", "largest modulus of its Floquet multipliers"),
         "u_1": Variable("rad", "amplitude of its oscillation of theta at 2 omega"),
         "min_speed": Variable("1", "least theta' over the orbit, by omega; negative: reversal"),
-        "zone": Variable("1", "stable, unstable, |u_1| at least 0.5: the legend of fig. 4", ZONES),
+        "zone": Variable(
+            "1", "fig. 4: blue_o stable, red_o unstable, black_o |u_1| at least 0.5", ZONES
+        ),
         "robust": Variable("1", "1 where half the step finds the same class, by a margin"),
     },
     *NUMBERS,

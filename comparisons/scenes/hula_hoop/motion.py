@@ -55,7 +55,12 @@ NUMBERS = ("turns", "f_u", "min_speed")
 
 MOTION_VARIABLES = with_bounds(
     {
-        "motion": Variable("1", "from rest, in the end: the legend of figs. 5, 7", MOTIONS),
+        "motion": Variable(
+            "1",
+            "from rest, in the end; figs. 5, 7: one turn in a period of the force without (o) or "
+            "with (plus) reversal, theta' oscillating at 2 omega (blue) or not (cyan); else red_x",
+            MOTIONS,
+        ),
         "label": Variable("1", "kind of motion", LABELS),
         "turns": Variable("1", "|W|, turns of theta in a period of the force"),
         "f_u": Variable("1", "frequency at which theta' oscillates most, by that of the force"),

@@ -43,7 +43,9 @@ PHASE = with_bounds(
             "none: there is none",
             PHASES,
         ),
-        "robust": Variable("1", "1 where a perturbation, or half the step, leaves the class"),
+        "robust": Variable(
+            "1", "1 where other stiffnesses (theory), or half the step, give the same class"
+        ),
         "mean_speed": Variable("rad/s", "of both rotors"),
         "multiplier": Variable(
             "1", "leading Floquet multiplier's modulus, that of a shift left out"

@@ -24,7 +24,9 @@ OUTCOMES = ("synchronised", "not synchronised", "undecided")
 SYNC = with_bounds(
     {
         "class": Variable("1", "what the start from rest ends in", OUTCOMES),
-        "robust": Variable("1", "1 where a perturbation and a halved step leave the class"),
+        "robust": Variable(
+            "1", "1 where a perturbed start with half the step gives the same class"
+        ),
         "phase_difference": Variable("rad", "phi_1 - phi_2 at the end, where synchronised"),
         "mean_speed": Variable("rad/s", "of both rotors at the end, where synchronised"),
         "duration": Variable("s", "simulated"),

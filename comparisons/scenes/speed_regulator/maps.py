@@ -36,7 +36,11 @@ QUANTITIES: Mapping[str, Quantity] = {
         about="which stable motions there are: rest, rotation, or both",
         variables={
             "regime": Variable("1", "stable motions", REGIMES),
-            "robust": Variable("1", "1 where a perturbation and halved steps leave it as it is"),
+            "robust": Variable(
+                "1",
+                "1 where another torque (theory), or a perturbed run with half the step, gives the "
+                "same class",
+            ),
         },
         evaluate=partial(by_theory_or_runs, theory_regime, simulated_regime),
         models=("theory", "direct"),

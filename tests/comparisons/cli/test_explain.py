@@ -6,12 +6,14 @@ from typing import get_args
 
 import pytest
 
+from mbcheck.comparisons.boundary.document import Kind
 from mbcheck.comparisons.checks.rules.cautions import RULES as CAUTIONS
 from mbcheck.comparisons.checks.suite import plan
 from mbcheck.comparisons.checks.table import EVERY_KIND, KINDS
 from mbcheck.comparisons.checks.verdict import PROFILES, Verdict
 from mbcheck.comparisons.cli.explain import explanations, glossary
 from mbcheck.comparisons.inspect.rules.table import RULES as FINDINGS
+from mbcheck.comparisons.papers.ledger import VERDICTS
 from mbcheck.tests.support.command import invoke, succeeds
 
 
@@ -57,6 +59,18 @@ def test_an_unknown_term_is_refused_with_the_nearest() -> None:
     ended = invoke("explain", "step_limt")
     assert ended.exit_code == 2
     assert ended.stderr == "Error: unknown term 'step_limt'; did you mean 'step_limit'?\n"
+
+
+def test_a_word_like_no_term_gets_no_suggestion() -> None:
+    ended = invoke("explain", "viscosity")
+    assert ended.stderr == "Error: unknown term 'viscosity'; mbcheck explain lists all terms\n"
+
+
+@pytest.mark.parametrize(
+    "words", [*VERDICTS, *get_args(Kind), "row", "erratum", "symmetry breaking", "Neimark-Sacker"]
+)
+def test_words_of_papers_and_curves_are_explained(words: str) -> None:
+    assert explanations(words.lower())
 
 
 def test_factors_of_profiles_are_those_of_the_code() -> None:
