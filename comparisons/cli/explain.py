@@ -21,7 +21,7 @@ from ..reports.text import print_line
 from ..terminal.program import console, examples
 
 CLOSE = 0.75
-"""Least similarity, by `difflib`, of a term that is suggested for an unknown one."""
+"""Least similarity, by `difflib`, of a suggested term to an unknown one."""
 
 
 def glossary() -> Mapping[str, Mapping[str, Any]]:
@@ -77,7 +77,7 @@ def explain_term(screen: Console, name: str) -> None:
     Raises
     ------
     UsageError
-        If there is no such term; names one that is close, if there is one.
+        If there is no such term; the message names a close one, if there is one.
     """
     matches = explanations(name) or explanations(name.lower())
     if name in CAUTIONS and name not in FINDINGS:
