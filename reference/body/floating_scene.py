@@ -260,7 +260,7 @@ def hinge_mistakes(scene: Scene, tree: FloatingTree) -> dict[str, Scene]:
         f"the inertia that couples {base} and hinges is lost": uncoupled(scene),
         **velocities,
         **{
-            f"{words}, in what it returns": replace(scene, outputs=one.outputs, cases=())
+            f"{words}, in its results": replace(scene, outputs=one.outputs, cases=())
             for words, one in velocities.items()
         },
     }

@@ -131,7 +131,7 @@ def with_mistakes(
         "rates are those of the world's frame": replace(
             world, accelerations=accelerations_by(accelerate, first)
         ),
-        "rates are those of the world's frame, in what it returns": replace(
+        "rates are those of the world's frame, in its results": replace(
             scene, outputs=told_outside, cases=()
         ),
     }

@@ -109,7 +109,7 @@ FAULTS: Mapping[str, list[tuple[str, str, str, str]]] = {
     "floating_beam": [
         ("axes_as_opened", "algebra", "accelerations", "axes of hinges do not turn with"),
         ("axes_as_opened", "algebra", "mass_matrix", "axes of hinges do not turn with"),
-        ("axes_still", "algebra", "accelerations", "each other by turning the axes beyond them"),
+        ("axes_still", "algebra", "accelerations", "hinges cause by turning the axes beyond them"),
         ("reaction_lost", "algebra", "accelerations", "the hub does not bear the reactions of"),
         ("coriolis_lost", "algebra", "accelerations", "turning hub lack Coriolis's force"),
         ("coupling_lost", "algebra", "mass_matrix", "that couples hub and hinges is lost"),
@@ -210,7 +210,7 @@ STEPS: Mapping[str, tuple[tuple[str, ...], dict[str, str]]] = {
     ),
     "floating_beam": (
         ("theta_3",),
-        {"axes_still": "make of each other by turning the axes beyond them"},
+        {"axes_still": "hinges cause by turning the axes beyond them"},
     ),
 }
 """Quantities of a step, and what is said of each fault; nothing of a right engine."""
