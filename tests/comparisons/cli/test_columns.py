@@ -37,7 +37,7 @@ def test_help_fits(verb: str) -> None:
         "check ball_hoop --quick --engine mujoco --kind algebra --kind parts -v",
         "compare {model} {model}",
         pytest.param(SMALL, marks=pytest.mark.slow),
-        pytest.param("reproduce rotor_pendulum --row lag --out {folder}", marks=pytest.mark.slow),
+        pytest.param("reproduce rotor_pendulum --row eta --out {folder}", marks=pytest.mark.slow),
     ],
 )
 def test_what_a_verb_prints_fits(line: str, tmp_path: Path) -> None:
