@@ -70,7 +70,7 @@ def test_a_map_of_the_window_agrees(folder: Path, small: dict[str, Any]) -> None
         f"map hula_hoop {line} -o m.nc --set stiffness=9 --boundary", folder / "small.json"
     )
     assert done.exit_code == 2
-    assert "stiffness = 1000.0, the map of 9.0" in done.stderr
+    assert "stiffness = 1000.0, the map has 9.0" in done.stderr
     other = line.replace("5.6:6:6", "5.5:6:6")
     done = invoke(f"map hula_hoop {other} -o map.nc --boundary", folder / "small.json")
     assert done.exit_code == 2
