@@ -201,7 +201,7 @@ def test_a_badge_says_in_a_word_how_a_run_went() -> None:
         return made.pop("message"), made.pop("color")
 
     assert badge(result()) == ("1 passed", "brightgreen")
-    assert badge(*MIXED) == ("2 passed, 1 deviation, 1 error", "red")
+    assert badge(*MIXED) == ("2 passed, 1 known, 1 deviation, 1 error", "red")
     assert badge(result(verdict="skipped")) == ("nothing ran", "lightgrey")
     assert badge(result(), interrupted=True) == ("interrupted", "lightgrey")
 
