@@ -17,6 +17,7 @@ from .text import (
     print_command,
     print_line,
     print_rows,
+    print_unbroken,
 )
 from .words import Markdown, code, number, plain, plural
 
@@ -45,6 +46,8 @@ class Section:
         Prose; blanks at the beginning of a line indent it.
     commands : sequence of str
         Shell commands to copy.
+    verbatim : sequence of str
+        Lines that are not wrapped, such as those of a traceback.
     verdict : str
         The style of the title.
     anchor : str
@@ -62,6 +65,7 @@ class Section:
     rows: Sequence[Sequence[object]] = ()
     lines: Sequence[str] = ()
     commands: Sequence[str] = ()
+    verbatim: Sequence[str] = ()
     verdict: str = ""
     anchor: str = ""
     digits: int = DIGITS
@@ -81,6 +85,8 @@ def print_sections(console: Console, sections: Iterable[Section]) -> None:
             print_line(console, text, indent="  " + " " * (len(line) - len(text)))
         for command in section.commands:
             print_command(console, command)
+        for line in section.verbatim:
+            print_unbroken(console, f"  {line}")
         console.print()
 
 
@@ -93,7 +99,7 @@ def markdown_sections(title: str, sections: Iterable[Section]) -> str:
         if section.rows:
             parts.append(short_table(section.heads, section.rows))
         lines = [f"{x[: -len(x.lstrip())]}- {plain(x.strip())}" for x in section.lines]
-        lines += [f"- {code(x)}" for x in section.commands]
+        lines += [f"- {code(x)}" for x in (*section.commands, *section.verbatim)]
         left = len(lines) - MOST_LINES
         lines[MOST_LINES:] = [f"- and {plural(left, 'more line')}"] if left > 0 else []
         parts += ["\n".join(lines) + "\n"] if lines else []

@@ -125,7 +125,7 @@ def tracebacks(results: Sequence[Result], whole: bool) -> Iterator[Section]:
     for (traceback,), members in raised.items() if whole else ():
         others = f" and {len(members) - 1} more" if members[1:] else ""
         title = f"TRACEBACK {members[0].id}{others}"
-        yield Section(title, lines=traceback.splitlines(), verdict="error")
+        yield Section(title, verbatim=traceback.splitlines(), verdict="error")
 
 
 def result_sections(report: Report, repeat: bool = False) -> Iterator[Section]:
