@@ -61,7 +61,7 @@ def explanations(name: str) -> list[str]:
     ]
     units = {scene: get_scene(scene).units for scene in SCENES}
     where = [f"{scene} [{unit[name]}]" for scene, unit in units.items() if name in unit]
-    return matches + [f"{name} (observable): of {', '.join(where)}"] * bool(where)
+    return [f"{name} (observable): of {', '.join(where)}"] * bool(where) + matches
 
 
 def print_terms(screen: Console) -> None:
