@@ -66,7 +66,7 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
     "examples": (490, 769),
     "models": (1989, 3720),
     "reference": (8349, 16539),
-    "tests": (25324, 43640),  # engines as readers, import bugs, pages, 80 columns (#38, #39)
+    "tests": (25326, 43640),  # engines as readers, import bugs, pages, 80 columns (#38, #39)
 }
 """Folder -> statements and lines of Python."""
 
