@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,7 @@ from .elements import (
     Match,
     ModelElement,
     difference_share,
+    field_key,
     match_elements,
     names_of_both,
     touches_nothing,
@@ -353,11 +355,6 @@ def differences_of(one: Compiled, other: Compiled, match: Match) -> Iterator[Dif
         yield Difference(element.label, "", "", word, edits=edits)
 
 
-def field_key(name: str) -> str:
-    """Return the key of a field in the answer of `probe`."""
-    return name if name.startswith("opt.") else f"model.{name}"
-
-
 def option_element(model: Compiled) -> ModelElement:
     """Return the options of a model as one element, its flags by their names."""
     attributes = {}
@@ -503,18 +500,22 @@ class EditTrial:
         eps = max(self.first.eps, self.second.eps)
         return gaps_between(own, self.other, list(self.states), labels, eps)
 
-    def force_gap(self, edits: Sequence[Edit]) -> Any:
-        """Return the differences of accelerations as forces, relative to each joint's largest."""
+    @cached_property
+    def force_scale(self) -> Any:
+        """Largest force of each joint (n,) at the states, and no less than a share of all."""
         forces = np.array([one["mass"] @ one["qacc"] for one in self.own])
         size = abs(forces).max(axis=0)
+        return np.maximum(size, MIN_FORCE * size.max(initial=0.0) or 1.0)
+
+    def force_gap(self, edits: Sequence[Edit]) -> Any:
+        """Return the differences of accelerations as forces, relative to each joint's largest."""
         apart = [
             mine["mass"] @ (theirs["qacc"] - edited["qacc"])
             for mine, theirs, edited in zip(
                 self.own, self.other, self.answers(edits, brief=True), strict=True
             )
         ]
-        floor = MIN_FORCE * size.max(initial=0.0) or 1.0
-        return (np.array(apart) / np.maximum(size, floor)).ravel()
+        return np.ravel(np.array(apart) / self.force_scale)
 
     def read_differently(self, before: Sequence[Edit]) -> list[Difference]:
         """Return the attributes that an engine lost or scaled, after edits that are known."""
@@ -527,10 +528,10 @@ class EditTrial:
         differences = []
         for one, factor in picks:
             values = one.cells(factor)
-            file_cell, read_cell = cells_of(*values) if values[0] else ("", values[1][0])
+            before_cell, after_cell = cells_of(*values) if values[0] else ("", values[1][0])
             edits = [one.edit(factor)]
             differences.append(
-                Difference(one.element, one.attribute, file_cell, read_cell, edits=edits)
+                Difference(one.element, one.attribute, before_cell, after_cell, edits=edits)
             )
         return differences
 

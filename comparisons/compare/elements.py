@@ -213,6 +213,11 @@ class ModelElement:
         return self.attributes.get(name, Attribute(["none"]))
 
 
+def field_key(name: str) -> str:
+    """Return the key of a field in the answer of `probe`."""
+    return name if name.startswith("opt.") else f"model.{name}"
+
+
 class Compiled:
     """A compiled model as `probe` tells it.
 

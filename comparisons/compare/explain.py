@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from ...reference.errors import MbcheckError
-from .elements import SWITCHES, Compiled, ModelElement
+from .elements import SWITCHES, Compiled, ModelElement, field_key
 from .reading import Edit
 
 MAX_EDITS, TRIED_AGAIN = 8, 60
@@ -92,7 +92,7 @@ class Guess:
 def guesses(model: Compiled, elements: Sequence[ModelElement]) -> Iterator[Guess]:
     """Yield the losses of each attribute: of all elements of a kind together, and of each."""
     for field, factor in FACTORS.items():
-        key = field if field.startswith("opt.") else f"model.{field}"
+        key = field_key(field)
         singles = []
         for element in elements if key in model.answer else ():
             for attribute, one in element.attributes.items():
