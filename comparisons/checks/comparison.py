@@ -28,7 +28,8 @@ SAFETY = 1.2
 """Safety factor on an error predicted with the engine's own scheme, for round-off and `strict`."""
 
 RICHARDSON_SAFETY = 1.5
-"""Safety factor on an error predicted from two steps, for the next order."""
+"""Safety factor on an error predicted from two steps: for the next order, and for round-off, which
+grows in shorter steps of position constraints (Petzold and Loetstedt, SIAM J. Sci. Comput. 7)."""
 
 CAP = 0.05
 """No predicted error above this share of a quantity's range is granted as tolerance."""
@@ -343,7 +344,7 @@ def by_extrapolation(
         errors=np.maximum.accumulate(predicted, axis=1) if shrinks else 0 * predicted,
         safety=RICHARDSON_SAFETY,
         limit=whole.limit,
-        spread=whole.moved if shrinks else 0 * predicted,
+        spread=RICHARDSON_SAFETY * whole.moved if shrinks else 0 * predicted,
         shrinks=shrinks,
         reason=f"value extrapolated to h -> 0; halving divides the error by "
         f"{estimate.ratio:.3g}, {2**order} expected",

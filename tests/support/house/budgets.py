@@ -42,7 +42,7 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
     "comparisons": (1, 1),
     "comparisons/boundary": (483, 986),  # a hint where no curve is found
     "comparisons/check": (383, 729),
-    "comparisons/checks": (4913, 8763),  # one comparison, mistakes of checks and judge
+    "comparisons/checks": (4913, 8764),  # one comparison, mistakes of checks and judge; a source
     "comparisons/cli": (464, 954),  # `explain` and its glossary (#39)
     "comparisons/compare": (
         1617,
