@@ -14,13 +14,11 @@ from mbcheck.reference.rotor_pendulum.equations import (
 )
 from mbcheck.reference.rotor_pendulum.outcome import LEAST_TURNS, outcome
 from mbcheck.reference.rotor_pendulum.phase import (
-    balanced_phase,
     mean_phase,
     phase_rate,
     wrapped,
 )
 from mbcheck.reference.scene import Array
-from mbcheck.reference.solve.rk8 import rk8_steps
 
 # What a run ends in -------------------------------------------------------------------------
 
@@ -163,49 +161,6 @@ def test_too_few_samples_are_undecided() -> None:
 def test_motors_off_are_not_judged() -> None:
     times, values = synthetic(lambda t: STABLE[CASE_2], 9 / RATE[CASE_2])
     assert outcome(times, values, SCENE.unforced(CASE_2)) == "undecided"
-
-
-def run(scene: Any, p: RotorPendulum, start: Array, turns: float, samples: int) -> Any:
-    """Return times and states (8, k, n) at some samples a turn."""
-    step = float(SCENE.period(CASE_1)) / samples
-    derivative = scene.right_hand_side(p)
-    states = [start]
-    for _ in range(int(samples * turns)):
-        states.append(rk8_steps(derivative, states[-1], 0.0, step, 1))
-    return step * np.arange(len(states)), np.stack(states, axis=-1)
-
-
-def ends(times: Array, states: Array, p: RotorPendulum) -> str:
-    return outcome(times, dict(zip(SCENE.state_names, states, strict=True)), p)
-
-
-@pytest.mark.slow
-def test_real_runs_of_case_1_are_told_apart() -> None:
-    """The reference, from the unstable phase and beside it, from rest, and settling."""
-    unstable = float(wrapped(balanced_phase(CASE_1) + np.pi))
-    starts = [SCENE.state({"phi_1": unstable + off, **AT_SPEED}) for off in (0.0, 1e-2, 1.0, 2.14)]
-    starts.append(SCENE.state({}))
-    times, states = run(SCENE, CASE_1, np.stack(starts, axis=1), 250, 20)
-    assert times[-1] > 8 / RATE[CASE_1]
-    found = [ends(times, states[:, i], CASE_1) for i in range(5)]
-    assert found[:2] == ["undecided", "undecided"]
-    assert found[2:4] == ["synchronised", "synchronised"]
-    assert found[4] == "undecided"  # from rest both start beside the unstable phase
-
-
-AT_SPEED = {"phi_1_dot": SPEED, "phi_2_dot": SPEED}
-
-
-@pytest.mark.slow
-def test_real_runs_of_cases_2_and_3_are_told_apart() -> None:
-    beta = np.array([np.pi / 6, np.pi / 2])
-    p = CASE_2.replace(installation_angle=beta)
-    start = np.stack([SCENE.state({"phi_1": 1.06, **AT_SPEED}), SCENE.state({})], axis=1)
-    times, states = run(SCENE, p, start, 16 / RATE[CASE_3] * SPEED / 2 / np.pi / 1.9, 12)
-    early = times < 5.5
-    assert ends(times[early], states[:, 0, early], CASE_2) == "synchronised"
-    assert ends(times, states[:, 1], CASE_3) == "not synchronised"
-    assert np.ptp(states[1, 1] - states[2, 1]) > 2 * np.pi
 
 
 def test_mean_phase_is_on_the_circle() -> None:

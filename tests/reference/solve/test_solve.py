@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
-import mpmath as mp
 import numpy as np
 import pytest
 
@@ -24,6 +22,9 @@ from mbcheck.reference.solve.batched import growths, solve_many
 from mbcheck.reference.solve.rk8 import rk8_steps
 from mbcheck.reference.solve.single import solve, states_at
 from mbcheck.tests.support.points import point, random_parameters
+from mbcheck.tests.support.precise.compare import precise_states
+from mbcheck.tests.support.precise.kinds.common import Run
+from mbcheck.tests.support.precise.series import Accuracy
 
 SCENE = get_scene("hula_hoop")
 
@@ -37,83 +38,15 @@ SPINNING = SCENE.state({"y": 0.01, "theta": 0.3, "theta_dot": 18.0})
 # Solutions ------------------------------------------------------------------------------
 
 
-def high_precision(
-    p: HulaHoop, state: Array, times: Sequence[float], step: float = 1 / 128, levels: int = 14
-) -> Array:
-    """States (4, n_t) by extrapolated midpoint steps with 40 digits: shares nothing but (5), (6).
-
-    The coefficients are the rounded ones, which are what the reference solves with.
-    """
-    with mp.workdps(40):
-        c = type(coefficients(p))(*(mp.mpf(float(value)) for value in coefficients(p)))
-
-        def rates(t: Any, x: list[Any]) -> list[Any]:
-            cos, sin = mp.cos(x[1]), mp.sin(x[1])
-            load = c.force * mp.cos(c.omega * t) - c.damping * x[2] - c.stiffness * x[0]
-            load += c.coupling * x[3] ** 2 * sin
-            torque = -c.hinge_damping * x[3]
-            determinant = c.determinant + (c.coupling * sin) ** 2
-            return [
-                x[2],
-                x[3],
-                (c.inertia * load - c.coupling * cos * torque) / determinant,
-                (c.mass * torque - c.coupling * cos * load) / determinant,
-            ]
-
-        def midpoint(t: Any, x: list[Any], length: Any, count: int) -> list[Any]:
-            h = length / count
-            before = x
-            now = [a + h * b for a, b in zip(x, rates(t, x), strict=True)]
-            for i in range(1, count):
-                slope = rates(t + i * h, now)
-                before, now = now, [a + 2 * h * b for a, b in zip(before, slope, strict=True)]
-            slope = rates(t + length, now)
-            return [
-                (a + b + h * s) / 2 for a, b, s in zip(now, before, slope, strict=True)
-            ]  # smoothed: an expansion in h^2
-
-        def advance(t: Any, x: list[Any], length: Any) -> list[Any]:
-            table: list[list[Any]] = []
-            for level in range(1, levels + 1):
-                row = [midpoint(t, x, length, 2 * level)]
-                for k in range(1, level):
-                    weight = (mp.mpf(level) / (level - k)) ** 2 - 1
-                    row.append(
-                        [
-                            a + (a - b) / weight
-                            for a, b in zip(row[-1], table[-1][k - 1], strict=True)
-                        ]
-                    )
-                table.append(row)
-            return [*table[-1][-1]]
-
-        t, x = mp.mpf(0), [mp.mpf(float(value)) for value in state]
-        columns = []
-        for end in times:
-            count = int(mp.ceil((end - t) / step))
-            length = (mp.mpf(end) - t) / count
-            for _ in range(count):
-                x = advance(t, x, length)
-                t += length
-            t = mp.mpf(end)
-            columns.append([float(value) for value in x])
-        return np.array(columns).T
-
-
-TIMES = (0.125, 0.25)
+TIMES, PRECISE = (0.125, 0.25), Accuracy(112)
 
 
 @pytest.fixture(scope="module", params=["rest", "spinning", "plate"])
 def exact(request: pytest.FixtureRequest) -> tuple[HulaHoop, Array, Array]:
     p = PLATE if request.param == "plate" else HulaHoop()
     state = REST if request.param == "rest" else SPINNING
-    return p, state, high_precision(p, state, TIMES)
-
-
-def test_solution_of_higher_precision_has_converged() -> None:
-    coarse = high_precision(HulaHoop(), SPINNING, [1 / 32], step=1 / 64, levels=14)
-    fine = high_precision(HulaHoop(), SPINNING, [1 / 32], step=1 / 128, levels=16)
-    np.testing.assert_array_equal(coarse, fine)
+    run = Run(SCENE.name, "", p, {})
+    return p, state, np.array(precise_states(run, state, np.array(TIMES), PRECISE), dtype=float).T
 
 
 @pytest.mark.parametrize("tolerance", [single.OPTIONS.tolerance, 1e-9, 1e-6])

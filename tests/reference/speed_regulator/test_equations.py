@@ -12,12 +12,10 @@ import sympy as sp
 from numpy.typing import NDArray
 from scipy.integrate import quad
 
-from mbcheck.reference.differences import by_complex_step
 from mbcheck.reference.errors import NoOrbitError, ParameterError
 from mbcheck.reference.linear import linearise, modes
 from mbcheck.reference.orbits import find_orbit, orbit_samples
 from mbcheck.reference.periodic import extremes
-from mbcheck.reference.solve.rk8 import rk8_steps
 from mbcheck.reference.speed_regulator import SCENE, theory
 from mbcheck.reference.speed_regulator.equations import (
     SpeedRegulator,
@@ -66,12 +64,6 @@ def random_points() -> list[tuple[float, float, SpeedRegulator]]:
     """Return angles, speeds and parameters."""
     random = np.random.default_rng(4)
     return [(random.uniform(-10, 10), random.normal() * 10, p) for p in random_parameters()]
-
-
-# --- Lagrange --------------------------------------------------------------------------------
-
-
-# --- Newton and Euler: (11)-(16) -------------------------------------------------------------
 
 
 # --- Kinematics ------------------------------------------------------------------------------
@@ -239,21 +231,6 @@ def test_the_limit_cycle_by_shooting_is_that_by_the_crank_angle(changes: dict[st
     spread = (exact.maximum_speed - exact.minimum_speed) / exact.mean_speed
     assert found["irregularity"] == pytest.approx(spread, abs=1e-7)
     assert found["damper_work_ratio"] == pytest.approx(1, abs=1e-9)
-
-
-@pytest.mark.parametrize("factor", [1.01, 1.1, 3.0])
-def test_the_closed_multiplier_is_the_variational_one(factor: float) -> None:
-    p = DEFAULT.replace(damping=4.0)
-    p = p.replace(torque=least_torque(p).torque * factor)
-    cycle = theory.rotation(p)
-    start = np.array([0.0, cycle.start_speed])
-    derivative = SCENE.right_hand_side(p)
-    flow, jacobian = by_complex_step(
-        lambda x: rk8_steps(derivative, x, 0.0, cycle.period, 2000), start
-    )
-    np.testing.assert_allclose(flow, [2 * np.pi, start[1]], rtol=1e-8)
-    assert np.linalg.det(jacobian) == pytest.approx(cycle.multiplier, rel=1e-6)
-    assert 0 < cycle.multiplier < 1
 
 
 def test_no_rotation_is_said_so() -> None:

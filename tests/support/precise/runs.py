@@ -10,16 +10,21 @@ import numpy as np
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import MbcheckError
 from mbcheck.tests.support.precise.kinds import (
-    ball_hoop,
-    floating_beam,
-    floating_platform,
     hula_hoop,
     rigid_body,
     rotating_beam,
     rotor_pendulum,
     speed_regulator,
 )
-from mbcheck.tests.support.precise.kinds.common import Kind, Run
+from mbcheck.tests.support.precise.kinds.common import (
+    SPACE,
+    Kind,
+    Run,
+    corner,
+    near,
+    weighed,
+    wide,
+)
 
 KINDS: Mapping[str, tuple[Kind, ...]] = {
     "hula_hoop": hula_hoop.KINDS,
@@ -27,9 +32,7 @@ KINDS: Mapping[str, tuple[Kind, ...]] = {
     "rotor_pendulum": rotor_pendulum.KINDS,
     "speed_regulator": speed_regulator.KINDS,
     "rigid_body": rigid_body.KINDS,
-    "ball_hoop": ball_hoop.KINDS,
-    "floating_platform": floating_platform.KINDS,
-    "floating_beam": floating_beam.KINDS,
+    **{scene: (near, wide, corner, weighed, kind) for scene, kind in SPACE.items()},
 }
 """Kinds of runs of each scene; draw i is of the kind i modulo their number."""
 

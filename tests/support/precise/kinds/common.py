@@ -132,3 +132,21 @@ def weighed(scene: str, rng: Rng) -> dict[str, Any]:
     pull = {f"gravity_{axis}": float(10 * rng.normal()) for axis in "xyz"}
     state = any_state(scene, rng, p)
     return dict(parameters=p.replace(**pull), state=state, turns=turns(rng, 0.3, 8))
+
+
+def without(least: float, most: float, **nothing: float) -> Kind:
+    """Return the kind of motions, over so many turns, in which some parameters are 0."""
+
+    def conservative(scene: str, rng: Rng) -> dict[str, Any]:
+        p = parameters_near(scene, rng, NEAR, **nothing)
+        return dict(parameters=p, state=any_state(scene, rng, p), turns=turns(rng, least, most))
+
+    return conservative
+
+
+SPACE: Mapping[str, Kind] = {
+    "ball_hoop": without(1, 15, damping=0.0, joint_damping=0.0, force_amplitude=0.0),
+    "floating_platform": without(0.1, 2, motor_slope=0.0, rod_damping=0.0),
+    "floating_beam": without(0.1, 2, hinge_damping=0.0),
+}
+"""Scene of bodies on free joints or slides -> its motions that conserve energy."""
