@@ -3,14 +3,12 @@
 import os
 import sys
 from collections.abc import Mapping
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import contained
@@ -24,10 +22,9 @@ from mbcheck.reference.hula_hoop.equations import (
     SPINNING,
     HulaHoop,
     coefficients,
-    damping_matrix,
-    mass_matrix,
 )
 from mbcheck.reference.scene import Array, Case
+from mbcheck.reference.solve.single import solve
 
 ENGINE = MujocoAdapter()
 
@@ -69,25 +66,9 @@ def claimed(case: Case) -> HulaHoop:
     return claim[1]
 
 
-def still(parameters: HulaHoop) -> Case:
-    """Return a case without its force, to be linearised."""
-    return case_of(parameters.replace(force_amplitude=0.0))
-
-
-@lru_cache
-def exact(parameters: HulaHoop, start: float, state: tuple[float, ...], span: float) -> Array:
-    """Return the final state, by an independent solver."""
-    solved = solve_ivp(
-        SCENE.right_hand_side(parameters),
-        (start, start + span),
-        state,
-        method="DOP853",
-        rtol=1e-12,
-        atol=1e-14,
-        max_step=1e-3,  # far below what rtol asks for: rounding alone is left
-    )
-    final: Array = solved.y[:, -1]
-    return final
+def exact(parameters: HulaHoop, start: float, state: Array, span: float) -> Array:
+    """Return the final state by the reference."""
+    return solve(SCENE, parameters, state, [start + span], start).states[:, -1]
 
 
 def error(engine: MujocoAdapter, case: Case, method: Method, step: float) -> float:
@@ -95,7 +76,7 @@ def error(engine: MujocoAdapter, case: Case, method: Method, step: float) -> flo
     end = case.start_time + case.horizon
     trajectory = run(Setup(engine, case, "tree", method, step), np.array([end]))
     real = claimed(case)
-    truth = exact(real, case.start_time, tuple(SCENE.state(case.state)), case.horizon)
+    truth = exact(real, case.start_time, SCENE.state(case.state), case.horizon)
     scale = np.array([0.1, 1.0, 1.0, 20.0])
     return float(np.max(abs(trajectory.matrix(SCENE.state_names)[:, -1] - truth) / scale))
 
@@ -161,7 +142,7 @@ def test_exported_file_moves_right_from_where_it_opens(
     mujoco.mj_step(model, data, nstep=512)
     assert data.time == 0.5
     found = np.concatenate([data.qpos[1:], data.qvel[1:]])
-    truth = exact(claimed(case_of(parameters)), 0.0, (0.0,) * 4, 0.5)
+    truth = exact(claimed(case_of(parameters)), 0.0, np.zeros(4), 0.5)
     assert np.allclose(found, truth, rtol=0, atol=2e-5)
     assert abs(truth).max() > 1 or parameters.force_amplitude == 0
     mujoco.mj_forward(model, data)
@@ -207,24 +188,6 @@ def test_the_claim_differs_only_where_mujoco_has_no_point_mass() -> None:
 # --- trajectories
 
 
-@pytest.mark.parametrize("start", [0.0, 0.37109375])
-@pytest.mark.parametrize("state", [{}, SPINNING], ids=["rest", "spinning"])
-@pytest.mark.parametrize("name", METHODS)
-def test_methods_converge_to_the_reference_at_their_order(
-    name: str, state: dict[str, float], start: float
-) -> None:
-    method = METHODS[name]
-    parameters = HulaHoop(force_amplitude=0.0) if name == "discrete" else HulaHoop()
-    case = case_of(parameters, state, start)
-    finest = 12 if method.order == 4 else 16
-    coarse, fine = (error(ENGINE, case, method, 2.0**-n) for n in (finest - 1, finest))
-    if name == "discrete" and not state:
-        assert coarse == fine == 0  # at rest, undriven
-        return
-    assert np.log2(coarse / fine) == pytest.approx(method.order, abs=0.1)
-    assert fine < (1e-7 if method.order == 4 else 0.1)
-
-
 @pytest.mark.skipif("discrete" not in METHODS, reason="discrete came with MuJoCo 3.13")
 def test_discrete_is_refused_where_it_would_damp_the_drive() -> None:
     discrete = METHODS["discrete"]
@@ -256,50 +219,6 @@ def test_extreme_parameters_move_right() -> None:
     light = HulaHoop(main_mass=1e-3, free_mass=1e-4, rod_length=0.01, stiffness=1.0)
     for parameters in (heavy, light.replace(force_amplitude=0.05)):
         assert error(ENGINE, case_of(parameters, SPINNING, 0.125), RK4, 2.0**-12) < 1e-6
-
-
-# --- accelerations, mass matrices, linearisation
-
-
-@pytest.mark.parametrize("parameters", [HulaHoop(), OTHER])
-def test_accelerations_and_mass_matrices_at_random_states(parameters: HulaHoop) -> None:
-    rng = np.random.default_rng(1)
-    states = rng.uniform([-0.1, -4, -2, -30], [0.1, 4, 2, 30], (50, 4))
-    times = rng.uniform(0, 2, 50)
-    case = case_of(parameters)
-    real = claimed(case)
-    rhs = SCENE.right_hand_side(real)
-    expected = np.array([rhs(t, x)[2:] for t, x in zip(times, states, strict=True)])
-    found = ENGINE.bind(case, "tree").accelerations(times, states)
-    assert np.allclose(found, expected, rtol=1e-10, atol=1e-10 * abs(expected).max())
-    masses = np.array([mass_matrix(x[:2], coefficients(real)) for x in states])
-    found = ENGINE.bind(case, "tree").mass_matrices(states)
-    assert np.allclose(found, masses, rtol=1e-10, atol=1e-16)
-
-
-@pytest.mark.parametrize("theta", [0.0, np.pi / 2])
-@pytest.mark.parametrize("parameters", [HulaHoop(), OTHER])
-def test_linearised_at_rest(parameters: HulaHoop, theta: float) -> None:
-    c = coefficients(claimed(case_of(parameters)))
-    mass, damping, stiffness = ENGINE.bind(still(parameters), "tree").linearise(
-        np.array([0.0, theta, 0.0, 0.0])
-    )
-    assert np.allclose(mass, mass_matrix((0.0, theta), c), rtol=1e-12, atol=1e-17)
-    assert np.allclose(damping, damping_matrix(c), rtol=1e-10, atol=1e-13)
-    assert np.allclose(stiffness, np.diag([c.stiffness, 0]), rtol=1e-11, atol=1e-13)
-
-
-def test_linearised_about_a_moving_state() -> None:
-    """C and K of the inverse dynamics, by hand: M(q) a - f(0, q, v) with a kept."""
-    y, theta, speed = 0.01, 0.7, 18.0
-    c = coefficients(OTHER)
-    state = np.array([y, theta, 0.3, speed])
-    _, damping, stiffness = ENGINE.bind(still(OTHER), "tree").linearise(state)
-    a = ENGINE.bind(still(OTHER), "tree").accelerations(np.zeros(1), state[None])[0]
-    sin, cos = c.coupling * np.sin(theta), c.coupling * np.cos(theta)
-    assert np.allclose(damping, [[c.damping, -2 * speed * sin], [0, c.hinge_damping]], atol=1e-9)
-    expected = [[c.stiffness, -sin * a[1] - cos * speed**2], [0, -sin * a[0]]]
-    assert np.allclose(stiffness, expected, rtol=1e-10, atol=1e-9)
 
 
 # --- manners

@@ -1,6 +1,5 @@
 """The equations that a soft closure really has, and MuJoCo's integrators on them."""
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -20,7 +19,6 @@ from mbcheck.reference.speed_regulator.equations import SpeedRegulator
 from mbcheck.reference.speed_regulator.soft import (
     COORDINATES,
     coefficients,
-    loop,
     soft_scene,
 )
 from mbcheck.tests.support.mjcf.crank import (
@@ -63,16 +61,6 @@ def test_inverse_weights_are_mujocos(p: SpeedRegulator) -> None:
     model = compiled(MODELS["connect"], p)
     weights = sum(model.body(name).invweight0[0] for name in ("rod", "slider"))
     assert coefficients(p).inverse_weight == pytest.approx(weights, rel=1e-13)
-
-
-@pytest.mark.parametrize("p", [DEFAULT, OTHER], ids=["default", "other"])
-@pytest.mark.parametrize("opened", [0.0, 2e-4, 1e-2])
-@pytest.mark.parametrize("name", CLOSURES)
-def test_mujocos_accelerations_are_those_of_the_claim(
-    name: str, opened: float, p: SpeedRegulator
-) -> None:
-    states = samples(p, opened)
-    assert acceleration_error(compiled(MODELS[name], p), claimed(name, p), p, states) < 1e-10
 
 
 @pytest.mark.parametrize(
@@ -131,57 +119,6 @@ def runge_kutta(
     for _ in range(round(span / step)):
         x = advance(0.0, x, step)
     return np.array(x)
-
-
-@pytest.mark.parametrize("p", [DEFAULT, OTHER], ids=["default", "other"])
-@pytest.mark.parametrize("name", CLOSURES)
-def test_rk4_is_the_classical_scheme_on_the_claim(name: str, p: SpeedRegulator) -> None:
-    start = closed_state(p, ROTATING)
-    found = final(compiled(MODELS[name], p), start, FINE, 0.5)
-    expected = runge_kutta(claimed(name, p), p, start, FINE, 0.5)
-    np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12)
-
-
-def semi_implicit(
-    scene: EquationsOfMotion,
-    p: SpeedRegulator,
-    state: Array,
-    step: float,
-    damping: Callable[..., Array],
-) -> Array:
-    c = scene.coefficients(p)
-    q, v = np.split(state, 2)
-    for _ in range(round(0.25 / step)):
-        mass = np.array(scene.mass_matrix(q, c)) + step * damping(q, v, c)
-        v = v + step * np.linalg.solve(mass, scene.forces(0.0, q, v, c))
-        q = q + step * v
-    return np.concatenate([q, v])
-
-
-def joint_damping(q: Array, v: Array, c: Any) -> Array:
-    return soft_scene().damping_matrix(c)
-
-
-def open_damping(q: Array, v: Array, c: Any) -> Array:
-    """Return minus the derivatives of the open tree's forces by v: what ``implicit`` takes late."""
-    probed = v[:, None] + 1e-40j * np.eye(3)
-    on_phi, on_theta, on_y = loop(q[:, None], probed, c, np).forces
-    found = np.broadcast_arrays(on_phi + on_theta, on_theta, on_y)
-    return -np.array(found).imag / 1e-40
-
-
-@pytest.mark.parametrize("name", CLOSURES)
-@pytest.mark.parametrize(
-    ("integrator", "damping"),
-    [("Euler", joint_damping), ("implicitfast", joint_damping), ("implicit", open_damping)],
-)
-def test_euler_methods_take_the_closure_from_the_start_of_a_step(
-    integrator: str, damping: Callable[..., Array], name: str
-) -> None:
-    start = closed_state(OTHER, ROTATING)
-    found = final(compiled(MODELS[name], OTHER), start, FINE, 0.25, integrator)
-    expected = semi_implicit(claimed(name, OTHER), OTHER, start, FINE, damping)
-    np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-11)
 
 
 def test_a_positive_time_constant_is_silently_raised_to_two_steps() -> None:
