@@ -140,7 +140,7 @@ def test_both_formulations_agree_to_round_off(name: str) -> None:
     assert_agreement(ROWS[name], FEWER.get(name, 50))
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("name", ROWS)
 def test_both_formulations_agree_at_many_points(name: str) -> None:
     assert_agreement(ROWS[name], 20 * FEWER.get(name, 50))

@@ -9,17 +9,16 @@ from typing import Any
 
 import numpy as np
 
-import mbcheck
 from mbcheck.comparisons.checks.mistakes.parts import as_placed, with_axes_of_world
 from mbcheck.comparisons.engines.adapter import BoundModel
 from mbcheck.comparisons.engines.exudyn.engine import Exudyn
 from mbcheck.comparisons.faults.mujoco import MujocoAdapter
 from mbcheck.examples.mujoco_engine import MujocoPlugin
-from mbcheck.models import kinematics
-from mbcheck.models.mechanism import mechanism
+from mbcheck.models.mechanism import Mechanism, mechanism
 from mbcheck.models.mjcf import attribute_text
 from mbcheck.models.placement import right_handed, world_axes, write_orientation
 from mbcheck.reference.scene import Array, Case
+from mbcheck.tests.support.engines.reading import Reader
 
 
 def misreading(change: Callable[[str], str]) -> type[MujocoPlugin]:
@@ -53,34 +52,14 @@ def with_tensors_along_the_world(text: str) -> str:
     return ET.tostring(root, encoding="unicode")
 
 
-class FlatLoops(mbcheck.Engine):
+class FlatLoops(Reader):
     """Loops whose ends are taken to have no acceleration along the world's z axis."""
 
-    name, version = "flat_loops", "1"
-    methods = (mbcheck.Method("none", 1),)
-    flat = True
+    name = "flat_loops"
 
-    def accelerations(self, system: Any, time: float, q: Array, v: Array) -> Array:
-        """Return accelerations (n,)."""
-        whole, n = mechanism(system.mjcf), len(q)
-        loops, drift = kinematics.gap_jacobian(whole, q), kinematics.gap_drift(whole, q, v)
-        drift = drift * np.tile([1.0, 1.0, 0.0 if self.flat else 1.0], len(whole.closures))
-        force = system.force(time, q, v) - kinematics.inertial_force(whole, q, v)
-        force = force + kinematics.weight(whole, q, whole.gravity)
-        zero = np.zeros((len(loops),) * 2)
-        matrix = np.block([[kinematics.mass_matrix(whole, q), loops.T], [loops, zero]])
-        right = np.concatenate([force, -drift])
-        return np.asarray(np.linalg.lstsq(matrix, right, rcond=1e-12)[0][:n])
-
-    def mass_matrix(self, system: Any, q: Array) -> Array:
-        """Return the mass matrix (n, n)."""
-        return kinematics.mass_matrix(mechanism(system.mjcf), q)
-
-
-class RoundLoops(FlatLoops):
-    """The same without the fault."""
-
-    flat = False
+    def drift(self, whole: Mechanism, q: Array, v: Array) -> Array:
+        """Return the accelerations of the gaps (3 l,), none along z."""
+        return super().drift(whole, q, v) * np.tile([1.0, 1.0, 0.0], len(whole.closures))
 
 
 class ModelWithReactionsAlongTheWorld(BoundModel):

@@ -16,8 +16,9 @@ from mbcheck.comparisons.faults.mujoco import MujocoAdapter
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import UsageError
 from mbcheck.reference.scene import Case
+from mbcheck.tests.support.engines.reading import Reader
 from mbcheck.tests.support.example import all_checks, bad
-from mbcheck.tests.support.placements import WRONG, RoundLoops, WithReactionsAlongTheWorld
+from mbcheck.tests.support.placements import WRONG, WithReactionsAlongTheWorld
 
 PLACEMENTS = ("turned:1", "mirrored:2")
 
@@ -51,7 +52,7 @@ def test_what_only_stands_is_named(name: str, placement: str) -> None:
 
 @pytest.mark.parametrize("placement", PLACEMENTS)
 def test_a_loop_that_turns_passes(placement: str) -> None:
-    assert not bad(results(RoundLoops, case_of("speed_regulator", placement), ("parts", "algebra")))
+    assert not bad(results(Reader, case_of("speed_regulator", placement), ("parts", "algebra")))
 
 
 @pytest.mark.parametrize("placement", PLACEMENTS)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,24 +18,9 @@ from mbcheck.comparisons.reports.run.located import located
 from mbcheck.models.mechanism import Term
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineError, EngineUnavailableError
-from mbcheck.tests.support import example
-from mbcheck.tests.support.example import bad, results
-
-ROOT = Path(__file__).resolve().parents[3]
-
-
-PAGE = ROOT / "docs" / "engines.md"
-
-
-LEVELS = ("parts", "algebra", "step")
+from mbcheck.tests.support.example import bad, blocks, results, toy_class
 
 pytest.importorskip("mujoco", reason="the example takes inertias from MuJoCo")
-
-
-blocks = partial(example.blocks, PAGE)
-
-
-toy_class = partial(example.toy_class, PAGE)
 
 
 # Faults, and where they are found

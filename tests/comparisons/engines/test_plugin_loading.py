@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,18 +21,9 @@ from mbcheck.models.kinematics import gaps
 from mbcheck.models.mechanism import mechanism
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineUnavailableError, UsageError
-from mbcheck.tests.support import example
+from mbcheck.tests.support.example import toy_class
 
 pytest.importorskip("mujoco", reason="the example takes inertias from MuJoCo")
-
-ROOT = Path(__file__).resolve().parents[3]
-
-
-PAGE = ROOT / "docs" / "engines.md"
-
-
-toy_class = partial(example.toy_class, PAGE)
-
 
 # Loading
 

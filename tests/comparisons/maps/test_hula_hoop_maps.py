@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 import mbcheck
 from mbcheck.comparisons.scenes.hula_hoop import motion as motion_module
@@ -317,20 +316,6 @@ def test_what_the_check_leads_elsewhere_is_not_robust(monkeypatch: pytest.Monkey
     assert found.values["motion"].tolist() == [0, 0, 4]
     assert np.isfinite(found.values["turns_bound"]).tolist() == [True, False, False]
     assert asked == [(0.0, 1), (OPTIONS.off, 2)]
-
-
-@pytest.mark.slow
-def test_an_independent_run_from_rest(from_rest: QuantityValues) -> None:
-    p = SCENE.parameters().replace(force_frequency=9.0, force_amplitude=40.0)
-    end = 24.0
-    times = np.linspace(end - 10 / 9, end, 2000)
-    run = solve_ivp(
-        SCENE.right_hand_side(p), (0, end), np.zeros(4), "DOP853", times, rtol=1e-7, atol=1e-8
-    )
-    turns = (run.y[1, -1] - run.y[1, 0]) / (2 * np.pi) / 10
-    speed = np.sign(turns) * run.y[3] / (2 * np.pi * 9)
-    assert abs(turns) == pytest.approx(from_rest.values["turns"][1], abs=0.01)
-    assert np.min(speed) == pytest.approx(from_rest.values["min_speed"][1], abs=5e-3)
 
 
 def test_an_approximate_motion_turns_where_it_is_stable() -> None:

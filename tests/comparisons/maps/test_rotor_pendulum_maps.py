@@ -163,13 +163,11 @@ def test_orbits_close_and_balance_their_power() -> None:
 @pytest.mark.slow
 def test_the_reduced_equations_have_their_own_orbit() -> None:
     exact, reduced = (
-        evaluate("phase", points([CASE_2], model=model)).values["phase_difference"][0]
-        for model in ("exact", "reduced")
+        evaluate("phase", points([CASE_2], model=model)).values for model in ("exact", "reduced")
     )
     one = shoot(SCENE.variants["reduced"], CASE_2, orbit_guesses(CASE_2)[0][:, None], steps=32)
-    speed = evaluate("phase", points([CASE_2], model="reduced")).values["mean_speed"][0]
-    assert speed == pytest.approx(2 * np.pi / one.periods[0], rel=1e-9)
-    assert 1e-4 < abs(reduced - exact) < 1e-3
+    assert reduced["mean_speed"][0] == pytest.approx(2 * np.pi / one.periods[0], rel=1e-9)
+    assert 1e-4 < abs(reduced["phase_difference"][0] - exact["phase_difference"][0]) < 1e-3
 
 
 def stiffnesses(p: RotorPendulum) -> dict[str, float]:
@@ -232,9 +230,14 @@ SLOW = at(CASE_1, n_x=0.1)
 """Settles within 5 s, never, and too slowly to be told."""
 
 
+@pytest.fixture(scope="module")
+def ends() -> QuantityValues:
+    return evaluate("sync", points([STRONG, RESONANT, SLOW]))
+
+
 @pytest.mark.slow
-def test_sync_tells_the_three_ends_apart() -> None:
-    found = evaluate("sync", points([STRONG, RESONANT, SLOW])).values
+def test_sync_tells_the_three_ends_apart(ends: QuantityValues) -> None:
+    found = ends.values
     kinds = [OUTCOMES[kind] for kind in found["class"]]
     assert kinds == ["synchronised", "not synchronised", "undecided"]
     assert found["robust"].tolist() == [1, 1, 0]
@@ -246,9 +249,8 @@ def test_sync_tells_the_three_ends_apart() -> None:
 
 
 @pytest.mark.slow
-def test_sync_ends_as_the_single_run_does() -> None:
-    found = evaluate("sync", points([STRONG]))
-    duration = float(found.values["duration"][0])
+def test_sync_ends_as_the_single_run_does(ends: QuantityValues) -> None:
+    duration = float(ends.values["duration"][0])
     spacing = 2 * np.pi / float(operating_speed(STRONG)) / 10
     times = [spacing * i for i in range(round(duration / spacing) + 1)]
     run = simulate("rotor_pendulum", engine="mujoco", parameters=stiffnesses(STRONG), times=times)
@@ -258,12 +260,10 @@ def test_sync_ends_as_the_single_run_does() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("engine", ["mujoco", "exudyn"])
-def test_sync_by_engines(engine: str) -> None:
-    several = [STRONG, RESONANT, SLOW]
-    found = evaluate("sync", points(several, engine, None))
-    truth = evaluate("sync", points(several))
-    np.testing.assert_array_equal(found.values["class"], truth.values["class"])
-    assert abs(found.values["phase_difference"][0] - truth.values["phase_difference"][0]) < 1e-3
+def test_sync_by_engines(engine: str, ends: QuantityValues) -> None:
+    found = evaluate("sync", points([STRONG, RESONANT, SLOW], engine, None)).values
+    np.testing.assert_array_equal(found["class"], ends.values["class"])
+    assert abs(found["phase_difference"][0] - ends.values["phase_difference"][0]) < 1e-3
 
 
 @pytest.mark.parametrize("model", phase.THEORIES)

@@ -60,6 +60,10 @@ class Reader(mbcheck.Engine):
         """Return the mass matrix (n, n)."""
         return self.inertia(mass_matrix(self.read(system.mjcf), q), q)
 
+    def drift(self, whole: Mechanism, q: Array, v: Array) -> Array:
+        """Return the accelerations of the loops' gaps (3 l,) where no joint accelerates."""
+        return gap_drift(whole, q, v)
+
     def accelerations(self, system: Any, time: float, q: Array, v: Array) -> Array:
         """Return accelerations (n,), by Lagrange's multipliers where there are loops."""
         whole = self.read(system.mjcf)
@@ -70,7 +74,7 @@ class Reader(mbcheck.Engine):
             return np.asarray(np.linalg.solve(mass, force))
         jacobian, n = gap_jacobian(whole, q), len(v)
         held = np.block([[mass, jacobian.T], [jacobian, np.zeros([len(jacobian)] * 2)]])
-        right = np.concatenate([force, -gap_drift(whole, q, v)])
+        right = np.concatenate([force, -self.drift(whole, q, v)])
         return np.asarray(np.linalg.lstsq(held, right, rcond=None)[0][:n])
 
 
