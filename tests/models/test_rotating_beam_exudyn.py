@@ -53,6 +53,15 @@ def test_a_node_carries_the_mass() -> None:
     assert stations(INNER.replace(mass=0.0, segments=5)) == pytest.approx(np.linspace(0, 8, 6))
 
 
+def test_the_torque_ends_with_its_period() -> None:
+    p = SOFT.replace(drive="torque", torque_amplitude=20.0, torque_period=0.75, hub_inertia=3.0)
+    times = np.array([0.1, 0.3, 0.75, 0.9])
+    found = ENGINE.bind(case(p), "elements").accelerations(times, np.zeros((4, 2)))[:, 0]
+    shape = np.sin(2 * np.pi * times / p.torque_period)
+    assert found[:2] / found[0] == pytest.approx(shape[:2] / shape[0], rel=1e-10)
+    assert np.max(np.abs(found[2:])) < 1e-12 * abs(found[0])
+
+
 def test_the_elements_claim_the_beam_that_stretches() -> None:
     assert MODELS["elements"].equations is not None
     assert ENGINE.bind(case(TIP), "elements").own_equations == (EXTENSIBLE, TIP)
