@@ -51,7 +51,8 @@ MEANINGS = f"""\
 
 NOTE = (
     "Numbers of rows, misprints included; in brackets, where several rows share one, the numbers "
-    "of causes. Readings have no verdict, and are not counted."
+    "of causes. Readings have no verdict, and are not counted. The page of a paper counts its "
+    "printed numbers and claims alone."
 )
 
 FORMULA = re.compile(r"`= (.+?)`"), re.compile(r"<code>= (.+?)</code>")
@@ -231,6 +232,7 @@ def scene_page(result: Findings, scene: str) -> str:
         missing=short if len(items) < whole else "",
         verdict=verdict(scene, items),
         verdict_table=verdict_table(ledger),
+        names=Markdown(read_paper(scene).names),
         parameters=parameters(scene),
         figures=result.figures_of(scene),
         numbers=[item.number for item in result.figures_of(scene) if not item.error],
@@ -386,12 +388,21 @@ def row_lines(row: RowEntry) -> Iterator[str]:
     if printed or values:
         yield "; ".join([*printed, *values])
     yield from map(threshold, row.thresholds)
-    if cause := next((one for one in read_paper(row.scene).causes if one.name == row.cause), None):
-        others = [name for name in cause.rows if name != row.name]
-        yield f"cause: {plain(sentence(cause.summary))} Shared with {row_links(others)}"
+    for cause in read_paper(row.scene).causes:
+        if cause.name == row.cause:
+            yield f"cause, shared with other rows: {plain(sentence(cause.summary))}"
     if row.thresholds or row.failure:
         seconds = f" ({number(row.seconds, 2)} s)" if row.seconds >= 1 else ""
-        yield f"{code(f'mbcheck reproduce {row.scene} --row {row.name}')}{seconds}"
+        functions = [code(name) for name in functions_of(row)]
+        words = f", numbers by {' and '.join(functions)}" if functions else ""
+        yield f"{code(f'mbcheck reproduce {row.scene} --row {row.name}')}{seconds}{words}"
+
+
+def functions_of(entry: RowEntry) -> list[str]:
+    """Return the names of the functions that compute a row's numbers, besides its equations."""
+    rows = [row for row in read_paper(entry.scene).rows if row.name == entry.name]
+    calls = [call for row in rows for call in (row.numbers, row.each) if call]
+    return [getattr(call, "func", call).__name__ for call in calls]
 
 
 def threshold(item: RowThreshold) -> str:
@@ -399,9 +410,9 @@ def threshold(item: RowThreshold) -> str:
     ours = " (our limit)" if item.ours else ""
     met = "met" if item.holds else "missed"
     if item.value is None or item.limit is None or item.distance is None:
-        return f"condition for *{item.verdict}*: {code(item.quantity)} {met}{ours}"
-    text = f"{item.value:.{DIGITS}g} {item.relation} {item.limit:.{DIGITS}g}"
+        return f"*{item.verdict}*: condition on {code(item.quantity)} {met}{ours}"
+    condition = f"{code(item.quantity)} {plain(f'{item.relation} {item.limit:.{DIGITS}g}')}{ours}"
     return (
-        f"condition for *{item.verdict}*: {code(item.quantity)} {plain(text)}{ours}, {met} "
+        f"*{item.verdict}* if {condition}: {item.value:.{DIGITS}g}, {met} "
         f"by {abs(item.distance):.2g}"
     )

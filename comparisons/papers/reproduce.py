@@ -237,10 +237,10 @@ def reproduce(request: ReproduceRequest) -> Findings:
     ]
     done = 0
 
-    def tell_map(name: str, finished: int, total: int) -> None:
-        request.progress(done, len(names), f"{names[done]}: map {name} {finished}/{total}")
+    def report(words: str) -> None:
+        request.progress(done, len(names), f"{names[done]}: {words}")
 
-    session = Session(available(), request.full, request.workers, folder.work, tell_map)
+    session = Session(available(), request.full, request.workers, folder.work, report)
     sessions = {scene: for_scene(session, scene) for scene in papers}
     is_part = request.resume or request.rows or request.figure is not None
     for scene in () if is_part else papers:

@@ -11,12 +11,14 @@ from functools import wraps
 from hashlib import sha256
 from inspect import signature
 from pathlib import Path
+from time import monotonic
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from ...reference.errors import UsageError
 from ..maps.request import Axis, Request, resolved
 from ..maps.run import compute
 from ..maps.store import Map, read
+from ..terminal.program import time_left
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -38,8 +40,8 @@ class Session:
         Number of processes that compute maps.
     folder : Path or None
         Where maps are kept, so that an interrupted run goes on with them.
-    progress : callable ``(name, done, total)``
-        Called as the points of a map are finished.
+    progress : callable ``(words)``
+        Called as the points of a map, or runs, are finished.
     points : int, optional
         Points along the axes of the papers' maps, in place of their own numbers.
     engine_points : int, optional
@@ -54,7 +56,7 @@ class Session:
     full: bool = False
     workers: int = 1
     folder: Path | None = None
-    progress: Callable[[str, int, int], None] = lambda name, done, total: None
+    progress: Callable[[str], None] = lambda words: None
     points: int | None = None
     engine_points: int | None = None
     seconds: float | None = None
@@ -66,6 +68,16 @@ class Session:
             self.cache[key] = produce()
         value: T = self.cache[key]
         return value
+
+    def follow(self, what: str) -> Callable[[int, int], None]:
+        """Return a function ``(done, total)`` that reports progress and the remaining time."""
+        begin = monotonic()
+
+        def report(done: int, total: int) -> None:
+            left = time_left(monotonic() - begin, done / total)
+            self.progress(f"{what} {done}/{total}" + f" ({left})" * bool(left))
+
+        return report
 
     def map(
         self,
@@ -106,7 +118,7 @@ class Session:
             workers=self.workers,
             unfinished=unfinished,
             resume=True,
-            progress=lambda done, total: self.progress(name, done, total),
+            progress=self.follow(f"map {name}"),
         )
         if file and unfinished:
             computed.save(file)

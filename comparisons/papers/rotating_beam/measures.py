@@ -168,9 +168,10 @@ def runs(session: Session, figure: int, who: str) -> dict[float, Response | str]
     horizon = HORIZONS[figure] * (2 if session.full else 1)
     beams, motions = [beam_of(figure, mass).replace(segments=count) for mass in MASSES], {}
     run = partial(simulate_beam, who=who, horizon=horizon)
+    report = session.follow(f"runs of figure {figure} {who}")
     for i, motion in on_this_machine(session.workers)(run, beams):
         motions[MASSES[i]] = motion
-        session.progress(f"{SCENE.name} figure {figure} {who}", len(motions), len(beams))
+        report(len(motions), len(beams))
     return motions
 
 
