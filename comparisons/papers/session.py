@@ -74,7 +74,7 @@ class Session:
         begin = monotonic()
 
         def report(done: int, total: int) -> None:
-            left = time_left(monotonic() - begin, done / total)
+            left = time_left(monotonic() - begin, done / total) if done < total else ""
             self.progress(f"{what} {done}/{total}" + f" ({left})" * bool(left))
 
         return report
