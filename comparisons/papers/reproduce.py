@@ -103,10 +103,7 @@ class Folder:
     def forget_maps(self, scene: str) -> None:
         """Remove the maps of a scene, so that they are computed again."""
         for path in self.work.glob(f"{scene}_*"):
-            if path.is_dir():
-                shutil.rmtree(path, ignore_errors=True)
-            else:
-                path.unlink()
+            path.unlink()
 
     @property
     def contents(self) -> Findings:

@@ -300,9 +300,6 @@ def robust_points(session: Session, plate: bool, who: str) -> tuple[Any, Any, An
 
 
 PHASES = 2 * np.pi * np.arange(256) / 256
-LINEAR, MIXING = np.random.default_rng(14).normal(size=(2, 3, 3))
-START, FIRST, SECOND, FORCE = np.random.default_rng(18).normal(size=(4, 3))
-"""Random operators, and U_0, V_1, V_2, f, by which orders in p are distinguished."""
 TRIAL = ApproximateSolution(
     alpha=0.8, q_1=1.3, beta=0.5, u_1=0.3, gamma=0.7, theta_0=0.0, residual=np.nan
 )
@@ -388,58 +385,6 @@ def mass_ratio(session: Session) -> Numbers:
 
 
 # Section 3
-
-
-def even_harmonics(session: Session) -> Numbers:
-    """Return the largest even harmonic of the nonlinear terms of (7), over all of them."""
-    motion = TRIAL.motion(PHASES / TRIAL.alpha)
-    terms = motion.theta_dot**2 * np.sin(motion.theta), motion.theta_ddot * np.cos(motion.theta)
-    spectra = np.abs(np.fft.rfft(terms))
-    return {"share": np.max(np.max(spectra[:, 0:7:2], axis=1) / np.max(spectra, axis=1))}
-
-
-def orders(p: Any, other: Any = 0.0, known: Any = FORCE) -> Any:
-    """Return (14) with (18) at p, with random operators and functions.
-
-    These are matrices for L, products of sines for N. With the other argument of N, and without a
-    known function, it is (15) with (19).
-    """
-    v = START + p * FIRST + p**2 * SECOND
-    nonlinear = MIXING @ np.sin(v + other)
-    return LINEAR @ (v - START) + p * LINEAR @ START + p * (nonlinear - known)
-
-
-def homotopy(session: Session) -> Numbers:
-    """Return the largest difference of (11) from (10), and at p = 0, 1 from (12), (13).
-
-    With random values for L(V), L(U_0), N(V) and f. It also covers the errors of (21), (22) as the
-    first two orders of (14), and of (38), (39) as those of (15).
-    """
-    linear, start, nonlinear, force = np.random.default_rng(11).normal(size=4)
-
-    def in_11(p: float) -> float:
-        return float(linear - start + p * start + p * (nonlinear - force))
-
-    in_10 = 0.7 * (linear - start) + 0.3 * (linear + nonlinear - force)
-    ends = in_11(0.0) - (linear - start), in_11(1.0) - (linear + nonlinear - force)
-    series = [abs(in_11(0.3) - in_10), *map(abs, ends)]
-    for other, known in ((0.0, FORCE), (SECOND, 0.0)):
-        first_order = LINEAR @ FIRST + MIXING @ np.sin(START + other) + LINEAR @ START - known
-        series.append(np.max(np.abs(orders(0.0, other, known))))
-        slope = orders(1e-30j, other, known).imag / 1e-30
-        series.append(np.max(np.abs(slope - first_order)))
-    return {"error": max(series)}
-
-
-def second_order(session: Session) -> Numbers:
-    """Return errors of the second order of (20), whose N is taken at V_1 as printed."""
-    step = 1e-4
-    truth = (orders(step) - 2 * orders(0.0) + orders(-step)) / step**2 / 2
-    printed, right = (
-        float(np.max(np.abs(LINEAR @ SECOND + MIXING @ nonlinear - truth)))
-        for nonlinear in (np.sin(FIRST), np.cos(START) * FIRST)
-    )
-    return {"as_printed": printed, "corrected": right, "share": right / printed}
 
 
 def bessel_series(session: Session) -> Numbers:
