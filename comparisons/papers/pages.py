@@ -11,13 +11,13 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from html import unescape
 from itertools import pairwise
+from operator import attrgetter
 from pathlib import Path
 from types import SimpleNamespace
 
 from markupsafe import Markup
 
 from ...reference import get_scene
-from ...reference.scene import Paper
 from ..engines.registry import REFERENCE
 from ..reports.files import write_or_collect
 from ..reports.html import render, render_markdown
@@ -27,7 +27,7 @@ from .assess import fill
 from .claims import read_paper
 from .formulas import Formula, typeset
 from .ledger import ERROR, VERDICTS, RowThreshold
-from .outcomes import Findings, Made, RowEntry
+from .outcomes import Findings, RowEntry
 
 STATEMENTS = ("number", "claim")
 """Kinds of rows that the verdict on a paper counts; misprints and readings have chapters."""
@@ -42,9 +42,6 @@ FORMULA = re.compile(r"`= (.+?)`"), re.compile(r"<code>= (.+?)</code>")
 
 LINK = re.compile(r"\[\[(\w+)\]\]")
 """A link to a row, in a verdict."""
-
-SOURCE = "mbcheck developers, *mbcheck: a validation suite for multibody engines*"
-"""Work that a page is cited as part of."""
 
 
 def write_pages(result: Findings, out: Path) -> None:
@@ -107,9 +104,7 @@ def anchor(heading: str) -> str:
 def index_page(result: Findings) -> str:
     """Return the page that leads to the others."""
     papers = {scene: get_scene(scene).paper for scene in result.scenes}
-    return render_markdown(
-        "papers.md", FILTERS, **counted(result), papers=papers, made=list(how_made(result))
-    )
+    return render_markdown("papers.md", FILTERS, **counted(result), papers=papers)
 
 
 def summary(result: Findings) -> str:
@@ -122,55 +117,19 @@ def counted(result: Findings) -> dict[str, object]:
     return {"result": result, "verdicts": (*VERDICTS, *([ERROR] if result.failures else []))}
 
 
-def how_made(result: Findings, scene: str = "") -> Iterator[str]:
-    """Yield versions, sizes and run times of the figures and rows on a page."""
-    name = f" {scene}" if scene else ""
-    every = [item for item in result.entries if item.scene == scene or not scene]
-    for run in dict.fromkeys(item.run for item in every):
-        made, mine = result.runs[run], [item for item in every if item.run == run]
-        seconds = sum(item.seconds for item in mine)
-        duration = f"{seconds:.0f} s" if seconds < 120 else f"{seconds / 60:.0f} min"
-        versions = ", ".join(f"{name} {version}" for name, version in made.versions.items())
-        yield (
-            f"{len(mine)} figures and rows by "
-            f"`mbcheck reproduce{name}{' --full' if made.full else ''}`{when(made)} in {duration}, "
-            f"without the time of maps that earlier runs had computed, with {versions}."
-        )
-
-
-def when(made: Made) -> str:
-    """Return date and commit of a run, as far as they are known."""
-    parts = [("on", made.date), ("at commit", code(made.commit) if made.commit else "")]
-    return "".join(f" {word} {text}" for word, text in parts if text)
-
-
-def link(paper: Paper) -> str:
-    """Return a link to a paper."""
-    doi = paper.doi and f"[doi:{paper.doi}](https://doi.org/{paper.doi})"
-    return doi or (paper.url and f"[{paper.url}](https://{paper.url})")
-
-
-def citation(result: Findings, scene: str) -> str:
-    """Return the citation of a page, by version, date and commit of its latest run."""
-    runs = [result.runs[item.run] for item in result.entries if item.scene == scene]
-    made = max(runs, key=lambda run: run.date)
-    version = made.versions.get("mbcheck", "unknown")
-    made_when = when(made) and f", made{when(made)}"
-    return f"Cite as: {SOURCE}, version {version}, page {code(scene)}{made_when}."
-
-
 def scene_page(result: Findings, scene: str) -> str:
     """Return the page of one paper, its formulas not typeset yet."""
     paper, record = get_scene(scene).paper, read_paper(scene)
     items, figures = result.rows_of(scene), result.figures_of(scene)
+    entries = [*figures, *items]
     return render_markdown(
         "paper.md",
         FILTERS,
         scene=scene,
         paper=paper,
-        where=", ".join(filter(None, [paper.journal, str(paper.year)])),
-        link=link(paper),
-        citation=citation(result, scene),
+        runs=result.runs,
+        latest=max((result.runs[item.run] for item in entries), key=attrgetter("date")),
+        entries=entries,
         items=items,
         whole=len(record.rows),
         verdict=verdict(scene, items),
@@ -183,7 +142,6 @@ def scene_page(result: Findings, scene: str) -> str:
         ledger=[item for item in items if item.kind in STATEMENTS],
         errata=[item for item in items if item.erratum],
         readings=[item for item in items if item.kind == "reading"],
-        made=list(how_made(result, scene)),
     )
 
 

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import logging
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import wraps
 from hashlib import sha256
@@ -14,16 +12,13 @@ from pathlib import Path
 from time import monotonic
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
-from ...reference.errors import UsageError
 from ..maps.request import Axis, Request, resolved
 from ..maps.run import compute
-from ..maps.store import Map, read
+from ..maps.store import Map
 from ..terminal.program import time_left
 
 P = ParamSpec("P")
 T = TypeVar("T")
-
-LOG = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -92,38 +87,15 @@ class Session:
         key = json.dumps(request.as_dict(), sort_keys=True)
         return self.once(key, lambda: self._map(request, key))
 
-    def stored_map(self, file: Path, settings: str) -> Map | None:
-        """Return a map from its file if there is one, and it is intact and that of the settings."""
-        if not file.exists():
-            return None
-        with suppress(UsageError):
-            stored = read(file)
-            if json.loads(settings) == stored.settings:
-                return stored
-        LOG.warning("Warning: %s is damaged, or another map: computed again", file)
-        return None
-
     def _map(self, request: Any, settings: str) -> Map:
-        """Read a map from the folder, or else compute it."""
+        """Compute a map, but for the points that the folder has."""
         name = f"{request.scene} {request.quantity} {request.engine} {request.model}"
-        file = unfinished = None
-        if self.folder is not None:
-            key = sha256(settings.encode()).hexdigest()[:12]
-            file = self.folder / f"{name.replace(' ', '_')}_{key}.nc"
-            if stored := self.stored_map(file, settings):
-                return stored
-            unfinished = file.with_suffix(".unfinished")
-        computed = compute(
-            request,
-            workers=self.workers,
-            unfinished=unfinished,
-            resume=True,
-            progress=self.follow(f"map {name}"),
+        key = sha256(settings.encode()).hexdigest()[:12]
+        file = self.folder and self.folder / f"{name.replace(' ', '_')}_{key}.nc"
+        progress = self.follow(f"map {name}")
+        return compute(
+            request, workers=self.workers, unfinished=file, resume=True, progress=progress
         )
-        if file and unfinished:
-            computed.save(file)
-            unfinished.unlink(missing_ok=True)
-        return computed
 
 
 def once(function: Callable[Concatenate[Session, P], T]) -> Callable[Concatenate[Session, P], T]:
