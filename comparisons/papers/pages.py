@@ -7,7 +7,7 @@ words on a paper are written by hand, in its ``claims.toml``.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields
 from html import unescape
 from itertools import pairwise
@@ -31,9 +31,6 @@ from .outcomes import Findings, RowEntry
 
 STATEMENTS = ("number", "claim")
 """Kinds of rows that the verdict on a paper counts; misprints and readings have chapters."""
-
-PROVENANCE = ("chosen", "calibrated", "derived")
-"""Words before the colon of a parameter's source; without one it is printed."""
 
 DIGITS = 5
 
@@ -119,14 +116,15 @@ def counted(result: Findings) -> dict[str, object]:
 
 def scene_page(result: Findings, scene: str) -> str:
     """Return the page of one paper, its formulas not typeset yet."""
-    paper, record = get_scene(scene).paper, read_paper(scene)
+    own, record = get_scene(scene), read_paper(scene)
+    defaults = own.parameters()
     items, figures = result.rows_of(scene), result.figures_of(scene)
     entries = [*figures, *items]
     return render_markdown(
         "paper.md",
         FILTERS,
         scene=scene,
-        paper=paper,
+        paper=own.paper,
         runs=result.runs,
         latest=max((result.runs[item.run] for item in entries), key=attrgetter("date")),
         entries=entries,
@@ -135,7 +133,8 @@ def scene_page(result: Findings, scene: str) -> str:
         verdict=verdict(scene, items),
         verdicts=(*VERDICTS, ERROR),
         names=Markdown(record.names),
-        parameters=parameters(scene),
+        defaults=defaults,
+        parameters=fields(defaults),
         figures=figures,
         numbers=[item.number for item in figures if not item.error],
         causes=record.causes,
@@ -173,24 +172,6 @@ def row_links(names: Iterable[str]) -> str:
     return ", ".join(f"[{code(name)}](#{name})" for name in names)
 
 
-# Parameters ---------------------------------------------------------------------------------
-
-
-def parameters(scene: str) -> str:
-    """Return the table of the parameters' values and their sources."""
-    defaults = get_scene(scene).parameters()
-    rows = []
-    for item in fields(defaults):
-        about, value = item.metadata, getattr(defaults, item.name)
-        how, _, where = about["source"].partition(":")
-        if how not in PROVENANCE:
-            how, where = "printed", about["source"]
-        words = value if isinstance(value, str) else with_unit(value, about["unit"], 10)
-        source = ": ".join(filter(None, (how, where.strip())))
-        rows.append([about["symbol"], words, source, about["meaning"], code(item.name)])
-    return markdown_table(["Symbol", "Value", "Source", "What", "Name"], rows)
-
-
 def figures_of(section: str) -> list[int]:
     """Return the figures that a row is about.
 
@@ -212,22 +193,11 @@ def sentence(text: str) -> str:
     return text if text.endswith(".") else f"{text}."
 
 
-def row_lines(row: RowEntry) -> Iterator[str]:
-    """Yield the values of a row, its limits, its cause and its command."""
+def values(row: RowEntry) -> str:
+    """Return the printed value of a row, and those of the reference and of engines."""
     ours = {REFERENCE: row.reference, **row.engines}
-    values = [f"{name} {plain(value)}" for name, value in ours.items() if value]
     printed = [f"printed **{plain(row.printed)}**"] if row.printed else []
-    if printed or values:
-        yield "; ".join([*printed, *values])
-    yield from map(threshold, row.thresholds)
-    for cause in read_paper(row.scene).causes:
-        if cause.name == row.cause:
-            yield f"cause, shared with other rows: {plain(sentence(cause.summary))}"
-    if row.thresholds or row.failure:
-        seconds = f" ({number(row.seconds, 2)} s)" if row.seconds >= 1 else ""
-        functions = [code(name) for name in functions_of(row)]
-        words = f", numbers by {' and '.join(functions)}" if functions else ""
-        yield f"{code(f'mbcheck reproduce {row.scene} --row {row.name}')}{seconds}{words}"
+    return "; ".join([*printed, *(f"{name} {plain(own)}" for name, own in ours.items() if own)])
 
 
 def functions_of(entry: RowEntry) -> list[str]:
@@ -255,7 +225,11 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "code": code,
     "sentence": sentence,
     "links": row_links,
-    "lines": row_lines,
+    "values": values,
+    "threshold": threshold,
+    "functions": functions_of,
+    "number": number,
+    "with_unit": with_unit,
     "formula": formula,
     "table": markdown_table,
     "figures_of": figures_of,
