@@ -27,7 +27,7 @@ from .assess import fill
 from .claims import read_paper
 from .formulas import Formula, typeset
 from .ledger import ERROR, VERDICTS, RowThreshold
-from .outcomes import Findings, RowEntry
+from .outcomes import FigureEntry, Findings, RowEntry
 
 STATEMENTS = ("number", "claim")
 """Kinds of rows that the verdict on a paper counts; misprints and readings have chapters."""
@@ -119,7 +119,7 @@ def scene_page(result: Findings, scene: str) -> str:
     own, record = get_scene(scene), read_paper(scene)
     defaults = own.parameters()
     items, figures = result.rows_of(scene), result.figures_of(scene)
-    entries = [*figures, *items]
+    entries: list[FigureEntry | RowEntry] = [*figures, *items]
     return render_markdown(
         "paper.md",
         FILTERS,

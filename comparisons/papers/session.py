@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import json
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import wraps
+from functools import partial, wraps
 from hashlib import sha256
 from inspect import signature
 from pathlib import Path
 from time import monotonic
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
+from ...reference.errors import UsageError
 from ..maps.request import Axis, Request, resolved
 from ..maps.run import compute
 from ..maps.store import Map
@@ -19,6 +21,8 @@ from ..terminal.program import time_left
 
 P = ParamSpec("P")
 T = TypeVar("T")
+
+LOG = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -88,14 +92,20 @@ class Session:
         return self.once(key, lambda: self._map(request, key))
 
     def _map(self, request: Any, settings: str) -> Map:
-        """Compute a map, but for the points that the folder has."""
+        """Compute a map, except for the points that its file in the folder has."""
         name = f"{request.scene} {request.quantity} {request.engine} {request.model}"
         key = sha256(settings.encode()).hexdigest()[:12]
         file = self.folder and self.folder / f"{name.replace(' ', '_')}_{key}.nc"
         progress = self.follow(f"map {name}")
-        return compute(
-            request, workers=self.workers, unfinished=file, resume=True, progress=progress
-        )
+        call = partial(compute, request, workers=self.workers, resume=True, progress=progress)
+        try:
+            return call(unfinished=file)
+        except UsageError:
+            if not (file and file.exists()):
+                raise
+            LOG.warning("Warning: %s is damaged, or another map: computed again", file)
+            file.unlink()
+            return call(unfinished=file)
 
 
 def once(function: Callable[Concatenate[Session, P], T]) -> Callable[Concatenate[Session, P], T]:
