@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
+from pathlib import Path
 
 from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.cli import catalogue
@@ -132,6 +134,25 @@ def not_provoked() -> str:
     return markdown_table(("Failure", "Why it is not provoked"), NOT_PROVOKED)
 
 
+MOST_FINDINGS = 3
+"""Findings of a cell that are spelled out."""
+
+
+def releases() -> str:
+    """Return the findings of `compare` in older releases of MuJoCo, as they are committed."""
+    path = Path(__file__).with_name("releases.json")
+    cells: dict[str, dict[str, str]] = {}
+    for row in json.loads(path.read_text(encoding="utf-8"))["rows"]:
+        more = len(row["findings"]) - MOST_FINDINGS
+        words = [*row["findings"][:MOST_FINDINGS], *[f"{more} more"] * (more > 0)]
+        words += [f"without effect: {one}" for one in row["idle_defaults"]]
+        cells.setdefault(row["model"], {})[row["release"]] = "; ".join(words) or "alike"
+    names = next(iter(cells.values()))
+    return markdown_table(
+        ("Model", *names), [(model, *row.values()) for model, row in cells.items()]
+    )
+
+
 TABLES: Mapping[str, Callable[[], str]] = {
     "maps": maps,
     "variables": variables,
@@ -139,6 +160,7 @@ TABLES: Mapping[str, Callable[[], str]] = {
     "coverage": coverage,
     "rules of models": findings,
     "failures that are not provoked": not_provoked,
+    "releases": releases,
     **{f"scene {name}": partial(scene, name) for name in SCENES},
 }
 """The tables by name."""

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from ...reference.errors import MbcheckError
-from .elements import SWITCHES, Compiled, ModelElement, field_key
+from .elements import SWITCHES, Compiled, ModelElement
 from .reading import Edit
 
 MAX_EDITS, TRIED_AGAIN = 8, 60
@@ -37,6 +37,12 @@ FACTORS: Mapping[str, float] = {
     **dict.fromkeys(("actuator_ctrllimited", "actuator_forcelimited", "geom_contype"), 0.0),
 }
 """Field -> the factor of a complete loss, or of another value by which its effect is measured."""
+
+MAX_FACTOR, MIN_CHANGE = 1e4, 1e-4
+"""Largest factor by which a reader may have scaled an attribute, and smallest change of it."""
+
+POSITIVE = ("mass", "inertia", "damping", "armature", "stiffness", "frictionloss", "density")
+"""Ends of fields that no reader makes negative."""
 
 DISCRETE = ("jnt_axis", "eq_active0", "geom_contype", "limited")
 """Ends of fields that a reader either keeps or not; others may be scaled."""
@@ -71,6 +77,11 @@ class Guess:
         """True if a reader either keeps it or not."""
         return self.field.endswith(DISCRETE)
 
+    def allows(self, factor: float) -> bool:
+        """Return True if a reader may have multiplied the attribute by a factor."""
+        least = -WHOLE if self.field.endswith(POSITIVE) else -MAX_FACTOR
+        return self.is_discrete or (least < factor < MAX_FACTOR and abs(factor - 1) > MIN_CHANGE)
+
     def edit(self, factor: float) -> Edit:
         """Return the edit of a model by a factor, by that of a complete loss if it is discrete."""
         return (
@@ -92,24 +103,23 @@ class Guess:
 def guesses(model: Compiled, elements: Sequence[ModelElement]) -> Iterator[Guess]:
     """Yield the losses of each attribute: of all elements of a kind together, and of each."""
     for field, factor in FACTORS.items():
-        key = field_key(field)
         singles = []
-        for element in elements if key in model.answer else ():
+        for element in elements if field in model.answer else ():
             for attribute, one in element.attributes.items():
                 switched = field in (SWITCHES.get(name) for name in one.rows)
                 if not switched and field not in one.rows:
                     continue
                 rows = [element.number] if switched else one.rows[field]
                 listed = None if rows is None else list(map(int, rows))
-                values = np.asarray(model.answer[key], dtype=float)
+                values = np.asarray(model.field(field), dtype=float)
                 values = values if listed is None else values[listed]
                 if values.any():
-                    singles.append(Guess(element.label, attribute, key, listed, values, factor))
+                    singles.append(Guess(element.label, attribute, field, listed, values, factor))
         if len(singles) > 1:
             every = f"every {singles[0].element.partition(' ')[0]}"
             rows = [row for one in singles for row in one.rows or ()]
             values = np.concatenate([one.values for one in singles])
-            yield Guess(every, singles[0].attribute, key, rows, values, factor)
+            yield Guess(every, singles[0].attribute, field, rows, values, factor)
         yield from singles
 
 
@@ -154,8 +164,10 @@ def find_edits(
         gains: dict[Guess, tuple[float, float]] = {}
         for guess in candidates:
             effect = left - remaining(factors, guess.edit(guess.factor))
-            if guess not in picks and effect.any():
-                share = 1.0 if guess.is_discrete else float(left @ effect / (effect @ effect))
+            if guess in picks or not effect.any():
+                continue
+            share = 1.0 if guess.is_discrete else float(left @ effect / (effect @ effect))
+            if guess.allows(1 + share * (guess.factor - 1)):
                 gains[guess] = float(left @ left - np.sum((left - share * effect) ** 2)), share
         candidates = sorted(gains, key=lambda one: gains[one][0], reverse=True)[:TRIED_AGAIN]
         if not gains or gains[candidates[0]][0] < MIN_SHARE * float(left @ left):
@@ -164,8 +176,11 @@ def find_edits(
         pick = min(alike, key=lambda one: abs(gains[one][1] - 1))
         picks.append(pick)
         first = np.append(factors, 1 + gains[pick][1] * (pick.factor - 1))
-        factors = fitted(remaining, first, np.array([one.factor for one in picks]))
-        left = remaining(factors)
+        found = fitted(remaining, first, np.array([one.factor for one in picks]))
+        if not all(map(Guess.allows, picks, found)):
+            picks.pop()
+            break
+        factors, left = found, remaining(found)
     if np.linalg.norm(left) > OPEN_SHARE * np.linalg.norm(start):
         return []
     return list(zip(picks, factors.tolist(), strict=True))
