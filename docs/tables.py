@@ -134,22 +134,23 @@ def not_provoked() -> str:
     return markdown_table(("Failure", "Why it is not provoked"), NOT_PROVOKED)
 
 
-MOST_FINDINGS = 3
-"""Findings of a cell that are spelled out."""
-
-
 def releases() -> str:
     """Return the findings of `compare` in older releases of MuJoCo, as they are committed."""
     path = Path(__file__).with_name("releases.json")
-    cells: dict[str, dict[str, str]] = {}
-    for row in json.loads(path.read_text(encoding="utf-8"))["rows"]:
-        more = len(row["findings"]) - MOST_FINDINGS
-        words = [*row["findings"][:MOST_FINDINGS], *[f"{more} more"] * (more > 0)]
-        words += [f"without effect: {one}" for one in row["idle_defaults"]]
-        cells.setdefault(row["model"], {})[row["release"]] = "; ".join(words) or "alike"
-    names = next(iter(cells.values()))
+    rows = json.loads(path.read_text(encoding="utf-8"))["rows"]
     return markdown_table(
-        ("Model", *names), [(model, *row.values()) for model, row in cells.items()]
+        ("Model", "Release", "Exit code", "First finding", "More", "Without effect"),
+        [
+            (
+                row["model"],
+                row["release"],
+                row["exit_code"],
+                *(row["findings"] or ["alike"])[:1],
+                max(len(row["findings"]) - 1, 0),
+                "; ".join(row["idle_defaults"]),
+            )
+            for row in rows
+        ],
     )
 
 

@@ -34,16 +34,16 @@ from .elements import (
 )
 from .engine import EngineReading
 from .explain import find_edits, guesses
-from .gaps import Gap, distinct, gaps_between, tolerances
+from .gaps import Gap, acceleration_roundoff, distinct, gaps_between
 from .reading import Edit, Operand, Reading
 from .states import Side, labels_of_rows, sides_of, states_of, translated
 
 EQUAL = 1e-9
 """Share by which numbers of two files may differ in rounding."""
 
-SIX_DIGITS = 1e-5
-"""The same of a file that was written with six digits, as MuJoCo writes them, beside one with more:
-half a unit of the sixth digit, and what follows from several such numbers."""
+DIGITS, UNITS = 6, 3.0
+"""Digits of the numbers that MuJoCo writes, and units of the last one by which a quantity that is
+computed from several of them may differ."""
 
 SINGLE = 1e-6
 """The same of fields that MuJoCo keeps in numbers of 32 bits."""
@@ -114,8 +114,8 @@ class Difference:
         Edits that give A's model the values of B.
     share : float
         The largest difference of its numbers, in the largest of them; infinite of words.
-    is_exact : bool
-        True if no number has more than six digits, so that no writer has rounded one.
+    written : float
+        The share that six digits of a writer explain; 0 if no number has more.
     """
 
     element: str
@@ -125,7 +125,7 @@ class Difference:
     effect: float | None = None
     edits: Sequence[Edit] = field(default=(), metadata=HIDDEN)
     share: float = field(default=math.inf, metadata=HIDDEN)
-    is_exact: bool = field(default=False, metadata=HIDDEN)
+    written: float = field(default=0.0, metadata=HIDDEN)
 
     @property
     def id(self) -> str:
@@ -302,10 +302,10 @@ def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelCo
     is_copy = first.text != second.text and any(map(is_saved_by_mujoco, (first.text, second.text)))
     differences, rounding = list[Difference](), list[Difference]()
     for each in differences_of(one, other, match):
-        share = SIX_DIGITS if is_copy and not each.is_exact else EQUAL
+        share = max(EQUAL, each.written) if is_copy else EQUAL
         (rounding if each.share <= share else differences).append(each)
     sides = sides_of(one, other, match)
-    trial, gaps, left, idle = None, list[Gap](), list[Gap](), list[str]()
+    trial, gaps, left, idle = None, list[Gap](), list[Gap](), list[Difference]()
     if not isinstance(sides, str):
         trial = EditTrial(first, second, match, sides, [e for d in rounding for e in d.edits])
         gaps = trial.gaps(())
@@ -374,8 +374,10 @@ def differences_of(one: Compiled, other: Compiled, match: Match) -> Iterator[Dif
                 share = min(share, EQUAL) if single and share <= SINGLE else share
                 edits = list(edits_of(one, other, pair))
                 cells = distinct(*shown(one, other, pair), 6)
-                exact = has_six_digits(before) and has_six_digits(after)
-                yield Difference(mine.label, name, *cells, edits=edits, share=share, is_exact=exact)
+                written = written_share([*before, *after])
+                yield Difference(
+                    mine.label, name, *cells, edits=edits, share=share, written=written
+                )
     for element, word in [(e, "lost") for e in match.gone] + [(e, "new") for e in match.new]:
         if element.kind == "geom" and touches_nothing(element.attributes):
             continue  # drawn only
@@ -400,7 +402,7 @@ def edits_of(one: Compiled, other: Compiled, pair: Sequence[Attribute]) -> Itera
             targets.flat[: len(values)] = [number_of(one, label) for label in values]
             yield name, listed, targets.tolist()
         elif not (name in FIXED or name.startswith("sensor_") or len(theirs) != len(rows)):
-            for own in (name, WITH.get(name), SWITCHES.get(name)):
+            for own in (name, WITH.get(name, ""), SWITCHES.get(name, "")):
                 if own in one.answer:
                     yield own, listed, other.field(own)[theirs].tolist()
 
@@ -467,10 +469,13 @@ def is_saved_by_mujoco(text: str) -> bool:
     return all(one in (f"{float(one):.6g}", f"{float(one):.0f}") for one in numbers)
 
 
-def has_six_digits(values: Sequence[Any]) -> bool:
-    """Return True if no number has more than six digits, so that writing it changes nothing."""
-    numbers = [float(one) for one in values if isinstance(one, int | float)]
-    return all(math.isclose(float(f"{one:.6g}"), one, rel_tol=EQUAL) for one in numbers)
+def written_share(values: Sequence[Any]) -> float:
+    """Return the share of the largest value that six digits explain; 0 if none has more."""
+    numbers = [float(one) for one in values if isinstance(one, int | float) and math.isfinite(one)]
+    size = max(map(abs, numbers), default=0.0)
+    if all(math.isclose(float(f"{one:.{DIGITS}g}"), one, rel_tol=EQUAL) for one in numbers):
+        return 0.0
+    return UNITS * float(10.0 ** (math.floor(math.log10(size)) + 1 - DIGITS)) / size
 
 
 # What they do --------------------------------------------------------------------------------
@@ -552,9 +557,9 @@ class EditTrial:
         differences = []
         for one, factor in picks:
             before, after = one.cells(factor)
-            cells = distinct(*shortened(before, after), 6) if before else ("", after[0])
+            cells = distinct(*shortened(before, after), 6) if before else ("", str(after[0]))
             edits = [one.edit(factor)]
-            differences.append(Difference(one.element, one.attribute, *cells, edits=edits))
+            differences.append(Difference(one.element, one.attribute, *cells, None, edits))
         return differences
 
     def left(self, edits: Sequence[Edit], gaps: list[Gap]) -> list[Gap]:
@@ -566,8 +571,8 @@ class EditTrial:
 
     @cached_property
     def roundoff(self) -> Any:
-        """Round-off of the accelerations at each state (states, 1)."""
-        return np.array([[dict(tolerances(one, one, self.eps))["qacc"]] for one in self.own])
+        """Round-off of each acceleration at each state (states, n)."""
+        return np.array([acceleration_roundoff(one, self.eps) for one in self.own])
 
     def measured(self, difference: Difference) -> Difference:
         """Return a difference with its effect on accelerations."""

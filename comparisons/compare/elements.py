@@ -392,11 +392,13 @@ class Compiled:
     @cached_property
     def collides_convexly(self) -> bool:
         """True if contacts or distances of geoms may be computed by the convex routine."""
-        collides = self.field("geom_contype") | self.field("geom_conaffinity") != 0
-        if self.names["pair"] or any(one.startswith("geom") for one in self.types("sensor_type")):
-            collides[:] = True
-        shapes = zip(self.types("geom_type"), collides.tolist(), strict=True)
-        return bool(self.names["flex"]) or any(on and one not in ANALYTIC for one, on in shapes)
+        touch = (
+            self.field("geom_contype") | self.field("geom_conaffinity") | len(self.names["pair"])
+        )
+        shapes = zip(self.types("geom_type"), touch.tolist(), strict=True)
+        distances = [one for one in self.types("sensor_type") if one.startswith("geom")]
+        others = [one for one, on in shapes if on and one not in ANALYTIC]
+        return bool(self.names["flex"] or distances or others)
 
     def types(self, name: str) -> list[str]:
         """Return the words of a field of types."""

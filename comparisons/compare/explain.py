@@ -77,10 +77,10 @@ class Guess:
         """True if a reader either keeps it or not."""
         return self.field.endswith(DISCRETE)
 
-    def allows(self, factor: float) -> bool:
-        """Return True if a reader may have multiplied the attribute by a factor."""
-        least = -WHOLE if self.field.endswith(POSITIVE) else -MAX_FACTOR
-        return self.is_discrete or (least < factor < MAX_FACTOR and abs(factor - 1) > MIN_CHANGE)
+    @property
+    def least(self) -> float:
+        """Smallest factor that a reader may have used."""
+        return 0.0 if self.field.endswith(POSITIVE) else -MAX_FACTOR
 
     def edit(self, factor: float) -> Edit:
         """Return the edit of a model by a factor, by that of a complete loss if it is discrete."""
@@ -167,30 +167,35 @@ def find_edits(
             if guess in picks or not effect.any():
                 continue
             share = 1.0 if guess.is_discrete else float(left @ effect / (effect @ effect))
-            if guess.allows(1 + share * (guess.factor - 1)):
-                gains[guess] = float(left @ left - np.sum((left - share * effect) ** 2)), share
+            factor = np.clip(1 + share * (guess.factor - 1), guess.least, MAX_FACTOR)
+            rest = left - (factor - 1) / (guess.factor - 1) * effect
+            gains[guess] = float(left @ left - rest @ rest), float(factor)
         candidates = sorted(gains, key=lambda one: gains[one][0], reverse=True)[:TRIED_AGAIN]
-        if not gains or gains[candidates[0]][0] < MIN_SHARE * float(left @ left):
-            break
-        alike = [one for one in candidates if gains[one][0] >= ALIKE * gains[candidates[0]][0]]
-        pick = min(alike, key=lambda one: abs(gains[one][1] - 1))
-        picks.append(pick)
-        first = np.append(factors, 1 + gains[pick][1] * (pick.factor - 1))
-        found = fitted(remaining, first, np.array([one.factor for one in picks]))
-        if not all(map(Guess.allows, picks, found)):
+        worth = [one for one in candidates if gains[one][0] >= MIN_SHARE * float(left @ left)]
+        alike = [one for one in worth if gains[one][0] >= ALIKE * gains[worth[0]][0]]
+        alike.sort(key=lambda one: abs(gains[one][1] - one.factor))
+        for pick in (*alike, *worth[len(alike) :]):
+            picks.append(pick)
+            found = fitted(remaining, np.append(factors, gains[pick][1]), picks)
+            if np.all(abs(found - 1) > MIN_CHANGE):
+                factors, left = found, remaining(found)
+                break
             picks.pop()
+        else:
             break
-        factors, left = found, remaining(found)
     if np.linalg.norm(left) > OPEN_SHARE * np.linalg.norm(start):
         return []
     return list(zip(picks, factors.tolist(), strict=True))
 
 
-def fitted(remaining: Callable[[Any], Any], factors: Any, whole: Any) -> Any:
+def fitted(remaining: Callable[[Any], Any], factors: Any, picks: Sequence[Guess]) -> Any:
     """Return the factors that leave least of a gap; complete losses where these do as well."""
+    whole = np.array([one.factor for one in picks])
+    bounds = [one.least for one in picks], MAX_FACTOR
     best = least_squares(
-        remaining, factors, diff_step=1e-4, max_nfev=12, xtol=1e-15, ftol=1e-15, gtol=1e-15
-    ).x
+        remaining, factors, bounds=bounds, diff_step=1e-4, max_nfev=12, xtol=1e-15, ftol=1e-15,
+        gtol=1e-15,
+    ).x  # fmt: skip
     rounded = np.where(abs(best - whole) < WHOLE, whole, best)
     ends = [float(np.linalg.norm(remaining(one))) for one in (rounded, best)]
     return rounded if ends[0] <= 2 * ends[1] else best

@@ -172,7 +172,7 @@ def array_gaps(
             ratio = np.where(np.isnan(ratio), np.inf, ratio)
             at = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
             values = (float(values[at]) for values in (a[key], b[key], limit))
-            yield float(ratio[at]), Gap(name, labels[kind][at[0]], state, *values)
+            yield float(ratio[at]), Gap(name, labels[kind][int(at[0])], state, *values)
 
 
 def collides_differently(a: Mapping[str, Any], b: Mapping[str, Any]) -> bool:
@@ -241,6 +241,21 @@ def constraint_force(a: Mapping[str, Any]) -> float:
         ),
         default=0.0,
     )
+
+
+def acceleration_roundoff(a: Mapping[str, Any], eps: float) -> Any:
+    """Return the round-off of each acceleration (n,).
+
+    Entries of the mass matrix M are good to the rounding unit of sqrt(M_ii M_jj), so that a joint
+    with large accelerations does not hide one with small ones unless M couples them.
+    """
+    mass = np.nan_to_num(a["mass"])
+    size = np.sqrt(abs(np.diag(mass)))
+    scale = size @ abs(a["qacc"])
+    for one in a["rows"].values():
+        force = abs(one["jacobian"]) * abs(one["aref"]) / one["inverse_inertia"]
+        scale = max(scale, np.max(force / np.maximum(size, TINY), initial=0.0))
+    return OPERATIONS * eps * (abs(np.linalg.pinv(mass)) @ size) * scale + 4 * a["qacc_floor"]
 
 
 def tolerances(a: Mapping[str, Any], b: Mapping[str, Any], eps: float) -> Iterator[tuple[str, Any]]:
