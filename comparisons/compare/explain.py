@@ -38,8 +38,13 @@ FACTORS: Mapping[str, float] = {
 }
 """Field -> the factor of a complete loss, or of another value by which its effect is measured."""
 
-MAX_FACTOR, MIN_CHANGE = 1e4, 1e-4
-"""Largest factor by which a reader may have scaled an attribute, and smallest change of it."""
+MIN_CHANGE = 1e-4
+"""Smallest relative change of an attribute that is sought."""
+
+FACTORS_ALLOWED, POSITIVE_FACTORS = (-1e4, 1e4), (0.0, 100.0)
+"""Bounds of the factors by which a reader may have scaled attributes, and those of `POSITIVE`.
+
+A hundred times the mass cannot be told from the loss of all forces."""
 
 POSITIVE = ("mass", "inertia", "damping", "armature", "stiffness", "frictionloss", "density")
 """Ends of fields that no reader makes negative."""
@@ -78,9 +83,9 @@ class Guess:
         return self.field.endswith(DISCRETE)
 
     @property
-    def least(self) -> float:
-        """Smallest factor that a reader may have used."""
-        return 0.0 if self.field.endswith(POSITIVE) else -MAX_FACTOR
+    def bounds(self) -> tuple[float, float]:
+        """Factors between which a reader may have scaled it."""
+        return POSITIVE_FACTORS if self.field.endswith(POSITIVE) else FACTORS_ALLOWED
 
     def edit(self, factor: float) -> Edit:
         """Return the edit of a model by a factor, by that of a complete loss if it is discrete."""
@@ -167,7 +172,7 @@ def find_edits(
             if guess in picks or not effect.any():
                 continue
             share = 1.0 if guess.is_discrete else float(left @ effect / (effect @ effect))
-            factor = np.clip(1 + share * (guess.factor - 1), guess.least, MAX_FACTOR)
+            factor = np.clip(1 + share * (guess.factor - 1), *guess.bounds)
             rest = left - (factor - 1) / (guess.factor - 1) * effect
             gains[guess] = float(left @ left - rest @ rest), float(factor)
         candidates = sorted(gains, key=lambda one: gains[one][0], reverse=True)[:TRIED_AGAIN]
@@ -177,7 +182,8 @@ def find_edits(
         for pick in (*alike, *worth[len(alike) :]):
             picks.append(pick)
             found = fitted(remaining, np.append(factors, gains[pick][1]), picks)
-            if np.all(abs(found - 1) > MIN_CHANGE):
+            most = np.array([0.99 * one.bounds[1] for one in picks])
+            if np.all((abs(found - 1) > MIN_CHANGE) & (found < most)):
                 factors, left = found, remaining(found)
                 break
             picks.pop()
@@ -191,7 +197,7 @@ def find_edits(
 def fitted(remaining: Callable[[Any], Any], factors: Any, picks: Sequence[Guess]) -> Any:
     """Return the factors that leave least of a gap; complete losses where these do as well."""
     whole = np.array([one.factor for one in picks])
-    bounds = [one.least for one in picks], MAX_FACTOR
+    bounds = np.transpose([one.bounds for one in picks])
     best = least_squares(
         remaining, factors, bounds=bounds, diff_step=1e-4, max_nfev=12, xtol=1e-15, ftol=1e-15,
         gtol=1e-15,
