@@ -42,8 +42,8 @@ EQUAL = 1e-9
 """Share by which numbers of two files may differ in rounding."""
 
 DIGITS, UNITS = 6, 3.0
-"""Digits of the numbers that MuJoCo writes, and units of the last one by which a quantity that is
-computed from several of them may differ."""
+"""Digits of the numbers that MuJoCo writes, and units of the last one by which quantities computed
+from several of them may differ."""
 
 SINGLE = 1e-6
 """The same of fields that MuJoCo keeps in numbers of 32 bits."""
@@ -337,22 +337,16 @@ def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelCo
 
 
 def why_idle(one: Compiled, other: Compiled, difference: Difference) -> str:
-    """Return why a default that changed between two releases has no effect; empty if it may."""
-    key, answers = f"default.{difference.attribute}", (one.answer, other.answer)
-    option = f"opt.{difference.attribute}"
-    if difference.element != "option" or not all(
-        np.array_equal(a[key], a[option]) for a in answers
-    ):
-        return ""
-    if difference.attribute == "sleep_tolerance":
-        flags = [flag for m in (one, other) for flag in m.options.attribute("enableflags").values]
-        return "" if "sleep" in flags else "sleep is off"
-    convex = one.collides_convexly or other.collides_convexly
-    return (
-        "no geoms that collide as convex shapes"
-        if difference.attribute in CCD and not convex
-        else ""
-    )
+    """Return the reason why a changed default of an option does nothing; empty if it may."""
+    name, models = difference.attribute, (one, other)
+    pairs = [[m.answer.get(f"{group}.{name}") for group in ("opt", "default")] for m in models]
+    if difference.element == "option" and all(np.array_equal(*pair) for pair in pairs):
+        flags = {flag for m in models for flag in m.options.attribute("enableflags").values}
+        if name == "sleep_tolerance" and "sleep" not in flags:
+            return "sleep is off"
+        if name in CCD and not any(m.collides_convexly for m in models):
+            return "no geoms that collide as convex shapes"
+    return ""
 
 
 # What was compiled ---------------------------------------------------------------------------

@@ -39,12 +39,12 @@ FACTORS: Mapping[str, float] = {
 """Field -> the factor of a complete loss, or of another value by which its effect is measured."""
 
 MIN_CHANGE = 1e-4
-"""Smallest relative change of an attribute that is sought."""
+"""Smallest relative change of an attribute by a reader."""
 
 FACTORS_ALLOWED, POSITIVE_FACTORS = (-1e4, 1e4), (0.0, 100.0)
 """Bounds of the factors by which a reader may have scaled attributes, and those of `POSITIVE`.
 
-A hundred times the mass cannot be told from the loss of all forces."""
+The loss of all forces has the same effect as a mass a thousand times as large."""
 
 POSITIVE = ("mass", "inertia", "damping", "armature", "stiffness", "frictionloss", "density")
 """Ends of fields that no reader makes negative."""
@@ -197,11 +197,14 @@ def find_edits(
 def fitted(remaining: Callable[[Any], Any], factors: Any, picks: Sequence[Guess]) -> Any:
     """Return the factors that leave least of a gap; complete losses where these do as well."""
     whole = np.array([one.factor for one in picks])
-    bounds = np.transpose([one.bounds for one in picks])
-    best = least_squares(
-        remaining, factors, bounds=bounds, diff_step=1e-4, max_nfev=12, xtol=1e-15, ftol=1e-15,
-        gtol=1e-15,
-    ).x  # fmt: skip
+    low, high = np.transpose([one.bounds for one in picks])
+    for bounds in ((-np.inf, np.inf), (low, high)):
+        best = least_squares(
+            remaining, np.clip(factors, low, high), bounds=bounds, diff_step=1e-4, max_nfev=12,
+            xtol=1e-15, ftol=1e-15, gtol=1e-15,
+        ).x  # fmt: skip
+        if np.all((best > low - WHOLE) & (best < high)):
+            break
     rounded = np.where(abs(best - whole) < WHOLE, whole, best)
     ends = [float(np.linalg.norm(remaining(one))) for one in (rounded, best)]
     return rounded if ends[0] <= 2 * ends[1] else best

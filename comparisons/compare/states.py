@@ -24,7 +24,7 @@ DRAWS, TOUCHING = 4, 3
 """States that are drawn at random, and states with contacts."""
 
 BEYOND_RANGE = 2.0
-"""Force of an actuator without a range of controls, over the largest force that is allowed."""
+"""Force of an actuator without a range of controls, relative to the largest force allowed."""
 
 TRIED = 200
 """States in which contacts are looked for."""
