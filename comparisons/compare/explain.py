@@ -200,7 +200,7 @@ def fitted(remaining: Callable[[Any], Any], factors: Any, picks: Sequence[Guess]
     low, high = np.transpose([one.bounds for one in picks])
     for bounds in ((-np.inf, np.inf), (low, high)):
         best = least_squares(
-            remaining, np.clip(factors, low, high), bounds=bounds, diff_step=1e-4, max_nfev=12,
+            remaining, np.clip(factors, low, high), bounds=bounds, diff_step=1e-4, max_nfev=40,
             xtol=1e-15, ftol=1e-15, gtol=1e-15,
         ).x  # fmt: skip
         if np.all((best > low - WHOLE) & (best < high)):
