@@ -39,7 +39,7 @@ FACTORS: Mapping[str, float] = {
 """Field -> the factor of a complete loss, or of another value by which its effect is measured."""
 
 MIN_CHANGE = 1e-4
-"""Smallest relative change of an attribute by a reader."""
+"""Smallest relative change of an attribute that is named; smaller ones follow errors of the fit."""
 
 FACTORS_ALLOWED, POSITIVE_FACTORS = (-1e4, 1e4), (0.0, 100.0)
 """Bounds of the factors by which a reader may have scaled attributes, and those of `POSITIVE`.
@@ -82,10 +82,10 @@ class Guess:
         """True if a reader either keeps it or not."""
         return self.field.endswith(DISCRETE)
 
-    @property
-    def bounds(self) -> tuple[float, float]:
-        """Factors between which a reader may have scaled it."""
-        return POSITIVE_FACTORS if self.field.endswith(POSITIVE) else FACTORS_ALLOWED
+    def allows(self, factor: float) -> bool:
+        """Return True if a reader may have multiplied the attribute by a factor."""
+        low, high = POSITIVE_FACTORS if self.field.endswith(POSITIVE) else FACTORS_ALLOWED
+        return self.is_discrete or low - WHOLE < factor < high
 
     def edit(self, factor: float) -> Edit:
         """Return the edit of a model by a factor, by that of a complete loss if it is discrete."""
@@ -169,42 +169,30 @@ def find_edits(
         gains: dict[Guess, tuple[float, float]] = {}
         for guess in candidates:
             effect = left - remaining(factors, guess.edit(guess.factor))
-            if guess in picks or not effect.any():
-                continue
-            share = 1.0 if guess.is_discrete else float(left @ effect / (effect @ effect))
-            factor = np.clip(1 + share * (guess.factor - 1), *guess.bounds)
-            rest = left - (factor - 1) / (guess.factor - 1) * effect
-            gains[guess] = float(left @ left - rest @ rest), float(factor)
+            if guess not in picks and effect.any():
+                share = 1.0 if guess.is_discrete else float(left @ effect / (effect @ effect))
+                gains[guess] = float(left @ left - np.sum((left - share * effect) ** 2)), share
         candidates = sorted(gains, key=lambda one: gains[one][0], reverse=True)[:TRIED_AGAIN]
-        worth = [one for one in candidates if gains[one][0] >= MIN_SHARE * float(left @ left)]
-        alike = [one for one in worth if gains[one][0] >= ALIKE * gains[worth[0]][0]]
-        alike.sort(key=lambda one: abs(gains[one][1] - one.factor))
-        for pick in (*alike, *worth[len(alike) :]):
-            picks.append(pick)
-            found = fitted(remaining, np.append(factors, gains[pick][1]), picks)
-            most = np.array([0.99 * one.bounds[1] for one in picks])
-            if np.all((abs(found - 1) > MIN_CHANGE) & (found < most)):
-                factors, left = found, remaining(found)
-                break
-            picks.pop()
-        else:
+        if not gains or gains[candidates[0]][0] < MIN_SHARE * float(left @ left):
             break
-    if np.linalg.norm(left) > OPEN_SHARE * np.linalg.norm(start):
+        alike = [one for one in candidates if gains[one][0] >= ALIKE * gains[candidates[0]][0]]
+        pick = min(alike, key=lambda one: abs(gains[one][1] - 1))
+        picks.append(pick)
+        first = np.append(factors, 1 + gains[pick][1] * (pick.factor - 1))
+        factors = fitted(remaining, first, np.array([one.factor for one in picks]))
+        left = remaining(factors)
+    is_open = np.linalg.norm(left) > OPEN_SHARE * np.linalg.norm(start)
+    if is_open or not all(map(Guess.allows, picks, factors)):
         return []
-    return list(zip(picks, factors.tolist(), strict=True))
+    found = zip(picks, factors.tolist(), strict=True)
+    return [(one, f) for one, f in found if one.is_discrete or abs(f - 1) > MIN_CHANGE]
 
 
-def fitted(remaining: Callable[[Any], Any], factors: Any, picks: Sequence[Guess]) -> Any:
+def fitted(remaining: Callable[[Any], Any], factors: Any, whole: Any) -> Any:
     """Return the factors that leave least of a gap; complete losses where these do as well."""
-    whole = np.array([one.factor for one in picks])
-    low, high = np.transpose([one.bounds for one in picks])
-    for bounds in ((-np.inf, np.inf), (low, high)):
-        best = least_squares(
-            remaining, np.clip(factors, low, high), bounds=bounds, diff_step=1e-4, max_nfev=40,
-            xtol=1e-15, ftol=1e-15, gtol=1e-15,
-        ).x  # fmt: skip
-        if np.all((best > low - WHOLE) & (best < high)):
-            break
+    best = least_squares(
+        remaining, factors, diff_step=1e-4, max_nfev=12, xtol=1e-15, ftol=1e-15, gtol=1e-15
+    ).x
     rounded = np.where(abs(best - whole) < WHOLE, whole, best)
     ends = [float(np.linalg.norm(remaining(one))) for one in (rounded, best)]
     return rounded if ends[0] <= 2 * ends[1] else best
