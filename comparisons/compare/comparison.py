@@ -367,7 +367,7 @@ def differences_of(one: Compiled, other: Compiled, match: Match) -> Iterator[Dif
             if share:
                 share = min(share, EQUAL) if single and share <= SINGLE else share
                 edits = list(edits_of(one, other, pair))
-                cells = distinct(*shown(one, other, pair), 6)
+                cells = distinct(*printed_values(one, other, pair), 6)
                 written = written_share([*before, *after])
                 yield Difference(
                     mine.label, name, *cells, edits=edits, share=share, written=written
@@ -426,7 +426,7 @@ def renamed(one: Compiled, other: Compiled, match: Match) -> Iterator[str]:
             yield f"the order of {kind} elements is another"
 
 
-def shown(one: Compiled, other: Compiled, pair: Sequence[Attribute]) -> tuple[Any, Any]:
+def printed_values(one: Compiled, other: Compiled, pair: Sequence[Attribute]) -> tuple[Any, Any]:
     """Return the values of an attribute to be printed: quaternions in place of rotations."""
     for name in pair[0].rows.keys() & pair[1].rows.keys():
         if name.endswith("_quat"):

@@ -184,8 +184,8 @@ def find_edits(
     is_open = np.linalg.norm(left) > OPEN_SHARE * np.linalg.norm(start)
     if is_open or not all(map(Guess.allows, picks, factors)):
         return []
-    found = zip(picks, factors.tolist(), strict=True)
-    return [(one, f) for one, f in found if one.is_discrete or abs(f - 1) > MIN_CHANGE]
+    pairs = zip(picks, factors.tolist(), strict=True)
+    return [(one, f) for one, f in pairs if one.is_discrete or abs(f - 1) > MIN_CHANGE]
 
 
 def fitted(remaining: Callable[[Any], Any], factors: Any, whole: Any) -> Any:
