@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
+from pathlib import Path
 
 from mbcheck.comparisons.checks.table import KINDS
 from mbcheck.comparisons.cli import catalogue
@@ -132,6 +134,26 @@ def not_provoked() -> str:
     return markdown_table(("Failure", "Why it is not provoked"), NOT_PROVOKED)
 
 
+def releases() -> str:
+    """Return the findings of `compare` in older releases of MuJoCo, as they are committed."""
+    path = Path(__file__).with_name("releases.json")
+    rows = json.loads(path.read_text(encoding="utf-8"))["rows"]
+    return markdown_table(
+        ("Model", "Release", "Exit code", "First finding", "More", "Without effect"),
+        [
+            (
+                row["model"],
+                row["release"],
+                row["exit_code"],
+                *(row["findings"] or ["alike"])[:1],
+                max(len(row["findings"]) - 1, 0),
+                "; ".join(row["idle_defaults"]),
+            )
+            for row in rows
+        ],
+    )
+
+
 TABLES: Mapping[str, Callable[[], str]] = {
     "maps": maps,
     "variables": variables,
@@ -139,6 +161,7 @@ TABLES: Mapping[str, Callable[[], str]] = {
     "coverage": coverage,
     "rules of models": findings,
     "failures that are not provoked": not_provoked,
+    "releases": releases,
     **{f"scene {name}": partial(scene, name) for name in SCENES},
 }
 """The tables by name."""

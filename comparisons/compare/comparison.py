@@ -18,9 +18,9 @@ from ..documents import document
 from ..documents.fields import HIDDEN, documented
 from ..documents.waivers import Waiver, waivers_of
 from ..reports.item import ReportItem
-from ..reports.words import number
 from .elements import (
     ENUMERATIONS,
+    FLAGS,
     REFERENCES,
     SWITCHES,
     Attribute,
@@ -28,26 +28,28 @@ from .elements import (
     Match,
     ModelElement,
     difference_share,
-    field_key,
     match_elements,
     names_of_both,
     touches_nothing,
 )
 from .engine import EngineReading
 from .explain import find_edits, guesses
-from .gaps import Gap, gaps_between
+from .gaps import Gap, acceleration_roundoff, distinct, gaps_between
 from .reading import Edit, Operand, Reading
-from .states import Side, StateRows, layout, states_of
+from .states import Side, labels_of_rows, sides_of, states_of, translated
 
 EQUAL = 1e-9
 """Share by which numbers of two files may differ in rounding."""
 
-SIX_DIGITS = 1e-5
-"""The same of a file that was written with six digits, as MuJoCo writes them, beside one with more:
-half a unit of the sixth digit, and what follows from several such numbers."""
+DIGITS, UNITS = 6, 3.0
+"""Digits of the numbers that MuJoCo writes, and units of the last one by which quantities computed
+from several of them may differ."""
 
 SINGLE = 1e-6
 """The same of fields that MuJoCo keeps in numbers of 32 bits."""
+
+CCD = ("ccd_iterations", "ccd_tolerance")
+"""Options of the routine of collisions between convex shapes."""
 
 NEVER_SAVED = re.compile(r"\b(euler|axisangle|xyaxes|zaxis|fromto|dampratio|include)\b")
 """Words of MJCF that MuJoCo never writes, since it computes other attributes from them."""
@@ -74,14 +76,15 @@ NEUTRAL: Mapping[str, Mapping[str, float]] = {
 }  # fmt: skip
 """Kind of element -> values of its fields with which it does nothing."""
 
-OPTION_WORDS = {
-    "integrator": "mjtIntegrator",
-    "cone": "mjtCone",
-    "solver": "mjtSolver",
-    "jacobian": "mjtJacobian",
+TYPES = {
+    **{name: enumeration for name, enumeration in ENUMERATIONS.items() if name.startswith("opt.")},
+    **{f"actuator_{name}type": f"mjt{name.title()}" for name in ("gain", "bias", "dyn")},
+    **FLAGS,
 }
-FLAGS = {"disableflags": "mjtDisableBit", "enableflags": "mjtEnableBit"}
-"""Option -> the enumeration of its number, or of its bits."""
+"""Fields of types and flags that can be edited -> their enumeration."""
+
+FIXED = {*ENUMERATIONS, *REFERENCES}
+"""Fields of types and of numbers of elements, which are not edited otherwise."""
 
 RETARGETED = ("actuator_trnid", "eq_obj1id", "eq_obj2id")
 """References to elements that can be edited in a compiled model."""
@@ -105,12 +108,14 @@ class Difference:
     after : str
         its value in B
     effect : float or None
-        by how much accelerations change with this edit of A alone, relative to the largest; null
-        if it cannot be tried
+        by how much the acceleration of a joint changes with this edit of A alone, relative to its
+        largest at the states; 0 if by no more than round-off, null if it cannot be tried
     edits : list of Edit
         Edits that give A's model the values of B.
     share : float
         The largest difference of its numbers, in the largest of them; infinite of words.
+    written : float
+        The share that six digits of a writer explain; 0 if no number has more.
     """
 
     element: str
@@ -120,6 +125,7 @@ class Difference:
     effect: float | None = None
     edits: Sequence[Edit] = field(default=(), metadata=HIDDEN)
     share: float = field(default=math.inf, metadata=HIDDEN)
+    written: float = field(default=0.0, metadata=HIDDEN)
 
     @property
     def id(self) -> str:
@@ -155,6 +161,8 @@ class ModelComparison:
         elements that have another name, or another place in the order, in B
     differences : sequence of Difference
         what was compiled differently, the largest effect first
+    idle_defaults : sequence of str
+        defaults of options that changed between two releases, without effect on this model
     gaps : sequence of Gap
         what they do differently at states
     left : sequence of Gap
@@ -179,6 +187,7 @@ class ModelComparison:
     conventions: Sequence[str]
     renamed: Sequence[str]
     differences: Sequence[Difference]
+    idle_defaults: Sequence[str]
     gaps: Sequence[Gap]
     left: Sequence[Gap]
     states: Sequence[str]
@@ -290,21 +299,26 @@ def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelCo
     """Return the differences of two readings."""
     one, other = first.model, second.model
     match = match_elements(one, other)
-    share = SIX_DIGITS if is_saved_by_mujoco(first) != is_saved_by_mujoco(second) else EQUAL
-    every = list(differences_of(one, other, match))
-    differences = [d for d in every if d.share > share]
-    rounding = [d for d in every if d.share <= share]
-    rows = layout(one, other, match)
-    gaps, left, states = list[Gap](), list[Gap](), list[str]()
-    if isinstance(rows, StateRows):
-        trial = EditTrial(first, second, match, rows, [e for d in rounding for e in d.edits])
-        states = list(trial.states)
+    is_copy = first.text != second.text and any(map(is_saved_by_mujoco, (first.text, second.text)))
+    differences, rounding = list[Difference](), list[Difference]()
+    for each in differences_of(one, other, match):
+        share = max(EQUAL, each.written) if is_copy else EQUAL
+        (rounding if each.share <= share else differences).append(each)
+    sides = sides_of(one, other, match)
+    trial, gaps, left, idle = None, list[Gap](), list[Gap](), list[Difference]()
+    if not isinstance(sides, str):
+        trial = EditTrial(first, second, match, sides, [e for d in rounding for e in d.edits])
         gaps = trial.gaps(())
         if gaps and isinstance(second, EngineReading):
             differences += trial.read_differently([e for d in differences for e in d.edits])
+        idle = [d for d in differences if why_idle(one, other, d) and trial.moves_nothing(d.edits)]
+        differences = [d for d in differences if d not in idle]
         differences = [*map(trial.measured, differences[:MEASURED]), *differences[MEASURED:]]
         differences.sort(key=lambda d: -1.0 if d.effect is None else d.effect, reverse=True)
-        left = trial.left([e for d in differences for e in d.edits], gaps) if gaps else []
+        left = trial.left([e for d in (*differences, *idle) for e in d.edits], gaps) if gaps else []
+    physical = [
+        {*m.fields, *(key for key in m.answer if key.startswith("opt."))} for m in (one, other)
+    ]
     return ModelComparison(
         a=names[0],
         b=names[1],
@@ -312,19 +326,27 @@ def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelCo
         conventions=second.conventions,
         renamed=list(renamed(one, other, match)),
         differences=differences,
+        idle_defaults=[f"{d.sentence} ({why_idle(one, other, d)})" for d in idle],
         gaps=gaps,
         left=left,
-        states=states,
-        why_no_states="" if isinstance(rows, StateRows) else rows,
+        states=list(trial.states) if trial else [],
+        why_no_states=sides if isinstance(sides, str) else "",
         rounded=sum(d.share > EQUAL for d in rounding),
-        not_compared=sorted(physical_names(one) ^ physical_names(other)),
+        not_compared=sorted(physical[0] ^ physical[1]),
     )
 
 
-def physical_names(model: Compiled) -> set[str]:
-    """Return the fields and options of a release."""
-    options = {key for key in model.answer if key.startswith("opt.")}
-    return {*model.fields, *options}
+def why_idle(one: Compiled, other: Compiled, difference: Difference) -> str:
+    """Return the reason why a changed default of an option does nothing; empty if it may."""
+    name, models = difference.attribute, (one, other)
+    pairs = [[m.answer.get(f"{group}.{name}") for group in ("opt", "default")] for m in models]
+    if difference.element == "option" and all(np.array_equal(*pair) for pair in pairs):
+        flags = {flag for m in models for flag in m.options.attribute("enableflags").values}
+        if name == "sleep_tolerance" and "sleep" not in flags:
+            return "sleep is off"
+        if name in CCD and not any(m.collides_convexly for m in models):
+            return "no geoms that collide as convex shapes"
+    return ""
 
 
 # What was compiled ---------------------------------------------------------------------------
@@ -333,10 +355,10 @@ def physical_names(model: Compiled) -> set[str]:
 def differences_of(one: Compiled, other: Compiled, match: Match) -> Iterator[Difference]:
     """Yield the attributes that differ, were it in the last digit."""
     common = set(one.answer) & set(other.answer)
-    for mine, theirs in [(option_element(one), option_element(other)), *match.pairs]:
+    for mine, theirs in match.pairs:
         for name in names_of_both(mine, theirs):
             pair = [side.attribute(name) for side in (mine, theirs)]
-            fields = [field_key(key) for attribute in pair for key in attribute.rows]
+            fields = [key for attribute in pair for key in attribute.rows]
             if not common.issuperset(fields):
                 continue
             single = any(one.answer[key].dtype == np.float32 for key in fields)
@@ -345,8 +367,10 @@ def differences_of(one: Compiled, other: Compiled, match: Match) -> Iterator[Dif
             if share:
                 share = min(share, EQUAL) if single and share <= SINGLE else share
                 edits = list(edits_of(one, other, pair))
+                cells = distinct(*printed_values(one, other, pair), 6)
+                written = written_share([*before, *after])
                 yield Difference(
-                    mine.label, name, *cells_of(before, after), edits=edits, share=share
+                    mine.label, name, *cells, edits=edits, share=share, written=written
                 )
     for element, word in [(e, "lost") for e in match.gone] + [(e, "new") for e in match.new]:
         if element.kind == "geom" and touches_nothing(element.attributes):
@@ -355,46 +379,26 @@ def differences_of(one: Compiled, other: Compiled, match: Match) -> Iterator[Dif
         yield Difference(element.label, "", "", word, edits=edits)
 
 
-def option_element(model: Compiled) -> ModelElement:
-    """Return the options of a model as one element, its flags by their names."""
-    attributes = {}
-    for key, value in model.answer.items():
-        group, _, name = key.partition(".")
-        if group != "opt" or name.startswith("o_"):
-            continue
-        values: list[Any] = np.ravel(value).tolist()
-        if name in OPTION_WORDS:
-            values = [model.word(OPTION_WORDS[name], int(value))]
-        if name in FLAGS:
-            numbers, words = (
-                model.answer[f"{part}.{FLAGS[name]}"] for part in ("numbers", "words")
-            )
-            bits = zip(words.tolist(), numbers.tolist(), strict=True)
-            values = [word for word, bit in bits if word and int(value) & bit]
-        attributes[name] = Attribute(values, {key: None})
-    return ModelElement("option", 0, "option", attributes)
-
-
 def edits_of(one: Compiled, other: Compiled, pair: Sequence[Attribute]) -> Iterator[Edit]:
-    """Yield what gives A's element the values of B's; references to elements are left alone."""
+    """Yield edits that give A's element the values of B's, as far as a compiled model allows."""
+    values = pair[1].values
     for name, rows in pair[0].rows.items():
-        if name.startswith("opt."):
-            yield name, None, np.asarray(other.answer[name]).tolist()
-            continue
         theirs = pair[1].rows.get(name, ())
-        if name in RETARGETED and len(theirs):
-            numbers = [number_of(one, label) for label in pair[1].values]
-            width = np.size(one.field(name)[rows])
-            numbers += [-1] * (width - len(numbers))
-            shape = np.shape(one.field(name)[rows])
-            yield f"model.{name}", rows.tolist(), np.reshape(numbers, shape).tolist()
-            continue
-        fixed = name in (*ENUMERATIONS, *REFERENCES) or name.startswith("sensor_")
-        if fixed or len(theirs) != len(rows):
-            continue
-        for own in (name, WITH.get(name), SWITCHES.get(name)):
-            if own and f"model.{own}" in one.answer:
-                yield f"model.{own}", rows.tolist(), other.field(own)[theirs].tolist()
+        listed = None if rows is None else rows.tolist()
+        if name in TYPES:
+            numbers = one.numbers(TYPES[name])  # which another release may have changed
+            if name != "actuator_dyntype" or min(one.field("actuator_actadr")[rows]) >= 0:
+                yield name, listed, sum(numbers.get(word, 0) for word in values)
+        elif listed is None:
+            yield name, None, other.field(name).tolist()
+        elif name in RETARGETED and len(theirs):
+            targets = np.full_like(one.field(name)[rows], -1)
+            targets.flat[: len(values)] = [number_of(one, label) for label in values]
+            yield name, listed, targets.tolist()
+        elif not (name in FIXED or name.startswith("sensor_") or len(theirs) != len(rows)):
+            for own in (name, WITH.get(name, ""), SWITCHES.get(name, "")):
+                if own in one.answer:
+                    yield own, listed, other.field(own)[theirs].tolist()
 
 
 def number_of(model: Compiled, label: str) -> int:
@@ -407,7 +411,7 @@ def neutral(model: Compiled, element: ModelElement) -> Iterator[Edit]:
     """Yield what leaves an element without effect."""
     for name, value in NEUTRAL.get(element.kind, {}).items():
         shape = model.field(name)[[element.number]].shape
-        yield f"model.{name}", [element.number], np.full(shape, value).tolist()
+        yield name, [element.number], np.full(shape, value).tolist()
 
 
 def renamed(one: Compiled, other: Compiled, match: Match) -> Iterator[str]:
@@ -422,23 +426,27 @@ def renamed(one: Compiled, other: Compiled, match: Match) -> Iterator[str]:
             yield f"the order of {kind} elements is another"
 
 
-def cells_of(before: Sequence[Any], after: Sequence[Any]) -> tuple[str, str]:
-    """Return two lists of values in words, in so many digits that they differ."""
-    for digits in (6, 12, 17):
-        cells = tuple(
-            " ".join(number(float(v), digits) if isinstance(v, int | float) else str(v) for v in vs)
-            or "none"
-            for vs in shortened(before, after)
-        )
-        if cells[0] != cells[1]:
-            break
-    return cells[0], cells[1]
+def printed_values(one: Compiled, other: Compiled, pair: Sequence[Attribute]) -> tuple[Any, Any]:
+    """Return the values of an attribute to be printed: quaternions in place of rotations."""
+    for name in pair[0].rows.keys() & pair[1].rows.keys():
+        if name.endswith("_quat"):
+            mine, theirs = (
+                np.ravel(model.field(name)[side.rows[name]])
+                for model, side in zip((one, other), pair, strict=True)
+            )
+            return mine.tolist(), (theirs if mine @ theirs >= 0 else -theirs).tolist()
+    return shortened(pair[0].values, pair[1].values)
 
 
 def shortened(before: Sequence[Any], after: Sequence[Any]) -> tuple[Sequence[Any], Sequence[Any]]:
     """Return the values that differ where there are many, else all up to the last that differs."""
     if len(before) != len(after):
         return before[:MAX_VALUES], after[:MAX_VALUES]
+    size = EQUAL * max((abs(v) for v in (*before, *after) if isinstance(v, float)), default=0.0)
+    before, after = (
+        [0.0 if isinstance(v, float) and abs(v) <= size else v for v in values]
+        for values in (before, after)
+    )
     apart = [i for i, (x, y) in enumerate(zip(before, after, strict=True)) if x != y]
     last = apart[-1] + 1 if apart else 1
     if last > MAX_VALUES:
@@ -446,14 +454,22 @@ def shortened(before: Sequence[Any], after: Sequence[Any]) -> tuple[Sequence[Any
     return before[:last], after[:last]
 
 
-def is_saved_by_mujoco(reading: Reading) -> bool:
+def is_saved_by_mujoco(text: str) -> bool:
     """Return True if a file is written as MuJoCo writes it: radians, numbers of six digits."""
-    with open(reading.operand.file, encoding="utf-8", errors="replace") as file:
-        text = re.sub(r"<!--.*?-->", "", file.read(), flags=re.DOTALL)
+    text = re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)
     if not re.search(r'angle\s*=\s*"radian"', text) or NEVER_SAVED.search(text):
         return False
     numbers = re.findall(r"(?<![\w.+-])[-+]?\d*\.?\d+(?:[eE][-+]?\d+)?(?![\w.])", text)
     return all(one in (f"{float(one):.6g}", f"{float(one):.0f}") for one in numbers)
+
+
+def written_share(values: Sequence[Any]) -> float:
+    """Return the share of the largest value that six digits explain; 0 if none has more."""
+    numbers = [float(one) for one in values if isinstance(one, int | float) and math.isfinite(one)]
+    size = max(map(abs, numbers), default=0.0)
+    if all(math.isclose(float(f"{one:.{DIGITS}g}"), one, rel_tol=EQUAL) for one in numbers):
+        return 0.0
+    return UNITS * float(10.0 ** (math.floor(math.log10(size)) + 1 - DIGITS)) / size
 
 
 # What they do --------------------------------------------------------------------------------
@@ -472,33 +488,41 @@ class EditTrial:
     """
 
     def __init__(
-        self, first: Reading, second: Reading, match: Match, rows: StateRows, always: Sequence[Edit]
+        self,
+        first: Reading,
+        second: Reading,
+        match: Match,
+        sides: tuple[Side, Side],
+        always: Sequence[Edit],
     ) -> None:
-        self.first, self.second, self.rows, self.always = first, second, rows, always
-        self.states = states_of(first)
+        self.first, self.second, self.sides, self.always = first, second, sides, always
+        self.states = states_of(first, sides)
         if isinstance(second, EngineReading):  # which has no activations
             rest = [0.0] * int(first.model.field("na"))
             self.states = {name: {**one, "act": rest} for name, one in self.states.items()}
+        self.eps = max(first.eps, second.eps)
         self.elements = [pair[0] for pair in match.pairs]
-        self.sides = [side_of(first.model, 0, match, rows), side_of(second.model, 1, match, rows)]
-        theirs = [rows.translated(state, second.model) for state in self.states.values()]
-        self.other = [self.sides[1].in_order(one) for one in second.at(theirs)]
+        self.labels = labels_of_rows(sides[0])
+        theirs = [translated(state, *sides) for state in self.states.values()]
+        self.other = [sides[1].in_order(one) for one in second.at(theirs)]
         self.own = self.answers(())
 
     def answers(self, edits: Sequence[Edit], brief: bool = False) -> list[dict[str, Any]]:
         """Return the answers of A after edits; in brief its accelerations alone."""
         answers = self.first.at(list(self.states.values()), [*self.always, *edits], brief)
         if brief:
-            return [{"qacc": one["qacc"][self.rows.rows["qvel"][0]]} for one in answers]
+            return [{"qacc": one["qacc"][self.sides[0].rows["qvel"]]} for one in answers]
         return [self.sides[0].in_order(one) for one in answers]
 
     def gaps(self, edits: Sequence[Edit]) -> list[Gap]:
-        """Return in what A, with edits, and B differ beyond rounding."""
+        """Return the gaps between A, with edits, and B."""
         own = self.answers(edits) if edits else self.own
-        labels = {kind: list(one.values()) for kind, one in self.sides[0].labels.items()}
-        labels["joint"] = self.rows.labels
-        eps = max(self.first.eps, self.second.eps)
-        return gaps_between(own, self.other, list(self.states), labels, eps)
+        return gaps_between(own, self.other, list(self.states), self.labels, self.eps)
+
+    def moves_nothing(self, edits: Sequence[Edit]) -> bool:
+        """Return True if edits of A change no quantity beyond round-off."""
+        changed = self.answers(edits)
+        return not gaps_between(self.own, changed, list(self.states), self.labels, self.eps)
 
     @cached_property
     def force_scale(self) -> Any:
@@ -519,20 +543,17 @@ class EditTrial:
 
     def read_differently(self, before: Sequence[Edit]) -> list[Difference]:
         """Return the attributes that an engine lost or scaled, after edits that are known."""
-        elements = [option_element(self.first.model), *self.elements]
         picks = find_edits(
             lambda edits: self.force_gap([*before, *edits]),
             lambda edits: not self.gaps([*before, *edits]),
-            list(guesses(self.first.model, elements)),
+            list(guesses(self.first.model, self.elements)),
         )
         differences = []
         for one, factor in picks:
-            values = one.cells(factor)
-            before_cell, after_cell = cells_of(*values) if values[0] else ("", values[1][0])
+            before, after = one.cells(factor)
+            cells = distinct(*shortened(before, after), 6) if before else ("", str(after[0]))
             edits = [one.edit(factor)]
-            differences.append(
-                Difference(one.element, one.attribute, before_cell, after_cell, edits=edits)
-            )
+            differences.append(Difference(one.element, one.attribute, *cells, None, edits))
         return differences
 
     def left(self, edits: Sequence[Edit], gaps: list[Gap]) -> list[Gap]:
@@ -542,6 +563,11 @@ class EditTrial:
         except MbcheckError:
             return gaps
 
+    @cached_property
+    def roundoff(self) -> Any:
+        """Round-off of each acceleration at each state (states, n)."""
+        return np.array([acceleration_roundoff(one, self.eps) for one in self.own])
+
     def measured(self, difference: Difference) -> Difference:
         """Return a difference with its effect on accelerations."""
         if not difference.edits:
@@ -550,18 +576,8 @@ class EditTrial:
             changed = self.answers(difference.edits, brief=True)
         except MbcheckError:
             return difference
-        size = max((abs(one["qacc"]).max(initial=0.0) for one in self.own), default=0.0)
-        apart = [
-            abs(b["qacc"] - a["qacc"]).max(initial=0.0)
-            for a, b in zip(self.own, changed, strict=True)
-        ]
-        effect = float(np.max(apart, initial=0.0)) / size if size else math.nan
-        return replace(difference, effect=effect if math.isfinite(effect) else None)
-
-
-def side_of(model: Compiled, side: int, match: Match, rows: StateRows) -> Side:
-    """Return the rows of a model; ``side`` is 0 for A and 1 for B."""
-    labels: dict[str, dict[int, str]] = {kind: {} for kind in model.labels}
-    for pair in match.pairs:
-        labels[pair[0].kind][pair[side].number] = pair[0].label
-    return Side(model, labels, {name: both[side] for name, both in rows.rows.items()})
+        own, edited = (np.array([one["qacc"] for one in every]) for every in (self.own, changed))
+        apart = abs(edited - own)
+        scale = np.maximum(abs(own).max(axis=0, initial=0.0), self.roundoff)
+        effect = np.max(np.where(apart > self.roundoff, apart / scale, 0.0), initial=0.0)
+        return replace(difference, effect=float(effect) if math.isfinite(effect) else None)

@@ -78,8 +78,15 @@ ENUMERATIONS = {
     "sensor_objtype": "mjtObj",
     "sensor_reftype": "mjtObj",
     "wrap_type": "mjtWrap",
+    "opt.integrator": "mjtIntegrator",
+    "opt.cone": "mjtCone",
+    "opt.solver": "mjtSolver",
+    "opt.jacobian": "mjtJacobian",
 }
 """Field -> the enumeration of its numbers."""
+
+FLAGS = {"opt.disableflags": "mjtDisableBit", "opt.enableflags": "mjtEnableBit"}
+"""Option -> the enumeration of its bits."""
 
 REFERENCES = {
     "body_parentid": "body",
@@ -110,6 +117,9 @@ REFERRED = {
 
 SIZES = {"plane": 0, "sphere": 1, "capsule": 2, "cylinder": 2}
 """Type of a geom or site -> how many of its three sizes count, where not all do."""
+
+ANALYTIC = ("plane", "sphere", "capsule", "box")
+"""Types of geoms of which any two collide by a formula, in place of the convex routine."""
 
 WORDS = {
     "jnt_solref": "solreflimit",
@@ -191,8 +201,8 @@ class Attribute:
     ----------
     values : sequence of float or str
         Values in a form in which equal physics is equal.
-    rows : mapping of str to array
-        Fields of the compiled model that hold it, and their rows.
+    rows : mapping of str to array or None
+        Fields of the compiled model that hold it, and their rows; None for all of an option.
     """
 
     values: Values
@@ -213,11 +223,6 @@ class ModelElement:
         return self.attributes.get(name, Attribute(["none"]))
 
 
-def field_key(name: str) -> str:
-    """Return the key of a field in the answer of `probe`."""
-    return name if name.startswith("opt.") else f"model.{name}"
-
-
 class Compiled:
     """A compiled model as `probe` tells it.
 
@@ -232,27 +237,31 @@ class Compiled:
         self.names: dict[str, list[str]] = {
             kind: answer[f"names.{kind}"].tolist() for kind in KINDS
         }
+        self.names["option"] = [""]
 
     def field(self, name: str) -> Any:
         """Return a field of ``MjModel``, or a number of its elements."""
-        return self.answer[f"model.{name}"]
+        return self.answer[name]
 
     @cached_property
     def fields(self) -> list[str]:
         """Physical fields, those of joints before those of their degrees of freedom."""
-        names = [key.partition(".")[2] for key in self.answer if key.startswith("model.")]
         physical = [
             name
-            for name in names
-            if np.ndim(self.field(name)) and not NOT_PHYSICAL.search(name) and name != "names"
+            for name in self.answer
+            if "." not in name and np.ndim(self.field(name)) and not NOT_PHYSICAL.search(name)
         ]
         return sorted(physical, key=lambda name: (name.startswith("dof_"), name))
 
+    def numbers(self, enumeration: str) -> dict[str, int]:
+        """Return the numbers of an enumeration by their words."""
+        words, numbers = (self.answer[f"{part}.{enumeration}"] for part in ("words", "numbers"))
+        return dict(zip(words.tolist(), numbers.tolist(), strict=True))
+
     def word(self, enumeration: str, number: int) -> str:
         """Return the word for a number of an enumeration."""
-        numbers = self.answer[f"numbers.{enumeration}"].tolist()
-        words: list[str] = self.answer[f"words.{enumeration}"].tolist()
-        return words[numbers.index(number)] if number in numbers else f"number {number}"
+        every = self.numbers(enumeration).items()
+        return next((word for word, one in every if one == number), f"number {number}")
 
     @cached_property
     def labels(self) -> dict[str, list[str]]:
@@ -330,7 +339,7 @@ class Compiled:
     def columns_of(self, name: str) -> Iterator[tuple[int, slice]]:
         """Yield the number of each element that has columns in a field of keyframes, and these."""
         kind, address, width = COLUMNS[name]
-        starts = self.answer.get(f"model.{address}", np.arange(len(self.labels[kind])))
+        starts = self.answer.get(address, np.arange(len(self.labels[kind])))
         ends = [*starts[1:].tolist(), self.field(name).shape[1]]
         for number, start in enumerate(starts.tolist()):
             if start >= 0:
@@ -343,7 +352,7 @@ class Compiled:
         values = self.field(name)
         if name in ENUMERATIONS or name in REFERENCES or name == "exclude_signature":
             return [self.described(labels, name, row) for row in range(len(values))]
-        limited = self.answer.get(f"model.{name.removesuffix('range')}limited")
+        limited = self.answer.get(f"{name.removesuffix('range')}limited")
         if limited is not None and name.endswith("range"):
             return [list(v) if on else ["no limit"] for v, on in zip(values, limited, strict=True)]
         if name == "wrap_prm":  # of a geom the number of the site on whose side the tendon runs
@@ -354,13 +363,42 @@ class Compiled:
             return values >= 0
         if name == "body_inertia":
             axes = rotations(self.field("body_iquat"))
-            return axes * values[:, None] @ axes.transpose(0, 2, 1)
+            tensors = axes * values[:, None] @ axes.transpose(0, 2, 1)
+            return tensors[:, [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
         if name in ("geom_size", "site_size"):
             kinds = self.types(name.replace("size", "type"))
             return values * np.less.outer(np.arange(3), [SIZES.get(kind, 3) for kind in kinds]).T
         if name == "geom_quat":
             return self.axes()
         return rotations(values) if name.endswith("_quat") else values
+
+    @cached_property
+    def options(self) -> ModelElement:
+        """The options as one element, flags by their names."""
+        attributes = {}
+        for key, value in self.answer.items():
+            name = key.removeprefix("opt.")
+            if name == key or name.startswith("o_"):
+                continue
+            values: list[Any] = np.ravel(value).tolist()
+            if key in ENUMERATIONS:
+                values = [self.word(ENUMERATIONS[key], int(value))]
+            if key in FLAGS:
+                bits = self.numbers(FLAGS[key]).items()
+                values = [word for word, bit in bits if word and int(value) & bit]
+            attributes[name] = Attribute(values, {key: None})
+        return ModelElement("option", 0, "option", attributes)
+
+    @cached_property
+    def collides_convexly(self) -> bool:
+        """True if contacts or distances of geoms may be computed by the convex routine."""
+        touch = (
+            self.field("geom_contype") | self.field("geom_conaffinity") | len(self.names["pair"])
+        )
+        shapes = zip(self.types("geom_type"), touch.tolist(), strict=True)
+        distances = [one for one in self.types("sensor_type") if one.startswith("geom")]
+        others = [one for one, on in shapes if on and one not in ANALYTIC]
+        return bool(self.names["flex"] or distances or others)
 
     def types(self, name: str) -> list[str]:
         """Return the words of a field of types."""
@@ -402,9 +440,12 @@ def folded(table: dict[str, Attribute], kind: str) -> dict[str, Attribute]:
         table["geoms"] = Attribute(sorted(both))
     if kind == "actuator":
         gain, bias = table["gainprm"].values, table["biasprm"].values
-        if table["gaintype"].values == ["fixed"] and gain[0] and bias[1] == -gain[0]:
-            rows = {**table["gainprm"].rows, **table["biasprm"].rows}
-            table["kp"], table["kv"] = Attribute([gain[0]], rows), Attribute([-bias[2]], rows)
+        rows = {**table["gainprm"].rows, **table["biasprm"].rows}
+        servo, speed = bias[1] == -gain[0], bias[1] == 0 and bias[2] == -gain[0]
+        if table["gaintype"].values == ["fixed"] and gain[0] and (servo or speed):
+            table["kv"] = Attribute([-bias[2]], rows)
+            if servo:
+                table["kp"] = Attribute([gain[0]], rows)
     return table
 
 
@@ -414,13 +455,13 @@ def touches_nothing(table: Mapping[str, Attribute]) -> bool:
 
 
 GAINS = ("gainprm", "biasprm"), ("kp", "kv")
-"""Attributes of an actuator, and those of a servo, which say the same."""
+"""Attributes of an actuator, and those of a servo of position or speed, which say the same."""
 
 
 def names_of_both(one: ModelElement, other: ModelElement) -> list[str]:
     """Return the attributes in which two elements are compared."""
-    servos = all("kp" in side.attributes for side in (one, other))
-    left_out = GAINS[0] if servos else GAINS[1]
+    mine, theirs = ({*GAINS[1]} & side.attributes.keys() for side in (one, other))
+    left_out = GAINS[0] if mine and mine == theirs else GAINS[1]
     names = dict.fromkeys((*one.attributes, *other.attributes))
     return [name for name in names if name not in left_out]
 
@@ -445,11 +486,16 @@ def match_elements(one: Compiled, other: Compiled) -> Match:
     """
     labels = {kind: list(listed) for kind, listed in other.labels.items()}
     contents = contents_of(one), contents_of(other)
-    pairs: list[tuple[ModelElement, ModelElement]] = []
+    pairs = [(one.options, other.options)]
     gone: list[ModelElement] = []
     new: list[ModelElement] = []
     for kind in KINDS:
-        partners = dict(pairs_by_name(one.names[kind], other.names[kind]))
+        names, others = one.names[kind], other.names[kind]
+        partners = {
+            i: others.index(name)
+            for i, name in enumerate(names)
+            if name and others.count(name) == names.count(name) == 1
+        }
         rename(labels, one, kind, partners)
         mine = one.elements(kind, one.labels)
         for numbers in levels(one) if kind == "body" else [range(len(mine))]:
@@ -480,13 +526,6 @@ def levels(model: Compiled) -> list[list[int]]:
     for parent in model.field("body_parentid")[1:].tolist():
         depth.append(depth[parent] + 1)
     return [[i for i, own in enumerate(depth) if own == d] for d in range(max(depth) + 1)]
-
-
-def pairs_by_name(mine: Sequence[str], theirs: Sequence[str]) -> Iterator[tuple[int, int]]:
-    """Yield the numbers of elements that have the same name."""
-    for i, name in enumerate(mine):
-        if name and theirs.count(name) == mine.count(name) == 1:
-            yield i, theirs.index(name)
 
 
 def leftover_groups(

@@ -150,7 +150,7 @@ class EngineReading(Reading):
             joints=tuple(self.model.names["joint"]),
             positions=self.model.field("qpos0").astype(float),
             velocities=np.zeros(self.layout.size[1]),
-            mjcf=Path(operand.file).read_text(encoding="utf-8", errors="replace"),
+            mjcf=self.text,
             path=str(Path(operand.file).resolve()),
             kinds=kinds,
         )
@@ -212,9 +212,8 @@ class EngineReading(Reading):
         mujoco = super().at(states)
         smooth = [i for i, one in enumerate(mujoco) if not len(one["row_type"])]
         sample = (smooth or range(len(states)))[-TRIED_STATES:]
-        convention = self.find_convention(
-            [states[i] for i in sample], [mujoco[i]["qacc"] for i in sample]
-        )
+        quiet = [{**states[i], "ctrl": [0.0] * len(states[i]["ctrl"])} for i in sample]
+        convention = self.find_convention(quiet, [one["qacc"] for one in super().at(quiet)])
         self.conventions = convention.sentences
         answers: list[Answer] = []
         for i, state in enumerate(states):

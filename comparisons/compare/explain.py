@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from ...reference.errors import MbcheckError
-from .elements import SWITCHES, Compiled, ModelElement, field_key
+from .elements import SWITCHES, Compiled, ModelElement
 from .reading import Edit
 
 MAX_EDITS, TRIED_AGAIN = 8, 60
@@ -37,6 +37,17 @@ FACTORS: Mapping[str, float] = {
     **dict.fromkeys(("actuator_ctrllimited", "actuator_forcelimited", "geom_contype"), 0.0),
 }
 """Field -> the factor of a complete loss, or of another value by which its effect is measured."""
+
+MIN_CHANGE = 1e-4
+"""Smallest relative change of an attribute that is named; smaller ones follow errors of the fit."""
+
+FACTORS_ALLOWED, POSITIVE_FACTORS = (-1e4, 1e4), (0.0, 100.0)
+"""Bounds of the factors by which a reader may have scaled attributes, and those of `POSITIVE`.
+
+The loss of all forces has the same effect as a mass a thousand times as large."""
+
+POSITIVE = ("mass", "inertia", "damping", "armature", "stiffness", "frictionloss", "density")
+"""Ends of fields that no reader makes negative."""
 
 DISCRETE = ("jnt_axis", "eq_active0", "geom_contype", "limited")
 """Ends of fields that a reader either keeps or not; others may be scaled."""
@@ -71,6 +82,11 @@ class Guess:
         """True if a reader either keeps it or not."""
         return self.field.endswith(DISCRETE)
 
+    def allows(self, factor: float) -> bool:
+        """Return True if a reader may have multiplied the attribute by a factor."""
+        low, high = POSITIVE_FACTORS if self.field.endswith(POSITIVE) else FACTORS_ALLOWED
+        return self.is_discrete or low - WHOLE < factor < high
+
     def edit(self, factor: float) -> Edit:
         """Return the edit of a model by a factor, by that of a complete loss if it is discrete."""
         return (
@@ -92,24 +108,23 @@ class Guess:
 def guesses(model: Compiled, elements: Sequence[ModelElement]) -> Iterator[Guess]:
     """Yield the losses of each attribute: of all elements of a kind together, and of each."""
     for field, factor in FACTORS.items():
-        key = field_key(field)
         singles = []
-        for element in elements if key in model.answer else ():
+        for element in elements if field in model.answer else ():
             for attribute, one in element.attributes.items():
                 switched = field in (SWITCHES.get(name) for name in one.rows)
                 if not switched and field not in one.rows:
                     continue
                 rows = [element.number] if switched else one.rows[field]
                 listed = None if rows is None else list(map(int, rows))
-                values = np.asarray(model.answer[key], dtype=float)
+                values = np.asarray(model.field(field), dtype=float)
                 values = values if listed is None else values[listed]
                 if values.any():
-                    singles.append(Guess(element.label, attribute, key, listed, values, factor))
+                    singles.append(Guess(element.label, attribute, field, listed, values, factor))
         if len(singles) > 1:
             every = f"every {singles[0].element.partition(' ')[0]}"
             rows = [row for one in singles for row in one.rows or ()]
             values = np.concatenate([one.values for one in singles])
-            yield Guess(every, singles[0].attribute, key, rows, values, factor)
+            yield Guess(every, singles[0].attribute, field, rows, values, factor)
         yield from singles
 
 
@@ -166,9 +181,11 @@ def find_edits(
         first = np.append(factors, 1 + gains[pick][1] * (pick.factor - 1))
         factors = fitted(remaining, first, np.array([one.factor for one in picks]))
         left = remaining(factors)
-    if np.linalg.norm(left) > OPEN_SHARE * np.linalg.norm(start):
+    is_open = np.linalg.norm(left) > OPEN_SHARE * np.linalg.norm(start)
+    if is_open or not all(map(Guess.allows, picks, factors)):
         return []
-    return list(zip(picks, factors.tolist(), strict=True))
+    pairs = zip(picks, factors.tolist(), strict=True)
+    return [(one, f) for one, f in pairs if one.is_discrete or abs(f - 1) > MIN_CHANGE]
 
 
 def fitted(remaining: Callable[[Any], Any], factors: Any, whole: Any) -> Any:

@@ -34,13 +34,15 @@ QUANTITIES: Mapping[str, tuple[str, str]] = {
     "actuator": ("force of actuators", "joint"),
     "qacc_smooth": ("acceleration without constraints", "joint"),
     "qacc": ("acceleration", "joint"),
-    "step_euler": ("step of Euler", "joint"),
-    "step_rk4": ("step of RK4", "joint"),
-    "step_implicit": ("step of implicit", "joint"),
-    "step_implicitfast": ("step of implicitfast", "joint"),
+    "step_euler": ("step of Euler", "step"),
+    "step_rk4": ("step of RK4", "step"),
+    "step_implicit": ("step of implicit", "step"),
+    "step_implicitfast": ("step of implicitfast", "step"),
 }
-"""Quantity of `probe.evaluated` -> its name, and whose it is; causes before effects."""
+"""Quantity of `probe.evaluated` -> its name, and the kind of its rows; causes before effects.
 
+Rows of ``joint`` are degrees of freedom; those of ``step`` positions, velocities and activations.
+"""
 
 ROWS = {
     "pos": "position",
@@ -105,11 +107,20 @@ class Gap:
     @documented
     def sentence(self) -> str:
         """The difference in words."""
-        cells = next(
-            (c for d in (3, 6, 9, 12) if (c := (number(self.a, d), number(self.b, d)))[0] != c[1]),
-            (repr(self.a), repr(self.b)),
+        a, b = distinct([self.a], [self.b], 3)
+        return f"{self.element}: {self.quantity} {a} and {b}, {self.state}"
+
+
+def distinct(first: Sequence[Any], second: Sequence[Any], digits: int) -> tuple[str, str]:
+    """Return two lists of values in words, in no fewer digits than it takes to differ."""
+    for count in range(digits, 18):
+        one, other = (
+            " ".join(number(float(v), count) if isinstance(v, int | float) else str(v) for v in vs)
+            for vs in (first, second)
         )
-        return f"{self.element}: {self.quantity} {cells[0]} and {cells[1]}, {self.state}"
+        if one != other:
+            break
+    return one or "none", other or "none"
 
 
 def gaps_between(
@@ -128,7 +139,7 @@ def gaps_between(
     states : sequence of str
         Names of the states.
     labels : mapping of str to sequence of str
-        Labels of bodies, tendons and actuators, and of each degree of freedom (``joint``).
+        Labels of bodies, tendons and actuators, and of rows of ``joint`` and ``step``.
     eps : float
         Rounding unit of the numbers of both.
     """
@@ -160,9 +171,8 @@ def array_gaps(
             ratio = np.where(lost, 0.0, abs(a[key] - b[key]) / np.maximum(limit, TINY))
             ratio = np.where(np.isnan(ratio), np.inf, ratio)
             at = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
-            label = labels[kind][int(at[0]) % len(labels[kind])]
             values = (float(values[at]) for values in (a[key], b[key], limit))
-            yield float(ratio[at]), Gap(name, label, state, *values)
+            yield float(ratio[at]), Gap(name, labels[kind][int(at[0])], state, *values)
 
 
 def collides_differently(a: Mapping[str, Any], b: Mapping[str, Any]) -> bool:
@@ -231,6 +241,21 @@ def constraint_force(a: Mapping[str, Any]) -> float:
         ),
         default=0.0,
     )
+
+
+def acceleration_roundoff(a: Mapping[str, Any], eps: float) -> Any:
+    """Return the round-off of each acceleration (n,).
+
+    Entries of the mass matrix M are good to the rounding unit of sqrt(M_ii M_jj), so that a joint
+    with large accelerations does not hide one with small ones unless M couples them.
+    """
+    mass = np.nan_to_num(a["mass"])
+    size = np.sqrt(abs(np.diag(mass)))
+    scale = size @ abs(a["qacc"])
+    for one in a["rows"].values():
+        force = abs(one["jacobian"]) * abs(one["aref"]) / one["inverse_inertia"]
+        scale = max(scale, np.max(force / np.maximum(size, TINY), initial=0.0))
+    return OPERATIONS * eps * (abs(np.linalg.pinv(mass)) @ size) * scale + 4 * a["qacc_floor"]
 
 
 def tolerances(a: Mapping[str, Any], b: Mapping[str, Any], eps: float) -> Iterator[tuple[str, Any]]:

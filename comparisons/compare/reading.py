@@ -142,6 +142,7 @@ class Reading:
             there = "it is no file" if os.path.exists(operand.file) else "no such file"
             raise UsageError(f"cannot read {operand.file}: {there}")
         self.operand = operand
+        self.text = Path(operand.file).read_text(encoding="utf-8", errors="replace")
         self.folder = tempfile.TemporaryDirectory(prefix="mbcheck-")
         self.log = Path(self.folder.name) / "stderr"
         command = [python, "-I", str(PROBE), self.folder.name]

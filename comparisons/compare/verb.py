@@ -115,6 +115,7 @@ def sections(result: ModelComparison) -> Iterator[Section]:
     """Yield the parts of the report: what differs, what that does, and what explains it."""
     from ..reports.sections import Section
     from ..reports.words import number
+    from .gaps import distinct
 
     yield Section(lines=[f"A: {result.a} ({result.versions['a']})",
                          f"B: {result.b} ({result.versions['b']})"])  # fmt: skip
@@ -134,8 +135,8 @@ def sections(result: ModelComparison) -> Iterator[Section]:
         yield Section("Read differently", heads, rows)
     if result.gaps:
         title = "What they do at the same state, where they differ most"
-        places = [(g.quantity, g.element, g.a, g.b, g.state) for g in result.gaps]
-        yield Section(title, ("quantity", "element", "A", "B", "state"), places, digits=4)
+        places = [(g.quantity, g.element, *distinct([g.a], [g.b], 4), g.state) for g in result.gaps]
+        yield Section(title, ("quantity", "element", "A", "B", "state"), places)
     yield Section(lines=list(conclusion(result)))
 
 
@@ -157,6 +158,8 @@ def conclusion(result: ModelComparison) -> Iterator[str]:
         yield from (f"  {gap.sentence}{waived_words(result, gap)}" for gap in result.left)
     elif result.differences:
         yield f"At the {len(result.states)} states that were tried, both move alike."
+    for one in result.idle_defaults:
+        yield f"A default that changed between the releases, without effect here: {one}."
     if result.rounded:
         yield f"{result.rounded} attributes differ only by the six digits of a text."
     if result.not_compared:

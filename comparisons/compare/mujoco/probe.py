@@ -56,13 +56,14 @@ Answer = dict[str, Any]
 
 
 def compiled(model: Any) -> Answer:
-    """Return a model as arrays: its fields, options, names, and the enumerations of its release."""
+    """Return a model as arrays: fields, options and their defaults, names, enumerations."""
     answer: Answer = {"version": mujoco.__version__}
-    for group, owner in (("model", model), ("opt", model.opt), ("stat", model.stat)):
+    empty = mujoco.MjModel.from_xml_string("<mujoco/>")
+    for group, owner in (("", model), ("opt.", model.opt), ("default.", empty.opt)):
         for name in dir(owner):
             value = None if name.startswith("_") else getattr(owner, name)
             if isinstance(value, (np.ndarray, int, float)):
-                answer[f"{group}.{name}"] = np.asarray(value)
+                answer[group + name] = np.asarray(value)
     for kind in KINDS:
         number = int(getattr(mujoco.mjtObj, "mjOBJ_" + kind.upper()))
         short = {"joint": "jnt", "equality": "eq"}.get(kind, kind)
@@ -80,8 +81,8 @@ def edited(model: Any, edits: Sequence[tuple[str, Any, Any]], derive: bool) -> A
     """Return a copy of a model with fields, or rows of them, set to values."""
     copied = copy.deepcopy(model)
     for field, row, value in edits:
-        group, _, name = field.partition(".")
-        owner = copied if group == "model" else getattr(copied, group)
+        name = field.removeprefix("opt.")
+        owner = copied if name == field else copied.opt
         old = getattr(owner, name)
         if np.ndim(old) == 0:
             setattr(owner, name, type(old)(value))
@@ -93,16 +94,18 @@ def edited(model: Any, edits: Sequence[tuple[str, Any, Any]], derive: bool) -> A
     return copied
 
 
-def put(data: Any, state: Mapping[str, Any]) -> None:
-    """Put data into a state."""
+def data_at(model: Any, state: Mapping[str, Any], start: Any = 0.0) -> Any:
+    """Return data at a state, whose solver starts from accelerations."""
+    data = mujoco.MjData(model)
     for name, value in state.items():
         getattr(data, name)[:] = value
+    data.qacc_warmstart[:] = start
+    return data
 
 
 def solved(model: Any, state: Mapping[str, Any], start: Any = 0.0) -> Any:
     """Return data at a state, constraints solved from accelerations until nothing changes."""
-    data = mujoco.MjData(model)
-    put(data, state)
+    data = data_at(model, state)
     mujoco.mj_forward(model, data)
     data.qacc_warmstart[:] = start
     last, before = data.qacc.copy(), np.inf
@@ -143,26 +146,21 @@ def evaluated(model: Any, states: Sequence[Mapping[str, Any]], brief: bool) -> I
 
 
 def stepped(model: Any, state: Mapping[str, Any], start: Any) -> Any:
-    """Return positions and velocities after a step whose solver starts from accelerations."""
-    data = mujoco.MjData(model)
-    put(data, state)
-    data.qacc_warmstart[:] = start
+    """Return positions, velocities and activations after a step, see `data_at`."""
+    data = data_at(model, state, start)
     mujoco.mj_step(model, data)
-    return np.concatenate([data.qpos, data.qvel])
+    return np.concatenate([data.qpos, data.qvel, data.act])
 
 
 def smooth(model: Any, state: Mapping[str, Any]) -> Answer:
     """Return kinematics, mass matrix and forces at a state, without constraints."""
-    data = mujoco.MjData(model)
-    put(data, {"qpos": state["qpos"]})
-    mujoco.mj_forward(model, data)
-    answer: Answer = {"gravity": data.qfrc_bias.copy()}
-    put(data, state)
+    at_rest, data = (data_at(model, one) for one in ({"qpos": state["qpos"]}, state))
+    mujoco.mj_forward(model, at_rest)
     mujoco.mj_forward(model, data)
     mass, unit = np.zeros((model.nv, model.nv)), np.eye(model.nv)
     for i in range(model.nv):
         mujoco.mj_mulM(model, data, mass[i], unit[i])
-    answer.update(mass=mass, bias=data.qfrc_bias)
+    answer: Answer = {"gravity": at_rest.qfrc_bias, "mass": mass, "bias": data.qfrc_bias}
     names = [f"qfrc_{name}" for name in FORCES]
     for name in (*PARTS, *names):
         if hasattr(data, name):
@@ -192,19 +190,8 @@ def constraint_rows(model: Any, data: Any) -> Answer:
 def contacts(data: Any) -> Answer:
     """Return the contacts at a state."""
     every = [data.contact[i] for i in range(data.ncon)]
-    rows = [
-        np.concatenate(
-            [
-                [one.dist, one.dim, one.includemargin],
-                one.pos,
-                one.frame,
-                one.friction,
-                one.solref,
-                one.solimp,
-            ]
-        )
-        for one in every
-    ]
+    names = ("dist", "dim", "includemargin", "pos", "frame", "friction", "solref", "solimp")
+    rows = [np.hstack([getattr(one, name) for name in names]) for one in every]
     return {
         "contact_geoms": np.array([[one.geom1, one.geom2] for one in every]).reshape(-1, 2),
         "contact_numbers": np.array(rows).reshape(len(every), 27),
@@ -213,10 +200,10 @@ def contacts(data: Any) -> Answer:
 
 def touching(model: Any, states: Sequence[Mapping[str, Any]]) -> Answer:
     """Return which geoms touch at each state, and the depth of the shallowest contact [m]."""
-    data, geoms = mujoco.MjData(model), np.zeros((len(states), model.ngeom), dtype=bool)
+    geoms = np.zeros((len(states), model.ngeom), dtype=bool)
     shallowest = np.full(len(states), np.inf)
     for i, state in enumerate(states):
-        put(data, state)
+        data = data_at(model, state)
         mujoco.mj_fwdPosition(model, data)
         for contact in (data.contact[k] for k in range(data.ncon)):
             geoms[i, [contact.geom1, contact.geom2]] = True

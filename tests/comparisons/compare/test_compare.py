@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import sys
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 
 import mujoco
+import numpy as np
 import pytest
 
 from mbcheck.comparisons.compare import comparison
@@ -19,7 +22,7 @@ from mbcheck.comparisons.compare.reading import Operand, Reading
 from mbcheck.models import mjcf
 from mbcheck.tests.support.command import invoke
 from mbcheck.tests.support.documents import validated
-from mbcheck.tests.support.mjcf.disguise import disguised
+from mbcheck.tests.support.mjcf.disguise import disguised, saved
 from mbcheck.tests.support.mjcf.large import chain, heap, humanoid
 from mbcheck.tests.support.mjcf.losses import LOSSES, WHOLE
 
@@ -37,15 +40,10 @@ def compiled(text: str) -> Compiled:
     return Compiled(probe.compiled(mujoco.MjModel.from_xml_string(text)))
 
 
-def differences(one: Compiled, other: Compiled) -> list[Difference]:
-    """Return what was compiled differently."""
-    return differing(one, other, comparison.EQUAL)
-
-
-def differing(one: Compiled, other: Compiled, share: float) -> list[Difference]:
-    """Return what differs by more than a share."""
+def differences(one: Compiled, other: Compiled, is_copy: bool = False) -> list[Difference]:
+    """Return what was compiled differently; of a copy, by more than its six digits explain."""
     every = comparison.differences_of(one, other, match_elements(one, other))
-    return [one for one in every if one.share > share]
+    return [d for d in every if d.share > max(comparison.EQUAL, is_copy * d.written)]
 
 
 @pytest.fixture(scope="module")
@@ -105,8 +103,8 @@ def test_a_copy_that_mujoco_saved_is_no_difference(scene: str) -> None:
     text = next(iter(mjcf.models(scene).values())).path.read_text()
     spec = mujoco.MjSpec.from_string(text)
     spec.compile()
-    one, saved = compiled(text), compiled(spec.to_xml())
-    assert differing(one, saved, comparison.SIX_DIGITS) == []
+    one, copy = compiled(text), compiled(spec.to_xml())
+    assert differences(one, copy, is_copy=True) == []
 
 
 SMALL = """<mujoco><worldbody><geom type="plane" size="1 1 .1"/><body name="b" pos="0 0 1">
@@ -181,7 +179,7 @@ def test_nothing_differs_from_itself(first: Reading) -> None:
     with Reading(first.operand, sys.executable) as second:
         found = compared(first, second, ("a", "b"))
     assert found.exit_code == 0
-    assert {name.split()[0] for name in found.states} >= {"as", "keyframe", "random", "joint"}
+    assert {name.split()[0] for name in found.states} >= {"as", "keyframe", "random", "joints"}
     assert any(name.startswith("contact") for name in found.states)
 
 
@@ -201,11 +199,165 @@ def test_the_edit_closes_the_gap(first: Reading, lost: str, tmp_path: Path) -> N
 def test_every_gap_that_shows_is_closed(
     first: Reading, lost: str, left: str, element: str, attribute: str, tmp_path: Path
 ) -> None:
-    """All but two: geoms of a lost pair touch by their own friction, and types are not edited."""
+    """All but one: geoms of a lost pair touch by their own friction."""
     found = against(first, tmp_path / "lost.xml", lost, left)
     assert found.exit_code == 1
-    open_gaps = ("pair bf", ""), ("actuator f1", "dyntype")
-    assert found.closed in (True, None) or (element, attribute) in open_gaps
+    assert found.closed in (True, None) or (element, attribute) == ("pair bf", "")
+
+
+def texts_compared(one: str, other: str, folder: Path, **older: float) -> ModelComparison:
+    """Return the comparison of two texts, B as by a release with other defaults of options."""
+    files = [folder / "one.xml", folder / "other.xml"]
+    for file, text in zip(files, (one, other), strict=True):
+        file.write_text(text)
+    with ExitStack() as stack:
+        first, second = (
+            stack.enter_context(Reading(Operand(str(file), "mujoco"), sys.executable))
+            for file in files
+        )
+        answer = dict(second.model.answer)
+        for name, value in older.items():
+            assert answer[f"opt.{name}"] == answer[f"default.{name}"]
+            answer |= {f"{group}.{name}": np.array(value) for group in ("opt", "default")}
+        second.model = Compiled(answer)
+        return compared(first, second, ("a", "b"))
+
+
+ROD = """<mujoco><worldbody><geom type="plane" size="1 1 .1"/><body pos="0 0 .1"><freejoint/>
+<geom type="capsule" size=".1 .2"/></body></worldbody></mujoco>"""
+
+EGG = ROD.replace('type="capsule" size=".1 .2"', 'type="ellipsoid" size=".1 .2 .3"')
+DISTANCE = (
+    ROD.replace("</mujoco>", '<sensor><distance geom1="p" geom2="c"/></sensor></mujoco>')
+    .replace('type="plane"', 'name="p" type="plane"')
+    .replace('type="capsule"', 'name="c" type="capsule"')
+)
+UNTOUCHED = EGG.replace("<geom type", '<geom contype="0" conaffinity="0" type')
+SLEEPY = ROD.replace("<worldbody>", '<option><flag sleep="enable"/></option><worldbody>')
+
+
+@pytest.mark.parametrize(
+    ("text", "option", "value", "idle"),
+    [
+        (ROD, "sleep_tolerance", 1e-4, True),
+        (SLEEPY, "sleep_tolerance", 1e-4, False),
+        (ROD, "ccd_iterations", 50, True),
+        (EGG, "ccd_iterations", 50, False),
+        (UNTOUCHED, "ccd_iterations", 50, True),
+        (DISTANCE, "ccd_iterations", 50, False),
+        (ROD, "iterations", 50, False),
+        (ROD, "impratio", 2, False),
+    ],
+)
+def test_a_changed_default_counts_where_it_may_have_an_effect(
+    text: str, option: str, value: float, idle: bool, tmp_path: Path
+) -> None:
+    found = texts_compared(text, text, tmp_path, **{option: value})
+    assert found.exit_code == (not idle)
+    assert [one.partition(" ")[0] for one in found.idle_defaults] == idle * ["option:"]
+    assert [one.attribute for one in found.differences] == (not idle) * [option]
+
+
+def test_a_value_that_the_file_gives_is_no_changed_default(tmp_path: Path) -> None:
+    other = ROD.replace("<worldbody>", '<option sleep_tolerance="1e-4"/><worldbody>')
+    found = texts_compared(ROD, other, tmp_path)
+    assert [one.attribute for one in found.differences] == ["sleep_tolerance"]
+    assert found.idle_defaults == []
+
+
+SHORT = """<mujoco><compiler angle="radian"/><worldbody><body name="b" pos=".333 0 1"><joint
+name="j" axis="0 1 .3" damping="1.1"/><geom type="box" size=".11 .07 .03" pos=".1 .2 .033"/><geom
+type="capsule" size=".04 .1" pos=".1 .2 .333"/><body name="c" pos="0 0 .3"><joint name="k"/>
+<inertial pos="0 0 0" mass="1" fullinertia=".03 .04 .05 .001 .002 .003"/></body></body></worldbody>
+</mujoco>"""
+
+
+@pytest.mark.parametrize("angle", ["radian", "degree"])
+def test_rounding_by_the_writer_is_no_difference_and_a_change_above_it_is(
+    angle: str, tmp_path: Path
+) -> None:
+    (tmp_path / "short.xml").write_text(SHORT.replace("radian", angle))
+    text = saved(tmp_path / "short.xml")
+    assert texts_compared(SHORT, text, tmp_path).exit_code == 0
+    for old, new, element, attribute in (
+        ('damping="1.1"', 'damping="1.10001"', "joint j", "damping"),
+        ("0.333 0 1", "0.333001 0 1", "body b", "pos"),
+        (*last_digit(text, "diaginertia", 7), "body c", "inertia"),
+        (*last_digit(text, "axis", 7), "joint j", "axis"),
+    ):
+        assert old in text
+        found = texts_compared(SHORT, text.replace(old, new), tmp_path)
+        assert (element, attribute) in {(one.element, one.attribute) for one in found.differences}
+
+
+def last_digit(text: str, attribute: str, units: int) -> tuple[str, str]:
+    """Return an attribute, and the same with more units of the last digit of its last number."""
+    (words,) = set(re.findall(rf' {attribute}="([^"]*)"', text))
+    word = words.split()[-1]
+    unit = 10.0 ** -len(word.partition(".")[2])
+    return words, words.replace(word, f"{float(word) + units * unit:.{len(word) - 2}f}")
+
+
+def limbs(joint: str = "", motor: str = "", count: int = 9) -> str:
+    """Return a chain of joints, each with a motor, and a ball; attributes of all."""
+    inner, motors = "", ""
+    for i in reversed(range(count)):
+        inner = (
+            f'<body pos=".1 0 0"><joint name="j{i}" axis="0 {i % 2} {1 - i % 2}" {joint}/><geom '
+            f'type="capsule" size=".02" fromto="0 0 0 .1 0 0" contype="0"/>{inner}</body>'
+        )
+        motors += f'<motor name="m{i}" joint="j{i}" gear="2" {motor}/>'
+    ball = '<body><joint name="s" type="ball" range="0 .7"/><geom size=".1"/></body>'
+    return (
+        f'<mujoco><compiler angle="radian"/><worldbody>{inner}{ball}</worldbody>'
+        f"<actuator>{motors}</actuator></mujoco>"
+    )
+
+
+@pytest.mark.parametrize(
+    ("joint", "motor", "lost"),
+    [
+        ('range="-.4 .3"', "", 'range="-.4 .3"'),
+        ("", "", 'range="0 .7"'),
+        ('actuatorfrcrange="-70 70"', "", 'actuatorfrcrange="-70 70"'),
+        ("", 'forcerange="-25 25"', 'forcerange="-25 25"'),
+        ("", 'ctrlrange="-9 9"', 'ctrlrange="-9 9"'),
+    ],
+)
+@pytest.mark.parametrize("is_new", [False, True])
+def test_a_lost_or_new_range_of_any_element_has_an_effect(
+    joint: str, motor: str, lost: str, is_new: bool, tmp_path: Path
+) -> None:
+    text = limbs(joint, motor)
+    before, _, after = text.rpartition(lost)
+    texts = (before + after, text) if is_new else (text, before + after)
+    (one,) = texts_compared(*texts, tmp_path).differences
+    assert one.attribute == lost.partition("=")[0]
+    assert one.effect
+    assert one.effect > 1e-3
+
+
+def test_effects_are_relative_to_each_joint(tmp_path: Path) -> None:
+    """A wrist beside a shoulder that is a million times as fast; round-off has no effect."""
+    text = """<mujoco><worldbody><body><joint name="fast"/><geom size=".01" contype="0"/></body>
+    <body pos="0 0 1"><joint name="slow" damping="1e-3"/><geom size=".1" mass="9" contype="0"
+    pos=".1 0 0"/><site name="s"/></body></worldbody><actuator><motor joint="fast" gear="1e3"/>
+    </actuator></mujoco>"""
+    (one,) = texts_compared(text, text.replace("1e-3", "1e-1"), tmp_path).differences
+    assert one.element == "joint slow"
+    assert one.effect == pytest.approx(99)  # (0.1 - 0.001) / 0.001: nothing else acts on it
+    (still,) = texts_compared(text, text.replace('"s"', '"s" pos=".1 0 0"'), tmp_path).differences
+    assert still.effect == 0
+
+
+def test_numbers_of_a_table_differ(tmp_path: Path) -> None:
+    (tmp_path / "one.xml").write_text(SMALL)
+    (tmp_path / "other.xml").write_text(SMALL.replace('damping="1"', 'damping="1.0000001"'))
+    files = [str(tmp_path / f"{name}.xml") for name in ("one", "other")]
+    shown = invoke("compare", *files).stdout.partition("differ most")[2]
+    numbers = re.findall(r"joint j +(\S+) +(\S+)", shown)
+    assert numbers
+    assert all(a != b for a, b in numbers)
 
 
 # The command ---------------------------------------------------------------------------------

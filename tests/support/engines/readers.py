@@ -23,6 +23,7 @@ class FileReader(mbcheck.Engine):
         """Return what MuJoCo computes after the edit."""
         model = mujoco.MjModel.from_xml_path(system.path)
         self.edit(model)
+        mujoco.mj_setConst(model, mujoco.MjData(model))  # as after compiling what it has read
         data = mujoco.MjData(model)
         data.qpos, data.qvel, data.ctrl = q, v, system.controls(time)
         mujoco.mj_forward(model, data)

@@ -107,3 +107,60 @@ IMPORT_BUGS = {
         'joint2="left_finger"', 'joint2="twist"', "equality mimic", "second element"),
 }  # fmt: skip
 """Bug -> text, how it is read, and the element and the attribute that are named first."""
+
+TEXT_OF_COMPILER = """<mujoco model="rig">
+  <compiler angle="degree" autolimits="true" boundmass=".01" boundinertia=".0001" eulerseq="zyx"/>
+  <default><joint damping=".2"/><default class="arm"><joint armature=".03" damping=".5"/>
+    <default class="fore"><joint stiffness="2" frictionloss=".1"/></default></default></default>
+  <worldbody>
+    <body name="base" pos="0 0 1" euler="20 35 50" childclass="arm"><joint name="yaw" axis="0 0 1"
+      range="-70 80"/><geom type="box" size=".1 .06 .05" mass="1.2"/>
+      <body name="mid" pos="0 .1 .3"><joint name="lift" class="fore" axis="0 1 0" range="-40 60"/>
+        <geom type="capsule" fromto="0 0 0 .3 0 0" size=".03" mass=".4"/><site name="grip"
+          pos=".3 0 0"/>
+        <body name="tiny" pos=".3 0 0"><joint name="tip" type="slide" axis="1 0 0"/><geom
+          size=".01" mass=".001"/></body></body></body>
+    <body name="twin" pos="1 0 1" childclass="fore"><joint name="follow" axis="0 1 0"/><geom
+      type="box" size=".1 .05 .02" mass=".7"/><site name="anchor" pos="0 .1 0"/></body>
+    <body name="load" pos="0 2 1"><freejoint name="free"/><geom type="box" size=".1 .1 .1"
+      density="300"/><site name="hook" pos="0 0 .1"/></body>
+  </worldbody>
+  <tendon><spatial name="rope" springlength=".3 2" stiffness="40" damping="1"><site site="grip"/>
+    <site site="hook"/></spatial></tendon>
+  <equality><joint name="mimic" joint1="follow" joint2="lift" polycoef=".4 -1.2 0 0 0"/><connect
+    name="pin" body1="load" body2="twin" anchor="0 0 .1" active="false"/></equality>
+  <actuator><position name="servo" joint="lift" kp="30" inheritrange="1"/><general name="lag"
+      joint="yaw" dyntype="filterexact" dynprm=".02" gainprm="7" actearly="true"/>
+    <general name="thrust" site="hook" refsite="anchor" gear="0 0 3 0 0 0" gainprm="2"/>
+    <motor name="jet" site="hook" gear="0 4 0 0 0 1"/><velocity name="drive" joint="tip" kv="5"/>
+  </actuator>
+</mujoco>
+"""
+
+RIG = " ".join(TEXT_OF_COMPILER.split())
+
+COMPILER_BUGS = {
+    "sequence of Euler angles ignored": (' eulerseq="zyx"', "", "body base", "quat"),
+    "degrees read as radians": ('angle="degree"', 'angle="radian"', "joint yaw", "range"),
+    "least mass ignored": (' boundmass=".01"', "", "body tiny", "mass"),
+    "least inertia ignored": (' boundinertia=".0001"', "", "body tiny", "inertia"),
+    "masses scaled to a total": ("<compiler ", '<compiler settotalmass="5" ', "body twin", "mass"),
+    "nested class ignored": (' class="fore" axis', " axis", "joint lift", "frictionloss"),
+    "childclass ignored": (' childclass="fore"', "", "joint follow", "armature"),
+    "free joint with the default's damping": (
+        '<freejoint name="free"/>', '<joint name="free" type="free"/>', "joint free", "damping"),
+    "dead band of a tendon lost": (
+        'springlength=".3 2"', 'springlength=".3"', "tendon rope", "springlength"),
+    "refsite dropped": (' refsite="anchor"', "", "actuator thrust", "target"),
+    "torque of a site dropped": (
+        'gear="0 4 0 0 0 1"', 'gear="0 4 0 0 0 0"', "actuator jet", "gear"),
+    "inheritrange ignored": (' inheritrange="1"', "", "actuator servo", "ctrlrange"),
+    "actearly ignored": (' actearly="true"', "", "actuator lag", "actearly"),
+    "exact filter read as filter": ('"filterexact"', '"filter"', "actuator lag", "dyntype"),
+    "kv of a speed servo lost": (' kv="5"', "", "actuator drive", "kv"),
+    "mimic on a hinge loses its offset": (
+        'polycoef=".4 -1.2 0 0 0"', 'polycoef="0 -1.2 0 0 0"', "equality mimic", "polycoef"),
+    "inactive equality switched on": (' active="false"', "", "equality pin", "active"),
+    "density of a geom lost": (' density="300"', "", "body load", "mass"),
+}  # fmt: skip
+"""The same of a model that uses the compiler's options, nested classes and sites."""
