@@ -361,7 +361,13 @@ def _imported(module: str, attribute: str) -> Any:
             f"{cause.name}."
         )
         kind = EngineUnavailableError if missing else BrokenEngineError
-        raise kind(f"{module} cannot be imported ({error})", error.traceback) from error
+        cure = "correct the module; -v shows where it raised"
+        if missing:
+            cure = f"run mbcheck in the folder of {cause.name}, or install its package with pip"
+        elif isinstance(cause, ModuleNotFoundError):
+            cure = f"install the package that provides {cause.name} for this Python"
+        message = f"{module} cannot be imported ({error}); {cure}"
+        raise kind(message, error.traceback) from error
     try:
         place: Any = loaded
         for part in attribute.split("."):

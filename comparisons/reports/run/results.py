@@ -17,7 +17,7 @@ SEVERITY: tuple[Verdict, ...] = ("error", "deviation", "known", "pass", "skipped
 FAILURES = ("error", "deviation")
 """Verdicts that make a run fail."""
 
-FATES: Mapping[str, str] = {"deviation": "deviate", "error": "fail", "known": "known"}
+FATES: Mapping[str, str] = {"deviation": "deviate", "error": "in error", "known": "known"}
 """Words for results that do not pass, in the cells of a matrix of verdicts."""
 
 MEASURES = ("value", "reference", "error", "tolerance")
