@@ -18,16 +18,13 @@ from typing import Any, Literal
 
 from ...reference.errors import UnknownNameError, UsageError
 from ..documents.reading import read_document
-from .verdict import Result
+from .verdict import FAILURES, Result
 
 TODO = "TODO: why does it deviate?"
 """Stands in a drafted file in place of each reason."""
 
 KEYS = ("id", "reason", "max_error")
 """Keys of an entry; the first two are required. ``id`` may be a table of ids with their errors."""
-
-FAILED = ("deviation", "error")
-"""Verdicts that an entry covers."""
 
 State = Literal["used", "stale", "open"]
 
@@ -60,7 +57,7 @@ class Entry:
 
     def covers(self, result: Result) -> bool:
         """Return True if it covers a result that fails, or would if it were not known."""
-        if result.verdict not in (*FAILED, "known") or not fnmatchcase(result.id, self.id):
+        if result.verdict not in (*FAILURES, "known") or not fnmatchcase(result.id, self.id):
             return False
         return self.max_error is None or (
             result.verdict != "error"
@@ -93,22 +90,14 @@ class Use:
 
 @dataclass(frozen=True)
 class Listing:
-    """The known deviations of a run.
+    """The known deviations of a run."""
 
-    Attributes
-    ----------
-    file : str or None
-        None if there is no file.
-    entries : tuple of Entry
-    """
-
-    file: str | None = None
     entries: tuple[Entry, ...] = ()
 
     def settle(self, result: Result) -> Result:
         """Return a result, `known` if an entry covers it; of several the first gives the reason."""
         about = [one for one in self.entries if fnmatchcase(result.id, one.id)]
-        if result.verdict not in FAILED or not about:
+        if result.verdict not in FAILURES or not about:
             return result
         entry = next((one for one in about if one.covers(result)), None)
         if entry is not None:
@@ -181,7 +170,7 @@ def read(file: str) -> Listing:
             entries += entries_of(number, table)
         except UsageError as error:
             raise UsageError(f"--known: {file!r}, entry {number}: {error}") from None
-    return Listing(file, tuple(entries))
+    return Listing(tuple(entries))
 
 
 def entries_of(number: int, table: Mapping[str, Any]) -> Iterator[Entry]:
@@ -222,7 +211,7 @@ def draft(results: Iterable[Result]) -> str:
     """
     groups: dict[str, list[Result]] = {}
     for result in results:
-        if result.verdict in FAILED:
+        if result.verdict in FAILURES:
             groups.setdefault(fault(result) or result.check_id, []).append(result)
     lines = ["# Known deviations: write a reason for each entry, or repair and remove it."]
     for members in groups.values():

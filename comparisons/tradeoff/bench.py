@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from hashlib import sha256
 from math import inf
@@ -91,26 +91,14 @@ class Start:
 
 
 @dataclass(frozen=True)
-class Samples:
-    """Samples of a motion.
+class SampledRun:
+    """A run, sampled after each period until its state is lost.
 
     Attributes
     ----------
     positions : array (n, n_q)
     points : array (n, n_sites, 3)
         Positions of observed sites [m].
-    """
-
-    positions: Array
-    points: Array
-
-
-@dataclass(frozen=True)
-class SampledRun(Samples):
-    """A run, sampled after each period until its state is lost.
-
-    Attributes
-    ----------
     energy : array (n,)
         Kinetic and potential energy [J].
     kinetic : float
@@ -125,6 +113,8 @@ class SampledRun(Samples):
         Processor time of the stepping per simulated second [s/s].
     """
 
+    positions: Array
+    points: Array
     energy: Array
     kinetic: float
     violation: float
@@ -368,24 +358,25 @@ class Bench:
             seconds / time,
         )
 
-    def departure(self, start: Start, size: Array) -> tuple[Array, float]:
-        """Return a departure (n_v,) from a start of random signs (m, rad), and its relative size.
+    def departure(self, start: Start, run: SampledRun, size: Array) -> tuple[Array, float]:
+        """Return a departure (n_v,) of random signs from a run's start (m, rad), and its size.
 
         It is a share of the target: of 1 m or 1 rad, or of the observed motion if that is smaller.
         """
         model, share = self.loaded.model, BENCH.departure * self.request.target
         off = np.random.default_rng(1).choice([-share, share], model.nv)
-        samples = []
+        starts = []
         for moved in (0 * off, off):
             data = self.loaded.data(start.state)
             self.loaded.mujoco.mj_integratePos(model, data.qpos, moved, 1.0)
             self.loaded.mujoco.mj_kinematics(model, data)
-            samples.append(Samples(data.qpos[None], data.site_xpos[self.sites][None]))
-        departed = float(self.apart(*samples, size)[0])
+            points = data.site_xpos[self.sites]
+            starts.append(replace(run, positions=data.qpos[None], points=points[None]))
+        departed = float(self.apart(*starts, size)[0])
         shrink = min(1.0, share / departed) if departed else 1.0
         return shrink * off, shrink * departed
 
-    def distances(self, one: Samples, other: Samples) -> Array:
+    def distances(self, one: SampledRun, other: SampledRun) -> Array:
         """Return the distances of the observables (n, n_dofs + n_sites) of two runs.
 
         They are at each time that both reached.
@@ -399,7 +390,7 @@ class Bench:
         gaps = np.linalg.norm(one.points[:n] - other.points[:n], axis=2)
         return np.hstack([np.abs(moved), gaps])
 
-    def apart(self, one: Samples, other: Samples, size: Array) -> Array:
+    def apart(self, one: SampledRun, other: SampledRun, size: Array) -> Array:
         """Return the largest error (n,) at each time that both reached, relative to `sizes`."""
         errors = self.distances(one, other)[:, self.observed]
         return np.asarray(np.max(errors / np.where(size > 0, size, 1.0), axis=1, initial=0.0))
@@ -413,8 +404,12 @@ class Bench:
         model, n = self.loaded.model, len(run.positions)
         if not n:
             return np.ones(int(np.sum(self.observed)))
-        first = (np.repeat(one[:1], n, axis=0) for one in (run.positions, run.points))
-        reach = np.max(self.distances(run, Samples(*first)), axis=0, initial=0.0)
+        first = [np.repeat(one[:1], n, axis=0) for one in (run.positions, run.points)]
+        reach = np.max(
+            self.distances(run, replace(run, positions=first[0], points=first[1])),
+            axis=0,
+            initial=0.0,
+        )
         slides = self.loaded.sliding_dofs
         for kind in (slides, ~slides):
             reach[: model.nv][kind] = np.max(reach[: model.nv][kind], initial=0.0)
@@ -598,7 +593,7 @@ def converged_by(bench: Bench, start: Start, setting: Setting) -> Converged:
         return Converged(start, setting, whole, size)
     coarse = setting._replace(step=2 * setting.step)
     half = bench.run(start, coarse, sharp=True)
-    off, departed = bench.departure(start, size)
+    off, departed = bench.departure(start, whole, size)
     perturbed = bench.run(start, coarse, sharp=True, off=off)
     error, spread = (bench.apart(a, b, size) for a, b in ((half, whole), (perturbed, half)))
     softness = np.zeros(0)

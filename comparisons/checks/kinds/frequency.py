@@ -13,7 +13,7 @@ from ....reference.scene import Array, Case, Scene
 from ...engines.run import contained
 from ...engines.setup import Setup
 from .. import elements
-from ..comparison import Measured, matrix_rounding
+from ..comparison import Measured, matrix_rounding, model_error
 from ..verdict import Finding
 
 BACKWARD_ERROR = 1e-11
@@ -143,8 +143,7 @@ def measure(setup: Setup) -> Measured:
         )
         granted = max(tolerance for _, _, tolerance in equations) / top
         reason = "distance of the model's modes from the scene's, relative to the highest"
-        off = abs(measured - predicted)
-        findings.append(Finding("model_error", "1", measured, predicted, off, granted, reason))
+        findings.append(model_error(measured, predicted, granted, reason))
     return Measured(findings)
 
 

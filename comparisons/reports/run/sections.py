@@ -12,7 +12,7 @@ from rich.console import Console
 
 from ...checks.known import Use
 from ...checks.table import KINDS
-from ...checks.verdict import NOT_APPLICABLE, Result, Verdict
+from ...checks.verdict import FAILURES, NOT_APPLICABLE, Result, Verdict
 from ..item import Outcome, ReportItem
 from ..junit import junit
 from ..sarif import sarif
@@ -22,7 +22,6 @@ from ..words import number, plural, with_unit
 from .located import HEADS, blocks, located
 from .outcome import Report
 from .results import (
-    FAILURES,
     MEASURES,
     error_size,
     grouped,

@@ -54,7 +54,7 @@ def _wrong_engine(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def listing(*entries: Entry) -> Listing:
-    return Listing("known.toml", entries)
+    return Listing(entries)
 
 
 def file(text: str, name: str = "known.toml") -> str:
@@ -121,7 +121,7 @@ BROKEN = [
     (f"{ONE}reason = 'r'\nversions = '>4'\n", "unknown key 'versions'"),
     (f"{MANY}'a' = 0\n", "max_error must be a positive number, not 0"),
     (f"{MANY}'' = 1\n", "id must be a string with something in it"),
-    (f"[[known]]\nmax_error = 2\nreason = 'r'\n[known.id]\n'a' = 1\n", "remove max_error"),
+    ("[[known]]\nmax_error = 2\nreason = 'r'\n[known.id]\n'a' = 1\n", "remove max_error"),
 ]
 
 

@@ -104,7 +104,12 @@ FAULTS: Mapping[str, list[tuple[str, str, str, str]]] = {
         ("coupling_lost", "algebra", "mass_matrix", "inertia that couples platform and hinges"),
         ("velocity_of_centre", "algebra", "accelerations", "of the platform's centre of mass"),
         ("velocity_in_body", "algebra", "accelerations", "those in the frame of the platform"),
-        ("from_file", "algebra", "accelerations", "right for the model as in its file, and wrong for"),
+        (
+            "from_file",
+            "algebra",
+            "accelerations",
+            "right for the model as in its file, and wrong for",
+        ),
     ],
     "floating_beam": [
         ("axes_as_opened", "algebra", "accelerations", "axes of hinges do not turn with"),

@@ -140,7 +140,9 @@ def test_the_summary_has_what_failed_first() -> None:
         "Skipped (2)",
     ]
     assert "| theta | rad | 5e-05 | 0 | 5e-05 | 2e-06 | 25 |" in text
-    assert re.search(r"^\| +exudyn \| 1 of 1 known \| \*\*1 of 1 in error\*\* \|$", text, re.MULTILINE)
+    assert re.search(
+        r"^\| +exudyn \| 1 of 1 known \| \*\*1 of 1 in error\*\* \|$", text, re.MULTILINE
+    )
     assert columns(text) == {1}
 
 
