@@ -40,9 +40,7 @@ def resting(case: Case) -> tuple[Scene, Any, Array, tuple[int, ...]]:
     scene = get_scene(case.scene)
     parameters = scene.unforced(case.parameters)
     values = scene.equilibria[case.about](parameters) if case.about else case.state
-    steady = scene.steady_coordinates.get(case.about or "", ())
-    places = tuple(scene.coordinates.index(name) for name in steady)
-    return scene, parameters, scene.state(values), places
+    return scene, parameters, scene.state(values), elements.steady_places(case, scene.coordinates)
 
 
 def expected(
