@@ -225,7 +225,7 @@ def draft(results: Iterable[Result]) -> str:
 
 
 def fault(result: Result) -> str:
-    """Return what several failures may share: the cause, the part, or the message of the engine."""
+    """Return the cause, part or message that several failures may share; empty if there is none."""
     if result.cause or result.verdict == "error":
         return result.cause or result.reason
     return result.reason.partition("; ")[2] if result.kind == "parts" else ""

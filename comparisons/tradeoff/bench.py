@@ -361,7 +361,7 @@ class Bench:
     def departure(self, start: Start, run: SampledRun, size: Array) -> tuple[Array, float]:
         """Return a departure (n_v,) of random signs from a run's start (m, rad), and its size.
 
-        It is a share of the target: of 1 m or 1 rad, or of the observed motion if that is smaller.
+        It is a share of the target, relative to 1 m or 1 rad, or to a smaller observed motion.
         """
         model, share = self.loaded.model, BENCH.departure * self.request.target
         off = np.random.default_rng(1).choice([-share, share], model.nv)

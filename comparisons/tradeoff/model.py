@@ -61,7 +61,7 @@ class ModelStart:
     bound : float
         relative change of the converged run with twice its step
     spread : float
-        relative change with a start that is 1e-4 of the target off, relative to the motion
+        relative change with a start off by 1e-4 of the target, relative to the motion
     """
 
     name: str
