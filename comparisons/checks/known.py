@@ -90,8 +90,16 @@ class Use:
 
 @dataclass(frozen=True)
 class Listing:
-    """The known deviations of a run."""
+    """The known deviations of a run.
 
+    Attributes
+    ----------
+    file : str or None
+        None if there is no file.
+    entries : tuple of Entry
+    """
+
+    file: str | None = None
     entries: tuple[Entry, ...] = ()
 
     def settle(self, result: Result) -> Result:
@@ -170,7 +178,7 @@ def read(file: str) -> Listing:
             entries += entries_of(number, table)
         except UsageError as error:
             raise UsageError(f"--known: {file!r}, entry {number}: {error}") from None
-    return Listing(tuple(entries))
+    return Listing(file, tuple(entries))
 
 
 def entries_of(number: int, table: Mapping[str, Any]) -> Iterator[Entry]:

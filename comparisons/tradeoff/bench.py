@@ -372,7 +372,7 @@ class Bench:
             self.loaded.mujoco.mj_kinematics(model, data)
             points = data.site_xpos[self.sites]
             starts.append(replace(run, positions=data.qpos[None], points=points[None]))
-        departed = float(self.apart(*starts, size)[0])
+        departed = float(self.apart(starts[0], starts[1], size)[0])
         shrink = min(1.0, share / departed) if departed else 1.0
         return shrink * off, shrink * departed
 

@@ -54,7 +54,7 @@ def _wrong_engine(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def listing(*entries: Entry) -> Listing:
-    return Listing(entries)
+    return Listing("known.toml", entries)
 
 
 def file(text: str, name: str = "known.toml") -> str:
