@@ -107,10 +107,10 @@ class Measured(NamedTuple):
     runs: EngineRuns | None = None
 
 
-def model_error(shown: float, predicted: float, tolerance: float, reason: str) -> Finding:
+def model_error(measured: float, predicted: float, tolerance: float, reason: str) -> Finding:
     """Compare a model's distance from its scene, as an engine shows it, with the prediction."""
-    error = abs(shown - predicted)
-    return Finding("model_error", "1", shown, predicted, error, tolerance, reason)
+    error = abs(measured - predicted)
+    return Finding("model_error", "1", measured, predicted, error, tolerance, reason)
 
 
 # Rounding and extrapolation -------------------------------------------------------------------

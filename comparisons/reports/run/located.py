@@ -114,7 +114,7 @@ def off(result: Result) -> str:
 HEADS = ("quantity", "unit", "engine", "reference", "error", "tolerance", "times")
 """Heads of the table of quantities of a failure."""
 
-SHOWN = {"unexplained": "unexplained by shares"}
+ROW_NAMES = {"unexplained": "unexplained by shares"}
 """Names of quantities in that table: forces beyond the parts of a file may have a cause."""
 
 
@@ -152,7 +152,7 @@ class Block:
         """The numbers of each quantity, below `HEADS`."""
         return [
             (
-                SHOWN.get(item.quantity, item.quantity),
+                ROW_NAMES.get(item.quantity, item.quantity),
                 item.unit,
                 *(number(x, digits_to_differ(item)) for x in (item.value, item.reference)),
                 *(number(x) for x in (item.error, item.tolerance, ratio(item))),
