@@ -38,6 +38,16 @@ def table(name: str) -> str:
     elif name == "rules of runs":
         heads = ["Rule", "It finds"]
         rows = [[f"`{key}`", rule.meaning] for key, rule in CAUTIONS.items()]
+    elif name in ("quantities of kinds", "columns"):
+        begin = {"columns": "column of "}.get(name, "quantity of the check ")
+        groups = glossary()["names"].items()
+        heads = ["Kind" if "kinds" in name else "Verb", "Name", "Meaning"]
+        rows = [
+            [f"`{group.removeprefix(begin)}`", f"`{key}`", text]
+            for group, entries in groups
+            if group.startswith(begin)
+            for key, text in entries.items()
+        ]
     else:
         heads = ["Term", "Meaning"]
         rows = [[f"`{key}`", text_of(entry)] for key, entry in glossary()[name].items()]

@@ -107,6 +107,12 @@ class Measured(NamedTuple):
     runs: EngineRuns | None = None
 
 
+def model_error(measured: float, predicted: float, tolerance: float, reason: str) -> Finding:
+    """Compare a model's distance from its scene, as an engine shows it, with the prediction."""
+    error = abs(measured - predicted)
+    return Finding("model_error", "1", measured, predicted, error, tolerance, reason)
+
+
 # Rounding and extrapolation -------------------------------------------------------------------
 
 

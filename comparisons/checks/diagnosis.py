@@ -441,12 +441,16 @@ def of_matrices(deviation: Deviation) -> str:
 
 # Frames and joints
 
+PLACED = {"turned": "rotated in space", "mirrored": "mirrored"}
+"""Words for placements."""
+
 
 def of_placement(deviation: Deviation) -> str:
     """Return the mistake in how a model is turned; empty if the unturned model deviates too."""
     setup = deviation.setup
     if not setup.case.placement:
         return ""
+    how = setup.case.placement.partition(":")[0]
     stands = setup.with_case(replace(setup.case, placement=""))
     if stands.unsupported_reason is not None:
         return ""
@@ -457,7 +461,7 @@ def of_placement(deviation: Deviation) -> str:
     return (
         said
         or of_frames(setup)
-        or "it is right as placed by the file, and wrong where it is turned"
+        or f"right for the model as in its file, and wrong for the same model {PLACED[how]}"
     )
 
 

@@ -23,7 +23,7 @@ from ...reference.linear import Mode, linearise_at, modes
 from ...reference.scene import Array, Case
 from ..engines.run import contained
 from ..engines.setup import Setup
-from .comparison import RICHARDSON_SAFETY
+from .comparison import RICHARDSON_SAFETY, model_error
 from .verdict import Finding
 
 COUNT = 2
@@ -157,18 +157,8 @@ def measure_frequencies(setup: Setup) -> list[Finding]:
     ]
     off, expected = (float(np.max(np.abs(item / truth - 1))) for item in (omegas, predicted))
     title = setup.bound.equations.scene.title
-    findings.append(
-        Finding(
-            "model_error",
-            "1",
-            off,
-            expected,
-            abs(off - expected),
-            float(np.max(room / truth)),
-            f"frequencies are off those of the scene's continuum: {title}",
-        )
-    )
-    return findings
+    reason = f"frequencies are off those of the scene's continuum: {title}"
+    return [*findings, model_error(off, expected, float(np.max(room / truth)), reason)]
 
 
 class Refinement(NamedTuple):

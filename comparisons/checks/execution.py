@@ -24,7 +24,7 @@ from ..engines.registry import (
 from ..engines.run import excerpt
 from .request import Execution
 from .suite import Task
-from .verdict import NOT_APPLICABLE, PROFILES, Result, Subject, Verdict
+from .verdict import FAILURES, NOT_APPLICABLE, PROFILES, Result, Subject, Verdict
 
 Progress = Callable[[list[Result]], None]
 
@@ -81,7 +81,7 @@ def run_checks(
         results_of[index] = results = [settle(item) for item in arrived]
         if on_result:
             on_result(results)
-        if how.fail_fast and any(item.verdict in ("deviation", "error") for item in results):
+        if how.fail_fast and any(item.verdict in FAILURES for item in results):
             break
     return [item for index in sorted(results_of) for item in results_of[index]]
 

@@ -8,26 +8,23 @@ of the checks that it left out. docs/ci.md is the page for users.
 from __future__ import annotations
 
 import json
-import math
 import re
 import tomllib
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
+from math import inf
 from typing import Any, Literal
 
 from ...reference.errors import UnknownNameError, UsageError
 from ..documents.reading import read_document
-from .verdict import Result
+from .verdict import FAILURES, Result
 
 TODO = "TODO: why does it deviate?"
 """Stands in a drafted file in place of each reason."""
 
 KEYS = ("id", "reason", "max_error")
-"""Keys of an entry; the first two are required."""
-
-FAILED = ("deviation", "error")
-"""Verdicts that an entry covers."""
+"""Keys of an entry; the first two are required. ``id`` may be a table of ids with their errors."""
 
 State = Literal["used", "stale", "open"]
 
@@ -60,7 +57,7 @@ class Entry:
 
     def covers(self, result: Result) -> bool:
         """Return True if it covers a result that fails, or would if it were not known."""
-        if result.verdict not in (*FAILED, "known") or not fnmatchcase(result.id, self.id):
+        if result.verdict not in (*FAILURES, "known") or not fnmatchcase(result.id, self.id):
             return False
         return self.max_error is None or (
             result.verdict != "error"
@@ -108,7 +105,7 @@ class Listing:
     def settle(self, result: Result) -> Result:
         """Return a result, `known` if an entry covers it; of several the first gives the reason."""
         about = [one for one in self.entries if fnmatchcase(result.id, one.id)]
-        if result.verdict not in FAILED or not about:
+        if result.verdict not in FAILURES or not about:
             return result
         entry = next((one for one in about if one.covers(result)), None)
         if entry is not None:
@@ -175,54 +172,71 @@ def read(file: str) -> Listing:
     tables = document.get("known", [])
     if not isinstance(tables, list) or not all(isinstance(item, dict) for item in tables):
         raise UsageError(f"--known: {file!r}: entries are written as [[known]], two brackets")
-    entries = []
+    entries: list[Entry] = []
     for number, table in enumerate(tables, 1):
         try:
-            refuse_mistakes(table)
+            entries += entries_of(number, table)
         except UsageError as error:
             raise UsageError(f"--known: {file!r}, entry {number}: {error}") from None
-        entries.append(Entry(number, **table))
     return Listing(file, tuple(entries))
 
 
-def refuse_mistakes(table: Mapping[str, Any]) -> None:
-    """Refuse an entry with an unknown or missing key, or a value that makes no sense.
+def entries_of(number: int, table: Mapping[str, Any]) -> Iterator[Entry]:
+    """Yield an entry for each id of a table: one, or several, each with its largest error.
 
     Raises
     ------
     UsageError
+        If a key is unknown or missing, or a value makes no sense.
     """
-    for key, value in table.items():
+    for key in table:
         if key not in KEYS:
             raise UnknownNameError("key", key, KEYS)
-        if key == "max_error":
-            if not (type(value) in (int, float) and 0 < value < math.inf):
-                raise UsageError(f"max_error must be a positive number, not {value!r}")
-        elif not isinstance(value, str) or not value.strip():
-            raise UsageError(f"{key} must be a string with something in it, not {value!r}")
     for key in KEYS[:2]:
         if key not in table:
             raise UsageError(f"{key} is missing")
-    if table["reason"].strip() == TODO:
+    id, reason = table["id"], table["reason"]
+    several = isinstance(id, dict)
+    for key, value in [("reason", reason), *(("id", one) for one in (id if several else [id]))]:
+        if not isinstance(value, str) or not value.strip():
+            raise UsageError(f"{key} must be a string with something in it, not {value!r}")
+    if several and "max_error" in table:
+        raise UsageError("each id has its largest error: remove max_error")
+    if reason.strip() == TODO:
         raise UsageError(
             f"the reason is still {TODO!r}: write why it deviates, or remove the entry"
         )
+    for pattern, most in (id if several else {id: table.get("max_error", inf)}).items():
+        if type(most) not in (int, float) or not most > 0:
+            raise UsageError(f"max_error must be a positive number, not {most!r}")
+        yield Entry(number, pattern, reason, None if most == inf else most)
 
 
 def draft(results: Iterable[Result]) -> str:
-    """Return a file of known deviations: an entry for each result that fails, to be completed.
+    """Return a file of known deviations, to be completed: an entry for each cause.
 
-    A deviation may double before it is news; an error has no size.
+    It lists its ids, each with twice the error as its largest one; a failed run has no size.
     """
-    lines = ["# Known deviations: write a reason for each, or repair and remove it."]
+    groups: dict[str, list[Result]] = {}
     for result in results:
-        if result.verdict in FAILED:
-            about = f"# {result.quantity}: {result.reason}"
+        if result.verdict in FAILURES:
+            groups.setdefault(fault(result) or result.check_id, []).append(result)
+    lines = ["# Known deviations: write a reason for each entry, or repair and remove it."]
+    for members in groups.values():
+        about = fault(members[0]) or members[0].reason
+        lines += ["", "[[known]]", f"# {about}", f'reason = "{TODO}"', "[known.id]"]
+        for result in members:
             id = json.dumps(re.sub(r"([*?[])", r"[\1]", result.id), ensure_ascii=False)
-            lines += ["", "[[known]]", about, f"id = {id}", f'reason = "{TODO}"']
-            if result.verdict == "deviation":
-                lines.append(f"max_error = {2 * (result.error or 0.0):.3g}")
+            size = 2 * (result.error or 0.0) if result.verdict == "deviation" else inf
+            lines.append(f"{id} = {size:.3g}")
     return "".join(f"{plain_line(line)}\n" for line in lines)
+
+
+def fault(result: Result) -> str:
+    """Return the cause, part or message that several failures may share; empty if there is none."""
+    if result.cause or result.verdict == "error":
+        return result.cause or result.reason
+    return result.reason.partition("; ")[2] if result.kind == "parts" else ""
 
 
 def plain_line(text: str) -> str:

@@ -13,6 +13,9 @@ from ..documents.fields import HIDDEN, Number, documented
 
 Verdict = Literal["pass", "deviation", "known", "skipped", "error"]
 
+FAILURES = ("error", "deviation")
+"""Verdicts that make a run fail, and that a known deviation covers."""
+
 NOT_APPLICABLE = "-"
 """Placeholder in documents for the scene, case, ... of a missing engine."""
 

@@ -30,9 +30,9 @@ def glossary() -> Mapping[str, Mapping[str, Any]]:
     Returns
     -------
     Mapping
-        A text; for a kind of check, its ``question``, the faults that it ``catches``, and its
-        ``quantities``. A key may name several terms, separated by commas; terms and quantities
-        may be patterns.
+        A text; for a kind of check, its ``question`` and the faults that it ``catches``; below
+        ``names``, the texts of the quantities of a kind, or of the columns of a verb's tables. A
+        key may name several terms, separated by commas; terms may be patterns.
     """
     text = files(__package__).joinpath("glossary.toml").read_text(encoding="utf-8")
     return tomllib.loads(text)
@@ -45,29 +45,28 @@ def text_of(entry: Any) -> str:
     return f"{entry['question']} It finds: {entry['catches']}."
 
 
+def by_sort() -> dict[str, Mapping[str, Any]]:
+    """Return the entries of each sort of term, quantity and column."""
+    terms = dict(glossary())
+    return {**terms, **terms.pop("names")}
+
+
 def explanations(name: str) -> list[str]:
-    """Return the entries that explain a term, a quantity of a check, or an observable."""
-    terms = glossary()
-    matches = [
-        f"{pattern} ({sort}): {text_of(entry)}"
-        for sort, entries in terms.items()
+    """Return the entries that explain a term, a quantity of a check, a column or an observable."""
+    units = {scene: get_scene(scene).units for scene in SCENES}
+    where = [f"{scene} [{unit[name]}]" for scene, unit in units.items() if name in unit]
+    return [f"{name} (observable): of {', '.join(where)}"] * bool(where) + [
+        f"{name} ({sort}): {text_of(entry)}"
+        for sort, entries in by_sort().items()
         for pattern, entry in entries.items()
         if any(fnmatchcase(name, one) for one in pattern.split(", "))
     ]
-    matches += [
-        f"{name} (quantity of the check {kind}): {entry['question']}"
-        for kind, entry in terms["kind of check"].items()
-        if any(fnmatchcase(name, pattern) for pattern in entry.get("quantities", ()))
-    ]
-    units = {scene: get_scene(scene).units for scene in SCENES}
-    where = [f"{scene} [{unit[name]}]" for scene, unit in units.items() if name in unit]
-    return [f"{name} (observable): of {', '.join(where)}"] * bool(where) + matches
 
 
 def print_terms(screen: Console) -> None:
     """Print the terms that are explained."""
     rules = {"rule": dict.fromkeys([*CAUTIONS, *FINDINGS])}
-    for sort, entries in {**glossary(), **rules}.items():
+    for sort, entries in {**by_sort(), **rules}.items():
         print_line(screen, f"{sort}: {', '.join(entries)}", hanging="  ")
 
 
@@ -87,7 +86,7 @@ def explain_term(screen: Console, name: str) -> None:
     if name in FINDINGS:
         print_rule(screen, name)
     elif not matches:
-        known = [term for terms in glossary().values() for key in terms for term in key.split(", ")]
+        known = [term for terms in by_sort().values() for key in terms for term in key.split(", ")]
         close = difflib.get_close_matches(name, [*known, *CAUTIONS, *FINDINGS], 1, CLOSE)
         hint = f"did you mean {close[0]!r}?" if close else "mbcheck explain lists all terms"
         raise UsageError(f"unknown term {name!r}; {hint}")
@@ -97,12 +96,13 @@ def explain_term(screen: Console, name: str) -> None:
     epilog=examples(
         "mbcheck explain                all terms",
         "mbcheck explain least_error    a quantity",
+        "mbcheck explain margin         a column",
         "mbcheck explain step_limit     a rule",
     ),
 )
 @click.argument("terms", metavar="[TERM]...", nargs=-1)
 def explain(terms: tuple[str, ...]) -> None:
-    """Explain terms of the reports: kinds of check, verdicts, quantities and rules.
+    """Explain terms of the reports: kinds of check, verdicts, quantities, columns and rules.
 
     Without a TERM all of them are listed.
     """

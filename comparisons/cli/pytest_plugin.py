@@ -168,8 +168,9 @@ def parametrize(metafunc: pytest.Metafunc) -> None:
 def run_test(check: Check, node: pytest.Item) -> None:
     """Run a check as a test: fails, or is skipped or expected to fail, with its reasons."""
     from ..checks import suite
+    from ..checks.verdict import FAILURES
     from ..reports.run.outcome import Report
-    from ..reports.run.results import FAILURES, why_known
+    from ..reports.run.results import why_known
 
     plan = check_plan(node.config)
     fresh = suite.run_check(check, plan.request.profile)

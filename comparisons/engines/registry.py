@@ -357,11 +357,16 @@ def _imported(module: str, attribute: str) -> Any:
         loaded = call_engine(lambda: importlib.import_module(module), container=captured)
     except MbcheckError as error:  # whatever a third-party module raises
         cause = error.__cause__
-        missing = isinstance(cause, ModuleNotFoundError) and f"{module}.".startswith(
-            f"{cause.name}."
-        )
+        absent = cause.name if isinstance(cause, ModuleNotFoundError) else None
+        missing = absent is not None and f"{module}.".startswith(f"{absent}.")
         kind = EngineUnavailableError if missing else BrokenEngineError
-        raise kind(f"{module} cannot be imported ({error})", error.traceback) from error
+        cure = "correct the module; -v shows where it raised"
+        if absent:
+            cure = f"install the package that provides {absent} for this Python"
+        if missing:
+            cure = f"run mbcheck in the folder of {absent}, or install its package with pip"
+        message = f"{module} cannot be imported ({error}); {cure}"
+        raise kind(message, error.traceback) from error
     try:
         place: Any = loaded
         for part in attribute.split("."):

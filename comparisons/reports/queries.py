@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
+from ...reference import get_scene
 from ..queries.frequencies import Frequencies
 from ..queries.orbit import OrbitReport
 from ..queries.simulate import Simulation
@@ -78,14 +79,18 @@ def print_simulation(console: Console, result: Simulation) -> None:
 def print_orbit(console: Console, result: OrbitReport) -> None:
     """Print an orbit: state, multipliers, harmonics, powers."""
     print_origin(console, result)
-    print_line(console, f"period {result.period!r} s, {'' if result.stable else 'un'}stable")
+    stable = f"{'' if result.stable else 'un'}stable; other orbits may exist at these parameters"
+    print_line(console, f"period {result.period!r} s, {stable}")
+    units = get_scene(result.scene).units
     if result.mean_speed is not None:
         print_line(console, f"mean speed {number(result.mean_speed, 10)} rad/s")
     state = result.error_bound or {}
-    states = [[name, value, state.get(name)] for name, value in result.state.items()]
+    states = [
+        [name, value, units.get(name, ""), state.get(name)] for name, value in result.state.items()
+    ]
     if result.period_bound is not None:
-        states.append(["period", result.period, result.period_bound])
-    print_table(console, ["state where a period begins", "value", "error bound"], states)
+        states.append(["period", result.period, "s", result.period_bound])
+    print_table(console, ["state where a period begins", "value", "unit", "error bound"], states)
     multipliers = [
         [one.re, one.im, one.modulus, one.error_bound, "trivial" if one.trivial else ""]
         for one in result.floquet_multipliers
@@ -93,11 +98,15 @@ def print_orbit(console: Console, result: OrbitReport) -> None:
     heads = ["Floquet multiplier: re", "im", "modulus", "error bound", ""]
     print_table(console, heads, multipliers)
     spectra = [
-        [name, one.mean, *(term.amplitude for term in one.terms[:FIRST_ORDERS])]
+        [
+            f"{name} [{units.get(name, 1)}]",
+            one.mean,
+            *(term.amplitude for term in one.terms[:FIRST_ORDERS]),
+        ]
         for name, one in result.harmonics.items()
     ]
     orders = range(1, len(spectra[0]) - 1)
-    print_table(console, ["harmonic", "mean", *map(str, orders)], spectra, digits=3)
+    print_table(console, ["amplitude of harmonic", "mean", *map(str, orders)], spectra, digits=3)
     bound = result.power_bound or {}
     power = [[name, value, bound.get(name)] for name, value in result.power.items()]
     print_table(console, ["mean power", "W", "error bound"], power)
@@ -111,7 +120,8 @@ def print_orbit(console: Console, result: OrbitReport) -> None:
 def print_frequencies(console: Console, result: Frequencies) -> None:
     """Print modes."""
     kind = result.plane or ("undamped" if result.undamped else "damped")
-    print_line(console, f"{result.scene}: {result.engine}, model {result.model}, {kind}")
+    words = f"{kind} modes, forces and motors off"
+    print_line(console, f"{result.scene}: {result.engine}, model {result.model}, {words}")
     print_parameters(console, result.parameters)
     print_line(console, f"about {result.about}: {assignments(result.state)}")
     rows = [

@@ -8,6 +8,7 @@ from typing import Any
 
 from rich.console import Console
 
+from ..checks.verdict import FAILURES
 from .text import (
     DIGITS,
     STYLES,
@@ -26,9 +27,6 @@ MOST_ROWS = 50
 
 MOST_LINES = 200
 """Lines of a section in Markdown."""
-
-EMPHASISED = ("error", "deviation")
-"""Verdicts that are bold in Markdown."""
 
 
 @dataclass(frozen=True)
@@ -118,5 +116,5 @@ def short_table(heads: Sequence[str], rows: Rows) -> str:
 def markdown_text(value: object) -> Markdown:
     """Return a value as Markdown, in bold if its verdict is a failure."""
     text = plain(number(value, missing="-"))
-    bold = isinstance(value, Cell) and value.verdict in EMPHASISED
+    bold = isinstance(value, Cell) and value.verdict in FAILURES
     return Markdown(f"**{text}**") if bold else text

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from hashlib import sha256
 from math import inf
@@ -150,8 +150,8 @@ class Bench:
         self.period = BENCH.longest * float(loaded.model.opt.timestep)
         if request.horizon < self.period:
             raise UsageError(
-                f"--horizon {request.horizon:g}: runs are compared every {BENCH.longest} steps "
-                f"of the file; give {self.period:g} s or more"
+                f"--horizon {request.horizon:g}: runs are compared after every {BENCH.longest} "
+                f"steps of the file; give {self.period:g} s or more"
             )
         self.count = max(1, round(request.horizon / self.period))
         self.sites, dofs = observables(loaded, request.observed)
@@ -295,7 +295,7 @@ class Bench:
         return model
 
     def run(
-        self, start: Start, setting: Setting, sharp: bool = False, off: float = 0.0
+        self, start: Start, setting: Setting, sharp: bool = False, off: Array | None = None
     ) -> SampledRun:
         """Return a run.
 
@@ -305,8 +305,8 @@ class Bench:
         setting : Setting
         sharp : bool
             True if the solver iterates to round-off.
-        off : float
-            Departure of each degree of freedom from the start, of random sign (m, rad).
+        off : array (n_v,), optional
+            Departure of each degree of freedom from the start (m, rad).
 
         Raises
         ------
@@ -315,9 +315,8 @@ class Bench:
         """
         lib, model = self.loaded.mujoco, self.compiled(setting, sharp)
         data = self.loaded.data(start.state, model)
-        if off:
-            signs = np.random.default_rng(1).choice([-off, off], model.nv)
-            lib.mj_integratePos(model, data.qpos, signs, 1.0)
+        if off is not None:
+            lib.mj_integratePos(model, data.qpos, off, 1.0)
         steps = round(self.period / setting.step)
         equality = int(lib.mjtConstraint.mjCNSTR_EQUALITY)
         positions, points, energies = [], [], []
@@ -359,48 +358,62 @@ class Bench:
             seconds / time,
         )
 
-    def distances(self, run: SampledRun, positions: Array, points: Array) -> Array:
-        """Return the distances of the observables of a run from positions and points of sites.
+    def departure(self, start: Start, run: SampledRun, size: Array) -> tuple[Array, float]:
+        """Return a departure (n_v,) of random signs from a run's start (m, rad), and its size.
 
-        Parameters
-        ----------
-        run : SampledRun
-        positions, points : array (n, n_q), (n, n_sites, 3)
-
-        Returns
-        -------
-        array (n, n_dofs + n_sites)
-            At each time that both reached.
+        It is a share of the target, relative to 1 m or 1 rad, or to a smaller observed motion.
         """
-        n = min(len(run.positions), len(positions))
+        model, share = self.loaded.model, BENCH.departure * self.request.target
+        off = np.random.default_rng(1).choice([-share, share], model.nv)
+        starts = []
+        for moved in (0 * off, off):
+            data = self.loaded.data(start.state)
+            self.loaded.mujoco.mj_integratePos(model, data.qpos, moved, 1.0)
+            self.loaded.mujoco.mj_kinematics(model, data)
+            points = data.site_xpos[self.sites]
+            starts.append(replace(run, positions=data.qpos[None], points=points[None]))
+        departed = float(self.apart(starts[0], starts[1], size)[0])
+        shrink = min(1.0, share / departed) if departed else 1.0
+        return shrink * off, shrink * departed
+
+    def distances(self, one: SampledRun, other: SampledRun) -> Array:
+        """Return the distances of the observables (n, n_dofs + n_sites) of two runs.
+
+        They are at each time that both reached.
+        """
+        n = min(len(one.positions), len(other.positions))
         moved = np.empty((n, self.loaded.model.nv))
         for i in range(n):
             self.loaded.mujoco.mj_differentiatePos(
-                self.loaded.model, moved[i], 1.0, positions[i], run.positions[i]
+                self.loaded.model, moved[i], 1.0, other.positions[i], one.positions[i]
             )
-        gaps = np.linalg.norm(run.points[:n] - points[:n], axis=2)
+        gaps = np.linalg.norm(one.points[:n] - other.points[:n], axis=2)
         return np.hstack([np.abs(moved), gaps])
 
     def apart(self, one: SampledRun, other: SampledRun, size: Array) -> Array:
         """Return the largest error (n,) at each time that both reached, relative to `sizes`."""
-        errors = self.distances(one, other.positions, other.points)[:, self.observed]
+        errors = self.distances(one, other)[:, self.observed]
         return np.asarray(np.max(errors / np.where(size > 0, size, 1.0), axis=1, initial=0.0))
 
     def sizes(self, run: SampledRun) -> Array:
         """Return the range of motion of the observables in a run (n_dofs + n_sites,).
 
         All joints that turn have the range of the one that turns most, and all that slide likewise:
-        for a joint that rests no range would remain.
+        for a joint that rests no range would remain. A range below `BenchOptions.still` is 0.
         """
         model, n = self.loaded.model, len(run.positions)
         if not n:
             return np.ones(int(np.sum(self.observed)))
-        first = np.repeat(run.positions[:1], n, axis=0), np.repeat(run.points[:1], n, axis=0)
-        reach = np.max(self.distances(run, *first), axis=0, initial=0.0)
+        first = [np.repeat(one[:1], n, axis=0) for one in (run.positions, run.points)]
+        reach = np.max(
+            self.distances(run, replace(run, positions=first[0], points=first[1])),
+            axis=0,
+            initial=0.0,
+        )
         slides = self.loaded.sliding_dofs
         for kind in (slides, ~slides):
             reach[: model.nv][kind] = np.max(reach[: model.nv][kind], initial=0.0)
-        return np.asarray(reach[self.observed])
+        return np.where(reach < BENCH.still, 0.0, reach)[self.observed]
 
 
 def observables(loaded: Loaded, names: tuple[str, ...]) -> tuple[Any, Any]:
@@ -460,7 +473,9 @@ class Converged:
     error : array (n_periods,)
         Relative change with twice the step, and with closures half as hard if they count as exact.
     spread : array (n_periods,)
-        Relative change with a start off by `BenchOptions.departure`.
+        Relative change with a second start.
+    apart : float
+        Relative departure of that start, see `Bench.departure`.
     softness : array (n_periods,)
         Relative change with closures as soft as in the file, or, if they are so, with hard ones;
         empty without closures.
@@ -472,6 +487,7 @@ class Converged:
     size: Array
     error: Array = field(default_factory=lambda: np.zeros(0))
     spread: Array = field(default_factory=lambda: np.zeros(0))
+    apart: float = 0.0
     softness: Array = field(default_factory=lambda: np.zeros(0))
 
     def count(self, target: float) -> int:
@@ -495,8 +511,8 @@ class Converged:
             return f"the converged run itself loses its state at t = {self.run.failed:.3g} s"
         cause = "contacts, limits or friction" if not self.smooth else "the motion"
         if self.grows(target):
-            off = f"a start off by {BENCH.departure:g} goes elsewhere"
-            return f"small errors grow ({cause}): {off}"
+            largest = float(np.max(self.spread))
+            return f"small errors grow by a factor of {largest / self.apart:.2g} ({cause})"
         most = percent(BENCH.known_share * target)
         tried = f"{self.setting.integrator} at {1e3 * self.setting.step:.3g} ms"
         what = (
@@ -555,8 +571,8 @@ def refined(bench: Bench, start: Start) -> Converged | str:
         for name in BENCH.sharpest:
             setting = Setting(name, step, closure=closure)
             truth = converged_by(bench, start, setting)
-            if float(np.max(truth.size, initial=0.0)) < BENCH.still:
-                return "nothing moves"
+            if not np.any(truth.size):
+                return f"nothing moves by {BENCH.still:g} m or rad: the motion is small"
             best = max(best or truth, truth, key=lambda one: one.count(target))
             known_long = truth.count(target) >= min(BENCH.min_periods, bench.count)
             if truth.run.failed is None and known_long:
@@ -573,12 +589,12 @@ def converged_by(bench: Bench, start: Start, setting: Setting) -> Converged:
     """Return the run by a setting, with its uncertainty."""
     whole = bench.run(start, setting, sharp=True)
     size = bench.sizes(whole)
-    largest = float(np.max(size, initial=0.0))
-    if largest < BENCH.still:
+    if not np.any(size):
         return Converged(start, setting, whole, size)
     coarse = setting._replace(step=2 * setting.step)
     half = bench.run(start, coarse, sharp=True)
-    perturbed = bench.run(start, coarse, sharp=True, off=BENCH.departure * min(largest, 1.0))
+    off, departed = bench.departure(start, whole, size)
+    perturbed = bench.run(start, coarse, sharp=True, off=off)
     error, spread = (bench.apart(a, b, size) for a, b in ((half, whole), (perturbed, half)))
     softness = np.zeros(0)
     if len(constants := time_constants(bench.loaded.model)):
@@ -588,7 +604,7 @@ def converged_by(bench: Bench, start: Start, setting: Setting) -> Converged:
             softness = bench.apart(other, whole, size)
             if setting.closure and closure:
                 error = np.maximum(error, np.resize(softness, len(error)))
-    return Converged(start, setting, whole, size, error, spread, softness)
+    return Converged(start, setting, whole, size, error, spread, departed, softness)
 
 
 def known(errors: Array, most: float) -> int:

@@ -17,21 +17,16 @@ from ..queries.query import choose_method
 from ..scenes.data import scene_data
 from ..scenes.left_out import Pair, PairedModel
 from .sweep import sample_times
+from .table import Subject
 from .tuning import SWEEP
 
 
 @dataclass(frozen=True)
-class LeftOut:
+class LeftOut(Subject):
     """Comparison of a model with a part and one without it.
 
     Attributes
     ----------
-    scene : str
-        Scene.
-    case : str
-        Case.
-    engine : str
-        Engine; ``reference`` for theories.
     left_out : str
         Part that the second model lacks.
     whole : str
@@ -49,9 +44,6 @@ class LeftOut:
         Measure of the cost: ``wall time``, or ``right-hand sides`` for theories.
     """
 
-    scene: str
-    case: str
-    engine: str
     left_out: str
     whole: str
     without: str

@@ -61,7 +61,7 @@ class ModelStart:
     bound : float
         relative change of the converged run with twice its step
     spread : float
-        relative change with a start off by 1e-6
+        relative change with a start off by 1e-4 of the target, relative to the motion
     """
 
     name: str
@@ -84,11 +84,11 @@ class TradeoffModelDocument:
     target : float
         relative error allowed
     asked : float
-        requested horizon [s]
+        simulated time of each run, as requested [s]
     horizon : float
-        time over which all starts are compared [s]
+        simulated time over which all starts are compared [s]; shorter where errors grow
     budget : float
-        time to try settings [s]
+        time of this computer to try settings [s]
     seed : int
         seed of the moving controls
     observed : sequence of str
@@ -405,7 +405,19 @@ class ModelTradeoff:
 
     @property
     def sentence(self) -> str:
-        """Recommendation in one sentence, or the reason why there is none."""
+        """Recommendation in one sentence, or the reason why there is none; soft closures first."""
+        soft = self.softness
+        if soft is None or soft < BENCH.softness_share * self.request.target:
+            return self.advice
+        link = "; with hard ones" if self.request.exact else " (--exact-closures); with soft ones"
+        return (
+            f"closures as soft as in the file change the motion by {percent(soft)} compared with "
+            f"hard ones{link}, {self.advice}"
+        )
+
+    @property
+    def advice(self) -> str:
+        """Recommendation, or the reason why there is none."""
         choice, own, request = self.choice, self.own, self.request
         if not self.truths:
             words = (
@@ -413,6 +425,8 @@ class ModelTradeoff:
             )
             return f"{words}: " + "; ".join(self.unknown)
         over = f"over {self.compared:.3g} s"
+        if min(self.counts) < max(len(one.error) for one in self.truths):
+            over += f" of {request.horizon:.3g} s"
         if own is None:
             return f"no setting was tried within {request.budget:g} s: raise --budget"
         if choice is None:
@@ -427,7 +441,7 @@ class ModelTradeoff:
                 f"{percent(errors[best])}, with {best.name}"
             )
         error = percent(max(choice.error, self.elsewhere or 0.0))
-        words = f"{setting_of(choice).name}: {error} {over}"
+        words = f"{setting_of(choice).name}: error {error} {over}"
         if choice.point is own.point:
             return f"{words}, the file's own setting"
         fewer = work_of(own) / work_of(choice)
@@ -455,14 +469,8 @@ class ModelTradeoff:
         if any(not truth.smooth for truth in self.truths):
             notes.append(
                 "contacts, limits or friction act: errors have no order, and no bound; a start "
-                f"off by {BENCH.departure:g} ends {percent(self.largest('spread'))} apart"
-            )
-        soft = self.softness
-        if soft is not None and soft >= BENCH.softness_share * target:
-            more = "" if self.request.exact else "; --exact-closures uses those"
-            notes.append(
-                f"closures as soft as in the file change the motion by {percent(soft)} "
-                f"compared with hard ones{more}"
+                f"off by {max(one.apart for one in self.truths):.1g} of the motion ends "
+                f"{percent(self.largest('spread'))} apart"
             )
         notes += [
             f"{setting.name} has an error of {percent(error)} from other starts or with other "

@@ -148,12 +148,12 @@ def run_cells(result: ModelTradeoff, trial: Trial) -> Row:
     return (
         "".join(mark for mark, of in marks.items() if point in [one and one.point for one in of]),
         trial.series.setting,
-        1e3 * point.step,
+        number(1e3 * point.step, 4),
         percent(point.error),
         percent(point.errors["energy"]) if point.errors else None,
         point.errors.get("violation") or None,
         trial.seconds,
-        None if limit is None else 1e3 * limit,
+        None if limit is None else number(1e3 * limit, 4),
         f"state lost: {point.reason}" if point.reason else "",
     )
 

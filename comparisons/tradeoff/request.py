@@ -31,7 +31,7 @@ class TradeoffRequest:
         Relative error to recommend settings for; by default 0.01, 0.001 and 0.0001 for scenes, 0.01
         for a model, which has one
     horizon : float
-        For a model: length of runs [s], rounded to 8 steps of the file.
+        For a model: simulated time of each run [s], rounded to a multiple of 8 steps of the file.
     budget : float
         For a model: time to try settings [s].
     observed : tuple of str

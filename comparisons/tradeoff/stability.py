@@ -19,21 +19,16 @@ from ..engines.registry import get_engine
 from ..engines.run import EPS
 from ..engines.setup import Setup
 from ..queries.query import choose_method
+from .table import Subject
 from .tuning import SWEEP
 
 
 @dataclass(frozen=True)
-class StabilityShift:
+class StabilityShift(Subject):
     """Shift of a boundary of stability by a method.
 
     Attributes
     ----------
-    scene : str
-        Scene.
-    case : str
-        Case with the boundary.
-    engine : str
-        Engine.
     model : str
         The engine's model of the scene.
     method : str
@@ -54,9 +49,6 @@ class StabilityShift:
         Largest shift by round-off with the most steps; null if there is no shift.
     """
 
-    scene: str
-    case: str
-    engine: str
     model: str
     method: str
     order: int

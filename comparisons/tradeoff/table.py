@@ -97,8 +97,8 @@ class Point:
 
 
 @dataclass(frozen=True)
-class StepSeries:
-    """Runs of a model by a method over steps.
+class Subject:
+    """Scene, case and engine that a measurement is about.
 
     Attributes
     ----------
@@ -107,7 +107,20 @@ class StepSeries:
     case : str
         Case; empty for a file.
     engine : str
-        Engine.
+        Engine; ``reference`` for theories.
+    """
+
+    scene: str
+    case: str
+    engine: str
+
+
+@dataclass(frozen=True)
+class StepSeries(Subject):
+    """Runs of a model by a method over steps.
+
+    Attributes
+    ----------
     model : str
         The engine's model of the scene; empty for a file.
     method : str
@@ -132,9 +145,6 @@ class StepSeries:
         unknown.
     """
 
-    scene: str
-    case: str
-    engine: str
     model: str
     method: str
     order: int
@@ -213,17 +223,11 @@ class SettingRun:
 
 
 @dataclass(frozen=True)
-class Choice:
+class Choice(Subject):
     """Cheapest setting, or smallest model, that meets a target, or the reason why there is none.
 
     Attributes
     ----------
-    scene : str
-        Scene.
-    case : str
-        Case.
-    engine : str
-        Engine.
     target : float
         Relative error allowed.
     model : str or None
@@ -256,9 +260,6 @@ class Choice:
         True if the target is met.
     """
 
-    scene: str
-    case: str
-    engine: str
     target: float
     model: str | None = None
     method: str | None = None

@@ -97,9 +97,10 @@ class BenchOptions:
     known_share : float
         Uncertainty of the converged run, as a share of the target, up to which runs are compared.
     departure : float
-        Departure of a start, relative to the motion, which shows the growth of errors.
+        Departure of a second start, relative to the observed motion, as a share of the target: it
+        shows how small errors grow.
     still : float
-        Motion (m, rad) below which a model is at rest.
+        Motion (m, rad) below which joints and sites count as at rest.
     min_periods : int
         Number of periods from which on a comparison makes sense.
     refinement_work : float
@@ -132,7 +133,7 @@ class BenchOptions:
     hard_closure: int = 16
     steps_at_once: int = 16
     known_share: float = 0.25
-    departure: float = 1e-6
+    departure: float = 1e-4
     still: float = 1e-6
     min_periods: int = 5
     refinement_work: float = 5.0

@@ -14,7 +14,14 @@ from ....reference.scene import Array, Case
 from ....reference.solve.bounds import sensitivities
 from ...engines.run import EPS, contained
 from ...engines.setup import Setup
-from ..comparison import OPERATIONS, ROUNDING, Measured, largest_inertias, matrix_rounding
+from ..comparison import (
+    OPERATIONS,
+    ROUNDING,
+    Measured,
+    largest_inertias,
+    matrix_rounding,
+    model_error,
+)
 from ..truth import RANDOM_STATES, random_states
 from ..verdict import Finding, Inconclusive
 
@@ -182,9 +189,8 @@ def measure(setup: Setup) -> Measured:
             max(distance(item[name], exact[name], exact[name]) for name in answers)
             for item in (answers, truths)
         )
-        error = abs(measured - predicted)
         reason = f"{reason}: distance of the model from the scene at any step, and its prediction"
-        findings.append(Finding("model_error", "1", measured, predicted, error, room, reason))
+        findings.append(model_error(measured, predicted, room, reason))
     return Measured(findings)
 
 

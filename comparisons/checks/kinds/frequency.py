@@ -13,7 +13,7 @@ from ....reference.scene import Array, Case, Scene
 from ...engines.run import contained
 from ...engines.setup import Setup
 from .. import elements
-from ..comparison import Measured, matrix_rounding
+from ..comparison import Measured, matrix_rounding, model_error
 from ..verdict import Finding
 
 BACKWARD_ERROR = 1e-11
@@ -40,9 +40,7 @@ def resting(case: Case) -> tuple[Scene, Any, Array, tuple[int, ...]]:
     scene = get_scene(case.scene)
     parameters = scene.unforced(case.parameters)
     values = scene.equilibria[case.about](parameters) if case.about else case.state
-    steady = scene.steady_coordinates.get(case.about or "", ())
-    places = tuple(scene.coordinates.index(name) for name in steady)
-    return scene, parameters, scene.state(values), places
+    return scene, parameters, scene.state(values), elements.steady_places(case, scene.coordinates)
 
 
 def expected(
@@ -143,8 +141,7 @@ def measure(setup: Setup) -> Measured:
         )
         granted = max(tolerance for _, _, tolerance in equations) / top
         reason = "distance of the model's modes from the scene's, relative to the highest"
-        off = abs(measured - predicted)
-        findings.append(Finding("model_error", "1", measured, predicted, off, granted, reason))
+        findings.append(model_error(measured, predicted, granted, reason))
     return Measured(findings)
 
 

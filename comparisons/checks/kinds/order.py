@@ -6,8 +6,6 @@ of its own scheme on the true equations are expected.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
@@ -43,29 +41,6 @@ def quantities(setup: Setup) -> tuple[str, ...]:
         bracket = ("bracket",) if setup.bound.frequency_side else ()
         return ("order", "extrapolated", "least_error", *bracket)
     return ("order", "extrapolated", *(() if setup.scheme else ("least_error",)))
-
-
-class Halved(NamedTuple):
-    """Runs with steps halved again and again, until the order is decided.
-
-    Attributes
-    ----------
-    steps : list of float
-        [s]
-    floors : list of float
-        Relative errors that may be round-off.
-    runs : list of array (k, n_t)
-    errors : list of float
-        Largest relative error of each.
-    bound : float
-        Round-off and the error of the reference in the last one.
-    """
-
-    steps: list[float]
-    floors: list[float]
-    runs: list[Array]
-    errors: list[float]
-    bound: float
 
 
 def measure(setup: Setup) -> Measured:
@@ -111,30 +86,45 @@ def measure(setup: Setup) -> Measured:
     )
 
 
-def halved(setup: Setup, right: Truth, coarsest: float, growth: float) -> Halved:
-    """Run with halved steps [s], to the times of the truth, until the order is decided."""
+def halved(
+    setup: Setup, right: Truth, coarsest: float, growth: float
+) -> tuple[list[float], list[float], list[Array], list[float], float]:
+    """Run with halved steps [s], to the times of the truth, until the order is decided.
+
+    Returns
+    -------
+    steps : list of float
+        Steps [s].
+    floors : list of float
+        Relative errors that may be round-off.
+    runs : list of array (k, n_t)
+    errors : list of float
+        Largest relative error of each run.
+    bound : float
+        Round-off and the error of the reference in the last run.
+    """
     names, count = setup.scene.observables, right.values.shape[1]
     trust = float(np.max(right.bound / right.size))
-    runs = Halved([], [], [], [], trust)
+    steps, floors, errors, runs = list[float](), list[float](), list[float](), list[Array]()
     for level in range(LEVELS):
         step, marks = coarsest / 2**level, np.arange(1, count + 1) * 2**level
-        runs = runs._replace(bound=noise(count * 2**level, growth, setup.epsilon) + trust)
+        bound = noise(count * 2**level, growth, setup.epsilon) + trust
         try:
             values = setup.simulate(step, marks).matrix(names)
         except EngineError as error:
             if error.kind not in ("non_finite", "warning", "solver") or level > LEVELS // 2:
                 raise
             continue  # too coarse for this method; finer ones follow
-        error_now, lowest = relative_error(values, right), FLOOR * runs.bound
-        if error_now < lowest and len(runs.errors) >= 2:
+        error_now, lowest = relative_error(values, right), FLOOR * bound
+        if error_now < lowest and len(errors) >= 2:
             break
-        runs.steps.append(step)
-        runs.floors.append(lowest)
-        runs.runs.append(values)
-        runs.errors.append(error_now)
-        if enough(runs.errors, setup.integrator.order):
+        steps.append(step)
+        floors.append(lowest)
+        runs.append(values)
+        errors.append(error_now)
+        if enough(errors, setup.integrator.order):
             break
-    return runs
+    return steps, floors, runs, errors, bound
 
 
 def error_from_below(

@@ -39,6 +39,7 @@ from ..comparison import (
     Measured,
     Richardson,
     converging,
+    model_error,
     richardson,
     sample_numbers,
 )
@@ -300,8 +301,7 @@ def of_orbit(setup: Setup) -> list[Finding | Inconclusive]:
         )
         granted = max(orbits.room(name) / orbits.sizes[name] for name in limits)
         reason = f"distance of the model's orbit from the scene's: {equations.scene.title}"
-        error = abs(off - predicted)
-        findings.append(Finding("model_error", "1", off, predicted, error, granted, reason))
+        findings.append(model_error(off, predicted, granted, reason))
     return findings
 
 

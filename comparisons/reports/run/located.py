@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 from ...checks.diagnosis import ANOTHER_MODEL
 from ...checks.kinds.parts import WHOLE
 from ...checks.table import KINDS
-from ...checks.verdict import Result
+from ...checks.verdict import FAILURES, Result
 from ...engines.protocol import NO_ACCELERATIONS
 from ..words import number, plural, with_unit
-from .results import FAILURES, digits_to_differ, error_size, grouped, measured, ratio
+from .results import digits_to_differ, error_size, grouped, measured, ratio
 
 FAILED = {
     "clock": "its clock does not show the requested times",
@@ -33,7 +33,7 @@ MOST = 8
 
 def located(results: Sequence[Result]) -> list[str]:
     """Return for each engine that deviates the first level, and its faults there."""
-    wrong = [item for item in results if item.verdict in ("deviation", "error")]
+    wrong = [item for item in results if item.verdict in FAILURES]
     lines = []
     for engine in dict.fromkeys(item.engine for item in wrong):
         mine = [item for item in wrong if item.engine == engine]
@@ -114,6 +114,9 @@ def off(result: Result) -> str:
 HEADS = ("quantity", "unit", "engine", "reference", "error", "tolerance", "times")
 """Heads of the table of quantities of a failure."""
 
+ROW_NAMES = {"unexplained": "unexplained by shares"}
+"""Names of quantities in that table: forces beyond the parts of a file may have a cause."""
+
 
 @dataclass(frozen=True)
 class Block:
@@ -149,7 +152,7 @@ class Block:
         """The numbers of each quantity, below `HEADS`."""
         return [
             (
-                item.quantity,
+                ROW_NAMES.get(item.quantity, item.quantity),
                 item.unit,
                 *(number(x, digits_to_differ(item)) for x in (item.value, item.reference)),
                 *(number(x) for x in (item.error, item.tolerance, ratio(item))),

@@ -11,7 +11,7 @@ from typing import Any
 
 from ...checks.known import Use
 from ...checks.request import CheckRequest
-from ...checks.verdict import Result, Verdict
+from ...checks.verdict import FAILURES, Result, Verdict
 from ...documents import document
 from ...documents.fields import HIDDEN, documented
 from ..words import assignments, plural, with_unit
@@ -228,7 +228,7 @@ class Report:
     def verdict(self) -> Verdict:
         """The worst verdict, a deviation where stale entries alone fail."""
         verdict = worst(self.results)
-        fails = self.exit_code == 1 and verdict not in ("error", "deviation")
+        fails = self.exit_code == 1 and verdict not in FAILURES
         return "deviation" if fails else verdict
 
     @property

@@ -14,12 +14,13 @@ from pathlib import Path
 
 from ....reference.errors import UsageError
 from ...checks.request import CheckRequest
+from ...checks.verdict import FAILURES
 from ..files import STDOUT, Destination
 from ..html import render
 from ..sections import Section
 from .located import blocks
 from .outcome import Report
-from .results import FAILURES, ratio
+from .results import ratio
 from .sections import (
     closing_sections,
     failure_sections,

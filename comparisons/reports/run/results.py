@@ -14,10 +14,7 @@ VERDICTS: tuple[Verdict, ...] = ("pass", "deviation", "known", "skipped", "error
 SEVERITY: tuple[Verdict, ...] = ("error", "deviation", "known", "pass", "skipped")
 """A group of results is as good as the first of these that it holds."""
 
-FAILURES = ("error", "deviation")
-"""Verdicts that make a run fail."""
-
-FATES: Mapping[str, str] = {"deviation": "deviate", "error": "fail", "known": "known"}
+FATES: Mapping[str, str] = {"deviation": "deviate", "error": "in error", "known": "known"}
 """Words for results that do not pass, in the cells of a matrix of verdicts."""
 
 MEASURES = ("value", "reference", "error", "tolerance")

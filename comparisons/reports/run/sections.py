@@ -5,14 +5,14 @@ from __future__ import annotations
 import json
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from rich.console import Console
 
 from ...checks.known import Use
 from ...checks.table import KINDS
-from ...checks.verdict import Result, Verdict
+from ...checks.verdict import FAILURES, NOT_APPLICABLE, Result, Verdict
 from ..item import Outcome, ReportItem
 from ..junit import junit
 from ..sarif import sarif
@@ -22,7 +22,6 @@ from ..words import number, plural, with_unit
 from .located import HEADS, blocks, located
 from .outcome import Report
 from .results import (
-    FAILURES,
     MEASURES,
     error_size,
     grouped,
@@ -42,10 +41,14 @@ MOST = 10
 MOST_IN_MARKDOWN = 50
 """The same of a page of Markdown, which GitHub refuses above 1 MiB."""
 
-FEW_METHODS = 4
-"""So many methods are named with a reason."""
+FEW_NAMES = 4
+"""Largest number of models and of methods that are named with a reason."""
 
-RESULT_HEADS = ("verdict", "case", "method", "quantity", "error", "tolerance", "times")
+RESULT_HEADS = (
+    "verdict", "case", "model, method", "quantity", "error", "tolerance", "times",
+)  # fmt: skip
+
+REASON_HEADS = ("engine", "model", "method", "results", "why")
 
 STALE_RULE = "stale_known"
 
@@ -188,15 +191,26 @@ def accuracy(results: Sequence[Result]) -> Iterator[str]:
 
 def reasons_section(verdict: Verdict, title: str, results: Sequence[Result]) -> Iterator[Section]:
     """Yield the reasons of a verdict, each once, with the number of results it holds for."""
-    rows = []
-    for (engine, reason), members in reasons(results, verdict).items():
-        methods = list(dict.fromkeys(map(method_of, members)))
-        names = ", ".join([*methods[:FEW_METHODS], *(["..."] if methods[FEW_METHODS:] else [])])
-        rows.append((engine, names, len(members), reason or "no reason given"))
+    groups = reasons(results, verdict)
+    rows = [
+        (
+            engine,
+            few(r.model for r in members),
+            few(r.method for r in members),
+            len(members),
+            reason or "no reason given",
+        )
+        for (engine, reason), members in groups.items()
+    ]
     if rows:
-        heads = ("engine", "methods", "results", "why")
-        total = sum(int(count) for _, _, count, _ in rows)
-        yield Section(f"{title} ({total})", heads, rows, anchor=verdict, verdict=verdict)
+        total = sum(map(len, groups.values()))
+        yield Section(f"{title} ({total})", REASON_HEADS, rows, anchor=verdict, verdict=verdict)
+
+
+def few(names: Iterable[str | None]) -> str | None:
+    """Return the first of several names, each once; None if there are none."""
+    each = list(dict.fromkeys(name for name in names if name and name != NOT_APPLICABLE))
+    return ", ".join([*each[:FEW_NAMES], *(["..."] if each[FEW_NAMES:] else [])]) or None
 
 
 # Items

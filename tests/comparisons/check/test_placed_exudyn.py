@@ -24,7 +24,7 @@ from mbcheck.tests.support.example import bad
 SEEDS = (*(f"turned:{seed}" for seed in range(1, 6)), "mirrored:2", "mirrored:3")
 CASES = ("hula_hoop", "weighed"), ("rotor_pendulum", "weighed"), ("speed_regulator", "weighed")
 PLACEMENTS = "turned:1", "mirrored:2", "turned:4"
-ONLY_STANDS = "it is right as placed by the file, and wrong where it is turned"
+ONLY_STANDS = "right for the model as in its file, and wrong for the same model rotated in space"
 
 
 def results(engine: ExudynAdapter, case: Case, kind: str, model: str) -> list[Result]:

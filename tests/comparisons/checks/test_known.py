@@ -79,7 +79,33 @@ max_error = 2
     assert known.read(file("")).entries == ()
 
 
+def test_one_reason_may_hold_for_many_ids() -> None:
+    text = """[[known]]
+reason = "issue 12"
+[known.id]
+"*/RK4/*" = 0.5
+"*/Euler/*" = inf
+"""
+    assert known.read(file(text)).entries == (
+        Entry(1, "*/RK4/*", "issue 12", 0.5),
+        Entry(1, "*/Euler/*", "issue 12", None),
+    )
+
+
+def test_failures_of_one_cause_are_drafted_with_one_reason() -> None:
+    failures = [
+        *(replace(result(name, "deviation"), cause="exchanged") for name in ("RK4", "Euler")),
+        *(result(name, "error", error=None, reason="crashed") for name in ("implicit", "RK4")),
+        result("RK67", "deviation", kind="parts", reason="error is 3 x its tolerance; dropped"),
+        result("RK44", "deviation", kind="parts", reason="error is 9 x its tolerance; dropped"),
+        *(result("RK33", "deviation", quantity=name) for name in ("x", "y")),
+    ]
+    drafted = tomllib.loads(known.draft(failures))["known"]
+    assert [len(item["id"]) for item in drafted] == [2, 2, 2, 2]
+
+
 ONE = '[[known]]\nid = "a"\n'
+MANY = "[[known]]\nreason = 'r'\n[known.id]\n"
 BROKEN = [
     ("[[known]\n", "is not TOML"),
     ("[known]\nid = 'a'\n", "two brackets"),
@@ -93,6 +119,9 @@ BROKEN = [
     ("[[known]]\nid = ['a']\nreason = 'r'\n", "id must be a string"),
     (f"{ONE}reason = 'r'\nmax_eror = 1\n", "did you mean 'max_error'?"),
     (f"{ONE}reason = 'r'\nversions = '>4'\n", "unknown key 'versions'"),
+    (f"{MANY}'a' = 0\n", "max_error must be a positive number, not 0"),
+    (f"{MANY}'' = 1\n", "id must be a string with something in it"),
+    ("[[known]]\nmax_error = 2\nreason = 'r'\n[known.id]\n'a' = 1\n", "remove max_error"),
 ]
 
 

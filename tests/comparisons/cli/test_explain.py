@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
+from pathlib import Path
 from typing import get_args
 
 import pytest
@@ -12,8 +15,14 @@ from mbcheck.comparisons.checks.suite import plan
 from mbcheck.comparisons.checks.table import EVERY_KIND, KINDS
 from mbcheck.comparisons.checks.verdict import PROFILES, Verdict
 from mbcheck.comparisons.cli.explain import explanations, glossary
+from mbcheck.comparisons.inspect.console import inspection_sections
+from mbcheck.comparisons.inspect.inspection import inspect
 from mbcheck.comparisons.inspect.rules.table import RULES as FINDINGS
 from mbcheck.comparisons.papers.ledger import VERDICTS
+from mbcheck.comparisons.reports.item import Level
+from mbcheck.comparisons.reports.run.located import HEADS
+from mbcheck.comparisons.reports.run.sections import REASON_HEADS, RESULT_HEADS
+from mbcheck.comparisons.tradeoff import pages, table
 from mbcheck.tests.support.command import invoke, succeeds
 
 
@@ -25,7 +34,8 @@ def test_every_kind_and_verdict_has_an_entry() -> None:
 
 
 def test_the_glossary_has_forty_entries_at_most() -> None:
-    assert sum(map(len, glossary().values())) <= 40
+    sorts = glossary()
+    assert sum(len(sorts[sort]) for sort in sorts if sort != "names") <= 40
 
 
 def test_every_quantity_of_a_check_is_explained() -> None:
@@ -40,7 +50,11 @@ def test_every_quantity_of_a_check_is_explained() -> None:
         ("trajectory", "Does a run agree with the reference?"),
         ("Located", "start there"),
         ("damper.theta", "damper.theta (quantity of the check parts)"),
-        ("energy_drift", "*_drift (quantity)"),
+        ("energy_drift", "energy_drift (quantity of the check energy)"),
+        ("unexplained", "relative to all forces"),
+        ("coriolis", "0 dropped"),
+        ("extrapolated", "The columns have this distance and 0"),
+        ("turned:7", "rotated as a whole in space"),
         ("theta_dot", "hula_hoop [rad/s]"),
         ("step_limit", FINDINGS["step_limit"].why),
         ("dead_centre", CAUTIONS["dead_centre"].meaning),
@@ -75,4 +89,44 @@ def test_words_of_papers_and_curves_are_explained(words: str) -> None:
 
 def test_factors_of_profiles_are_those_of_the_code() -> None:
     for name, factor in PROFILES.items():
-        assert f"`{name}` {factor:g}" in glossary()["term"]["profile"]
+        assert f"`{name}` {factor:g}" in glossary()["term"]["tolerance, profile"]
+
+
+def test_quantities_of_parts_differ_in_their_explanations() -> None:
+    names = ("mass.rod", "damper.theta", "coriolis", "gravity", "closure.pin", "unexplained")
+    assert len({text.partition(": ")[2] for name in names for text in explanations(name)}) == 6
+
+
+LOOP = """<mujoco><worldbody>
+  <body name="a"><joint name="p" axis="0 1 0"/><geom size="0.1" pos="0 0 -1" contype="0"/></body>
+  <body name="b" pos="1 0 0"><joint name="q" axis="0 1 0"/>
+    <geom size="0.1" pos="0 0 -1" contype="0"/></body>
+  </worldbody><equality><connect body1="a" body2="b" anchor="0 0 -1"/></equality></mujoco>"""
+"""Two pendulums that a loop joins: every table of `inspect` has rows."""
+
+
+def heads_of_inspect(folder: Path) -> Iterator[str]:
+    path = folder / "loop.xml"
+    path.write_text(LOOP)
+    for section in inspection_sections(inspect(str(path)), [], full=True):
+        yield from section.heads
+
+
+def heads_of_tradeoff() -> Iterator[str]:
+    yield from (*pages.CHOICE, *pages.LIMIT, *pages.RUNS, *pages.LEFT_OUT)
+    yield from pages.stability_table([])[0]
+
+
+def words_of_tradeoff() -> Iterator[str]:
+    yield from (table.STEP, table.MODEL, table.ROUND_OFF, table.FAILED)
+    yield table.percent(None)
+
+
+def test_every_column_and_verdict_of_inspect_and_tradeoff_is_explained(tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
+    inspected = [*heads_of_inspect(tmp_path)]
+    assert {"omega [rad/s]", "stable up to [s]", "opens by"} <= {*inspected}
+    heads = [*inspected, *heads_of_tradeoff(), *HEADS, *RESULT_HEADS, *REASON_HEADS]
+    words = {re.sub(r" *\[.*\]", "", part) for head in heads for part in head.split(", ")}
+    words |= {*get_args(Level), *words_of_tradeoff(), "rigid", "unstable"}
+    assert not {word for word in words if word and not explanations(word)}

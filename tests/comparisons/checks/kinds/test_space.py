@@ -104,7 +104,12 @@ FAULTS: Mapping[str, list[tuple[str, str, str, str]]] = {
         ("coupling_lost", "algebra", "mass_matrix", "inertia that couples platform and hinges"),
         ("velocity_of_centre", "algebra", "accelerations", "of the platform's centre of mass"),
         ("velocity_in_body", "algebra", "accelerations", "those in the frame of the platform"),
-        ("from_file", "algebra", "accelerations", "right as placed by the file, and wrong where"),
+        (
+            "from_file",
+            "algebra",
+            "accelerations",
+            "right for the model as in its file, and wrong for",
+        ),
     ],
     "floating_beam": [
         ("axes_as_opened", "algebra", "accelerations", "axes of hinges do not turn with"),
@@ -373,7 +378,7 @@ BUILT: list[tuple[str, Callable[[], Any], str, str, str]] = [
         "floating_platform",
         lambda: ExudynAdapter(Rebuilt(exudyn_mjcf, world_axes=lambda placement: np.eye(3))),
         "falling+turned-1", "algebra",
-        "it is right as placed by the file, and wrong where it is turned",
+        "right for the model as in its file, and wrong for the same model rotated in space",
     ),
     ("floating_beam", exudyn("tip_mass"), "tumbling", "algebra", ""),
     (

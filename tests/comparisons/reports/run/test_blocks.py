@@ -79,3 +79,13 @@ def test_who_gives_no_accelerations_is_told_what_they_would_tell(reason: str, to
     assert hint not in located([changed(wrong, cause="damper of y: counted 0.99 times"), without])
     raised = result(verdict="error", engine="mine", kind="step", reason="KeyError: 'foot'")
     assert hint not in located([raised, without, other])
+
+
+def test_forces_beyond_the_parts_are_not_called_unexplained_beside_their_cause() -> None:
+    said = "a damper of 0.3 N m s/rad on theta, which the file does not have"
+    reason = f"error is 9 x its tolerance; {said}"
+    (one,) = blocks(
+        [result(verdict="deviation", kind="parts", quantity="unexplained", reason=reason)]
+    )
+    assert one.rows[0][0] == "unexplained by shares"
+    assert one.reasons == [said]

@@ -37,7 +37,7 @@ from mbcheck.tests.support.results import HOSTILE, MIXED, VERSIONS, changed, res
 yaml = pytest.importorskip("yaml")
 
 ROOT = Path(__file__).resolve().parents[4]
-WORKFLOWS = [*ROOT.glob("docs/workflow.yml"), *ROOT.glob(".github/workflows/*.yml")]
+WORKFLOWS = [*ROOT.glob("docs/*workflow.yml"), *ROOT.glob(".github/workflows/*.yml")]
 RUN = "check hula_hoop --engine mujoco --kind frequency -j 1"
 
 STALE = Use(Entry(2, "*/RK9/*", "gone"), 0, "stale", "no check has such an id")
@@ -140,7 +140,9 @@ def test_the_summary_has_what_failed_first() -> None:
         "Skipped (2)",
     ]
     assert "| theta | rad | 5e-05 | 0 | 5e-05 | 2e-06 | 25 |" in text
-    assert re.search(r"^\| +exudyn \| 1 of 1 known \| \*\*1 of 1 fail\*\* \|$", text, re.MULTILINE)
+    assert re.search(
+        r"^\| +exudyn \| 1 of 1 known \| \*\*1 of 1 in error\*\* \|$", text, re.MULTILINE
+    )
     assert columns(text) == {1}
 
 
@@ -322,6 +324,20 @@ def test_the_workflow_to_copy_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     assert {name for name in kept["with"]["path"].split() if Path(name).exists()} == {
         "new.json", "report.xml",
     }  # fmt: skip
+
+
+def test_the_workflow_for_a_model_runs() -> None:
+    inspect, *compares = commands(ROOT / "docs" / "model_workflow.yml")
+    os.mkdir("main-branch")
+    for file in ("robot.xml", "main-branch/robot.xml"):
+        assert invoke(f"export hula_hoop -o {file}").exit_code == 0
+    Path("intended.toml").write_text("")
+    assert invoke(inspect.partition(" ")[2]).exit_code == 0
+    with_main, with_release = compares
+    assert invoke(with_main.partition(" ")[2]).exit_code == 0
+    assert Path("inspect.sarif").exists()
+    assert Path("compare.sarif").exists()
+    assert with_release.split()[2:] == ["robot.xml", "robot.xml@mujoco==3.6.0", "--install"]
 
 
 def test_the_matrix_has_what_is_supported() -> None:

@@ -123,8 +123,8 @@ def test_what_a_reader_finds(text: str) -> None:
         "FAIL: 2 passed", "checks: ", "2026-01-02 03:04 UTC",
         "the default set of checks", "Deviations and errors (5)", "Located:",
         "DEVIATION verification/hula_hoop/point_mass_3hz_60n/trajectory/mujoco/Euler",
-        "theta rad 5e-05 0 5e-05 2e-06 25", "exudyn RK67 1 listed",
-        "exudyn RK44, RK33 2 no such model", "verification/*/gone/*",
+        "theta rad 5e-05 0 5e-05 2e-06 25", "exudyn tree RK67 1 listed",
+        "exudyn tree RK44, RK33 2 no such model", "verification/*/gone/*",
     ):  # fmt: skip
         assert part in words, part
     for one in MIXED:
