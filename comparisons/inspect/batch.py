@@ -264,7 +264,7 @@ class Sandbox:
         self.end, self.progress = monotonic() + budget, progress
         self.worker: Worker | None = None
         self.report: FileReport | None = None
-        self.part, self.alone = "", False
+        self.place, self.part, self.alone = (0, 1, ""), "", False
 
     def close(self) -> None:
         """End the process."""
@@ -304,13 +304,18 @@ class Sandbox:
         return outcome
 
     def hear(self, message: Any) -> None:
-        """Receive the next part, or an intermediate report."""
+        """Receive the next part, an edit that a part tries, or an intermediate report."""
         if len(message) == 2:
             self.report = message
+            return
+        if len(message) == 1:
+            done, total, part = self.place
+            message = done, total, f"{part}: {message[0]}"
         else:
-            self.part = message[-1]
-            if self.alone:
-                self.progress(*message)
+            self.place = message
+        self.part = message[-1]
+        if self.alone:
+            self.progress(*message)
 
 
 def in_folder(folder: str, work: Callable[[], T]) -> T | MbcheckError:

@@ -310,14 +310,19 @@ def report_of(
     """
     waivers = (*s.loaded.source.waivers, *selection.waivers)
     results, used = list[ModelFinding](), set[int]()
+    stated = {cause for _, hit in hits for cause in hit.causes}
     for rule, hit in sorted(hits, key=lambda one: list(RULES).index(one[0])):
         names = hit.name, hit.name.partition("/")[0].partition(":")[2] or hit.name
         number = next((i for i, one in enumerate(waivers) if one.covers(rule, *names)), None)
         if number is not None:
             used.add(number)
-            results.append(finding(rule, hit, waivers[number].reason))
-        else:
-            results.append(compared(selection.baseline, rule, hit))
+        if (rule, hit.name) in stated:
+            continue
+        results.append(
+            compared(selection.baseline, rule, hit)
+            if number is None
+            else finding(rule, hit, waivers[number].reason)
+        )
     skipped = {name for name in RULES if name not in selection.rules or f"rule {name}" in left_out}
     if untried:
         skipped.add("repeated_default")

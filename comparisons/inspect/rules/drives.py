@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,6 +13,9 @@ from ..subject import Hit, InspectedModel
 from ..tuning import EFFORT, NUMERICS, THRESHOLDS
 from .parts import gears
 from .remedies import moments
+
+
+NO_LIMIT = -np.inf, np.inf
 
 
 class Drive(NamedTuple):
@@ -157,6 +160,20 @@ class CommandRange(NamedTuple):
     bounds: Array | None
     degrees: bool
 
+    def fix(self, ends: Sequence[float] | Array) -> str:
+        """Return the attribute for other ends (2,) of the joint's coordinate."""
+        low, high = np.sort(np.asarray(ends) * self.drive.gear)
+        return f'write {self.attribute}="{low:.6g} {high:.6g}" on the actuator'
+
+    @property
+    def exceeds_joint(self) -> bool:
+        """True if a hinge is commanded beyond its range; slides of grippers press on purpose."""
+        if self.bounds is None or self.drive.unit != "rad" or self.degrees:
+            return False
+        least, most = self.bounds
+        room = THRESHOLDS.control_excess * (most - least) * (1 + 1e-9)
+        return bool(max(least - self.low, self.high - most) > room)
+
 
 def command_ranges(s: InspectedModel) -> Iterator[CommandRange]:
     """Yield the position servos whose commands are limited to a range.
@@ -218,16 +235,14 @@ def control_in_degrees(s: InspectedModel) -> Iterator[Hit]:
                 f"{max(-one.low, one.high) / (2 * np.pi):.3g} turns of {one.drive.where}: controls "
                 "are in radians, whatever the compiler's angle",
                 attribute=one.attribute,
+                fix=one.fix(np.deg2rad([one.low, one.high])),
             )
 
 
 def control_beyond_range(s: InspectedModel) -> Iterator[Hit]:
     for one in command_ranges(s):
-        if one.bounds is None or one.drive.unit != "rad" or one.degrees:
-            continue  # slides of grippers press on purpose
-        least, most = one.bounds
-        room = THRESHOLDS.control_excess * (most - least) * (1 + 1e-9)
-        if max(least - one.low, one.high - most) > room:
+        if one.bounds is not None and one.exceeds_joint:
+            least, most = one.bounds
             yield s.hit(
                 "actuator",
                 one.drive.actuator,
@@ -235,6 +250,7 @@ def control_beyond_range(s: InspectedModel) -> Iterator[Hit]:
                 f"{one.high:.4g}, beyond the joint's range of {least:.4g} to {most:.4g}: it pushes "
                 "into the limit",
                 attribute=one.attribute,
+                fix=one.fix(one.bounds),
             )
 
 
@@ -447,41 +463,75 @@ def control_not_holding(s: InspectedModel) -> Iterator[Hit]:
         limited, balance = balance_of(s, state), balance_of(s, state, pulls_to_control(s))
         full, falls = limited.force != balance.force, limited.falls
         left = np.where(falls, balance.force, balance.left)
-        for joint, how in (
-            *simple_joints_left(s, limited, left),
-            *ball_joints_left(s, balance.arms, left),
+        for joint, message, fix in (
+            *simple_joints_left(s, state, limited, left),
+            *ball_joints_left(s, state, balance.arms, left),
         ):
             dof = int(s.model.jnt_dofadr[joint])
             if (full[dof] or not falls[dof]) and joint not in said:
                 said.add(joint)
-                message = f"the controls of the state {state.name!r} do not keep it there: {how}"
-                yield s.hit("joint", joint, message)
+                yield s.hit("joint", joint, message, fix=fix)
+
+
+LEAVES = "the controls of the state {!r} do not keep it there: {}"
+INSIDE = "give the keyframe a ctrl within the range of the joint"
+
+JointLeft = tuple[int, str, str]
+"""Number of a joint that leaves a keyframe, a message, and a fix, empty for that of the rule."""
 
 
 def simple_joints_left(
-    s: InspectedModel, limited: KeyframeForces, unlimited: Array
-) -> Iterator[tuple[int, str]]:
-    """Yield the hinges and slides that leave a keyframe, and a description.
+    s: InspectedModel, state: State, limited: KeyframeForces, unlimited: Array
+) -> Iterator[JointLeft]:
+    """Yield the hinges and slides that leave a keyframe, or that a servo presses into a limit.
 
     ``unlimited`` (nv,) are the forces that servos without limits do not balance.
     """
+    pressing = {one.drive.actuator for one in command_ranges(s) if one.exceeds_joint}
     for one in drives(s):
         left, force = float(limited.left[one.dof]), float(limited.force[one.dof])
         if one.holds:
+            unit = 1.0 if one.unit == "rad" else s.size
+            here = float(state.position[s.model.jnt_qposadr[one.joint]])
             drift = float(unlimited[one.dof]) / one.stiffness
-            if abs(drift) > THRESHOLDS.servo_drift * (1.0 if one.unit == "rad" else s.size):
-                yield one.joint, f"{one.name} yields by about {drift:.3g} {one.unit}"
+            low, high = s.model.jnt_range[one.joint] if s.model.jnt_limited[one.joint] else NO_LIMIT
+            moves = abs(np.clip(here + drift, low, high) - here) > THRESHOLDS.servo_drift * unit
+            beyond = max(low - here - drift, here + drift - high)
+            target = (
+                f"{one.name} drives it to {here + drift:.3g} {one.unit}, beyond its range of "
+                f"{low:.4g} to {high:.4g}"
+            )
+            if moves and beyond > 0:
+                yield one.joint, LEAVES.format(state.name, target), INSIDE
+            elif moves:
+                how = f"{one.name} yields by about {drift:.3g} {one.unit}"
+                yield one.joint, LEAVES.format(state.name, how), ""
+            elif (
+                beyond > THRESHOLDS.control_excess * (high - low)
+                and one.unit == "rad"
+                and one.actuator not in pressing  # `control_beyond_range` reports it
+            ):
+                yield (
+                    one.joint,
+                    f"in the state {state.name!r} {target}: it presses it there",
+                    INSIDE,
+                )
         elif (
             one.motor
             and limited.control[one.actuator]
             and abs(left) > THRESHOLDS.motor_imbalance * abs(force)
         ):
-            need = f"{limited.needs[one.dof]:.3g} would balance it"
-            yield one.joint, f"{one.name} exerts {force:.3g} {one.unit_of_force}, and {need}"
+            how = (
+                f"{one.name} exerts {force:.3g} {one.unit_of_force}, and "
+                f"{limited.needs[one.dof]:.3g} would balance it"
+            )
+            yield one.joint, LEAVES.format(state.name, how), ""
 
 
-def ball_joints_left(s: InspectedModel, arms: Array, left: Array) -> Iterator[tuple[int, str]]:
-    """Yield the ball joints that leave a keyframe about axes with servos, and a description."""
+def ball_joints_left(
+    s: InspectedModel, state: State, arms: Array, left: Array
+) -> Iterator[JointLeft]:
+    """Yield the ball joints that leave a keyframe about axes with servos."""
     m, kind = s.model, s.loaded.of_kind
     acts = pulls_to_control(s) & kind("actuator_trntype", "joint", "jointinparent")
     for joint in np.flatnonzero(kind("jnt_type", "ball")):
@@ -491,4 +541,5 @@ def ball_joints_left(s: InspectedModel, arms: Array, left: Array) -> Iterator[tu
         turn = float(np.linalg.norm(np.linalg.pinv(stiffness) @ left[dofs]))
         if turn > THRESHOLDS.servo_drift:
             names = ", ".join(s.loaded.name("actuator", i) for i in own)
-            yield int(joint), f"{names} yield by about {turn:.3g} rad"
+            how = f"{names} yield by about {turn:.3g} rad"
+            yield int(joint), LEAVES.format(state.name, how), ""

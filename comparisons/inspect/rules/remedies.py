@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain, islice, product
 from typing import Any
@@ -13,6 +13,7 @@ import numpy as np
 
 from ....reference.scene import Array
 from ...checks.rules.conditions import OPENING
+from ...engines.isolation import tell
 from ..mujoco.closures import ClosedLoop, closures
 from ..mujoco.facts import integrator, integrators
 from ..mujoco.model import Flags, Loaded, NotFiniteError, State
@@ -31,14 +32,87 @@ def edited(loaded: Loaded, change: Callable[[Any], None]) -> Loaded:
     return replace(loaded, model=model)
 
 
+FAILS = "its run fails, too"
+SPINS = (
+    f"a run with a joint displaced by up to {max(NUMERICS.far_starts):g} rad fails, or keeps a "
+    "motion that a shorter step does not show"
+)
+
+
+def fault_in_runs(
+    s: InspectedModel, tried: Loaded, states: Sequence[State], words: str = "the model"
+) -> str:
+    """Return the fault that short runs of an edited model show; empty if they show none.
+
+    The runs start near the first of these states, and farther away; ``words`` name the edit.
+    """
+    tell((words,))
+    few = states[: EFFORT.runs]
+    if not all(stays_finite(tried, state) for state in few):
+        return FAILS
+    own = float(tried.model.opt.timestep)
+    recommended = (THRESHOLDS.recommended_step * one.limit for one in s.limits_of_file)
+    shorter = min(NUMERICS.shorter_step * own, *recommended, own)
+    return SPINS if any(keeps_spinning(tried, state, shorter) for state in few) else ""
+
+
 def stays_finite(loaded: Loaded, state: State) -> bool:
-    """Return True if a short run from a perturbed state neither fails nor will fail later.
+    """Return True if a run from near a state neither fails nor would fail later.
 
     Where nothing drives the model, growth of its energy that continues would only fail later.
     """
     step, energies = short_run(loaded, state)
     driven = loaded.model.nu or loaded.model.nflex
     return step is None and bool(driven or not keeps_growing(energies))
+
+
+def keeps_spinning(loaded: Loaded, state: State, shorter: float) -> bool:
+    """Return True if a run with one joint displaced fails, or keeps a motion due to its step.
+
+    A servo at its largest force may reverse it every few steps, at a speed that depends on the
+    step, and never come to rest. Displacements would tear closed loops: there, none is tried.
+    """
+    horizon, most, worst = min(NUMERICS.far_time, NUMERICS.run_steps * shorter), 0.0, None
+    for start in () if loaded.model.neq else far_starts(loaded, state):
+        step, energies = short_run(loaded, start, horizon)
+        if step is not None:
+            return True
+        peak, last = kinetic(energies)
+        if last > max(most, NUMERICS.lasting_energy * peak):
+            most, worst = last, start
+    if worst is None:
+        return False
+    step, energies = short_run(with_option(loaded, "timestep", shorter), worst, horizon)
+    peak, last = kinetic(energies)
+    return step is None and most > NUMERICS.lasting_ratio * last + NUMERICS.lasting_energy * peak
+
+
+def far_starts(
+    loaded: Loaded,
+    state: State,
+    dofs: Flags | bool = True,
+    sizes: Sequence[float] = NUMERICS.far_starts,
+) -> Iterator[State]:
+    """Yield states with one joint displaced within its range; floating bodies stay in place.
+
+    The first of the degrees of freedom ``dofs`` (nv,) are displaced, by each of the ``sizes`` [rad]
+    or, if they slide, that share of the model's size.
+    """
+    m, limited = loaded.model, loaded.limited_joints
+    unit = np.diag(np.where(loaded.sliding_dofs, float(m.stat.extent), 1.0))
+    jointed = ~loaded.of_kind("jnt_type", "free")[m.dof_jntid]
+    places, ends = m.jnt_qposadr[limited], m.jnt_range[limited].T
+    for axis, size in product(unit[jointed & dofs][: EFFORT.far_dofs], sizes):
+        position = state.position.copy()
+        loaded.mujoco.mj_integratePos(m, position, size * axis, 1.0)
+        position[places] = np.clip(position[places], *ends)
+        yield state._replace(position=position)
+
+
+def kinetic(energies: Array) -> tuple[float, float]:
+    """Return the largest kinetic energy [J] of a run (n, 2), and of its last part."""
+    last = np.array_split(energies[:, 1], NUMERICS.energy_parts)[-1]
+    return float(np.max(energies[:, 1], initial=0.0)), float(np.max(last, initial=0.0))
 
 
 def keeps_growing(energies: Array) -> bool:
@@ -61,8 +135,10 @@ def keeps_growing(energies: Array) -> bool:
     return bool(np.all(gains) and np.all(np.diff(kinetic) > 0))
 
 
-def short_run(loaded: Loaded, state: State) -> tuple[int | None, Array]:
-    """Run a model from a perturbed state.
+def short_run(
+    loaded: Loaded, state: State, horizon: float = NUMERICS.run_time
+) -> tuple[int | None, Array]:
+    """Run a model for some time [s] from a perturbed state, with constant controls.
 
     Returns
     -------
@@ -74,7 +150,7 @@ def short_run(loaded: Loaded, state: State) -> tuple[int | None, Array]:
     size = NUMERICS.perturbation
     departure = np.random.default_rng(0).uniform(-size, size, model.nv)
     lib.mj_integratePos(model, data.qpos, departure, 1.0)
-    steps = min(NUMERICS.run_steps, int(NUMERICS.run_time / model.opt.timestep) + 1)
+    steps = min(NUMERICS.run_steps, int(horizon / model.opt.timestep) + 1)
     for step in range(1, steps + 1):
         lib.mj_step(model, data)
         if loaded.lost(data):
@@ -84,33 +160,6 @@ def short_run(loaded: Loaded, state: State) -> tuple[int | None, Array]:
             lib.mj_energyVel(model, data)
             energies.append(data.energy.copy())
     return None, np.array(energies)
-
-
-def growth(loaded: Loaded, state: State, direction: Array, step: float, horizon: float) -> float:
-    """Return the growth factor of a small departure within a run from a state.
-
-    Parameters
-    ----------
-    loaded : Loaded
-    state : State
-    direction : array (nv,)
-    step, horizon : float
-        Step and length of the run by RK4 [s].
-    """
-    lib, model, size = loaded.mujoco, loaded.sharp(), NUMERICS.perturbation
-    model.opt.integrator, model.opt.timestep = lib.mjtIntegrator.mjINT_RK4, step
-    runs = [loaded.data(state, model) for _ in range(2)]
-    largest = float(np.max(np.abs(direction))) or 1.0
-    lib.mj_integratePos(model, runs[1].qpos, size * direction / largest, 1.0)
-    steps = max(10, min(NUMERICS.run_steps, int(horizon / step)))
-    difference, most = np.empty(model.nv), 0.0
-    for i in range(steps):
-        for data in runs:
-            lib.mj_step(model, data)
-        if i >= steps // 2:
-            lib.mj_differentiatePos(model, difference, 1.0, runs[0].qpos, runs[1].qpos)
-            most = max(most, float(np.max(np.abs(difference))))
-    return most / size if np.isfinite(most) else np.inf
 
 
 # Remedies -------------------------------------------------------------------------------------
@@ -132,16 +181,21 @@ def with_option(loaded: Loaded, name: str, value: Any) -> Loaded:
 
 
 def joint_edits(s: InspectedModel, name: str, dofs: Flags, scale: float) -> Iterator[Edit]:
-    """Yield values of ``armature`` or ``damping`` of degrees of freedom (nv,), ascending."""
-    joints = list(dict.fromkeys(np.array(s.loaded.joint_names)[dofs].tolist()))
-    where = f"{'joint' if len(joints) == 1 else 'joints'} {', '.join(joints)}"
+    """Yield values of ``armature`` or ``damping`` of degrees of freedom (nv,), ascending.
+
+    Each is the value to be written, for the joints that have less.
+    """
+    before, names = np.array(getattr(s.model, f"dof_{name}")), np.array(s.loaded.joint_names)
     for value in (rounded(share * scale, up=True) for share in THRESHOLDS.inertia_shares):
+        less = dofs & (before < value)
 
-        def change(model: Any, value: float = value) -> None:
-            values = getattr(model, f"dof_{name}")
-            values[dofs] = np.maximum(values[dofs], value)
+        def change(model: Any, value: float = value, less: Flags = less) -> None:
+            getattr(model, f"dof_{name}")[less] = value
 
-        yield f'{name}="{value:g}" on {where}', change
+        joints = list(dict.fromkeys(names[less].tolist()))
+        where = f"{'joint' if len(joints) == 1 else 'joints'} {', '.join(joints)}"
+        if joints:
+            yield f'{name}="{value:g}" on {where}', change
 
 
 def gain_edits(s: InspectedModel, actuators: Flags) -> Iterator[Edit]:
@@ -179,33 +233,26 @@ def step_remedies(s: InspectedModel, limit: StepLimit) -> str:
             edits = (
                 words
                 for words, change in chain(*kind)
-                if is_stable(edited(s.loaded, change), states)
+                if is_stable(s, edited(s.loaded, change), states, words)
             )
             parts += islice(edits, 1)
     file_limit = next(one for one in s.steps if one.of_file).limit
     if 0 < file_limit < math.inf:
         step = rounded(THRESHOLDS.recommended_step * file_limit, up=False)
-        if is_stable(with_option(s.loaded, "timestep", step), states, margin=1.0):
-            parts.append(f'timestep="{step:g}"')
+        words = f'timestep="{step:g}"'
+        if is_stable(s, with_option(s.loaded, "timestep", step), states, words):
+            parts.append(words)
     return in_words(parts, lost)
 
 
-def is_stable(
-    tried: Loaded, states: Sequence[State], margin: float = THRESHOLDS.remedy_margin
-) -> bool:
-    """Return True if the timestep of an edited model is stable: by its limit, and in short runs.
+def is_stable(s: InspectedModel, tried: Loaded, states: Sequence[State], words: str) -> bool:
+    """Return True if the step of an edited model is well below its limit, and short runs show it.
 
-    Parameters
-    ----------
-    tried : Loaded
-    states : sequence of State
-        The state whose limit must be ``margin`` steps, and others that must permit the step.
-    margin : float
+    Then `near_step_limit` has no finding either; ``words`` name the edit.
     """
     step = float(tried.model.opt.timestep)
-    if step_limit_again(tried, states[:1]) < margin * step:
-        return False
-    return step_limit_again(tried, states) >= step and all_stay_finite(tried, states)
+    within = step <= THRESHOLDS.recommended_step * step_limit_again(tried, states)
+    return within and not fault_in_runs(s, tried, states, words)
 
 
 def step_limit_again(loaded: Loaded, states: Sequence[State]) -> float:
@@ -222,36 +269,34 @@ def states_of(s: InspectedModel, name: str | None) -> list[State]:
     return sorted(states, key=lambda state: state.name != name)
 
 
-def all_stay_finite(loaded: Loaded, states: Sequence[State]) -> bool:
-    """Return True if short runs from the first of these states stay finite."""
-    return all(stays_finite(loaded, state) for state in states[: EFFORT.runs])
-
-
-def in_words(remedies: Sequence[str], lost: Sequence[str]) -> str:
-    """Return a sentence about remedies, and the integrators whose runs fail, too."""
+def in_words(remedies: Sequence[str], lost: Mapping[str, Sequence[str]]) -> str:
+    """Return a sentence about remedies, and the integrators whose runs have a fault, by fault."""
     words = "; or ".join(remedies)
-    also = f" (not integrator {' or '.join(lost)}: its run fails, too)" if lost else ""
-    return f"{words}{also}" if words else ""
+    also = "; ".join(f"not integrator {' or '.join(names)}: {why}" for why, names in lost.items())
+    return f"{words} ({also})" if words and also else words
 
 
-def integrator_remedy(s: InspectedModel, states: Sequence[State]) -> tuple[list[str], list[str]]:
-    """Return the cheapest other integrator whose run is stable, if any, and those that fail.
+def integrator_remedy(
+    s: InspectedModel, states: Sequence[State]
+) -> tuple[list[str], dict[str, list[str]]]:
+    """Return the cheapest other integrator whose run is stable, if any, and those with a fault.
 
     Integrators whose limit permits the timestep are tried, all of them where no limit is known.
     """
-    limits, lost = {one.integrator: one.limit for one in s.steps}, list[str]()
+    limits, lost = {one.integrator: one.limit for one in s.steps}, dict[str, list[str]]()
     there = limits or integrators(s.loaded)
     for name in THRESHOLDS.preferred_integrators:
         most = limits.get(name, math.inf)
-        permitted = most >= THRESHOLDS.remedy_margin * s.timestep
+        permitted = s.timestep <= THRESHOLDS.recommended_step * most
         if name in there and name != s.options.integrator and permitted:
-            kind = s.loaded.member("mjtIntegrator", "mjINT", name)
-            if not all_stay_finite(with_option(s.loaded, "integrator", kind), states):
-                lost.append(f'"{name}"')
+            kind, edit = s.loaded.member("mjtIntegrator", "mjINT", name), f'integrator="{name}"'
+            fault = fault_in_runs(s, with_option(s.loaded, "integrator", kind), states, edit)
+            if fault:
+                lost.setdefault(fault, []).append(f'"{name}"')
                 continue
             words = "without limit" if math.isinf(most) else f"stable up to {most:.3g} s"
             small = f" ({words} in small motions)" if limits else ""
-            return [f'integrator="{name}"{small}'], lost
+            return [edit + small], lost
     return [], lost
 
 
@@ -295,9 +340,12 @@ def closure_remedy(s: InspectedModel, closure: ClosedLoop) -> str | None:
         one = next(one for one in again if one.number == closure.number)
         if one.opening > OPENING * s.size_of(closure) or (one.turn or 0.0) > OPENING:
             continue
-        least = THRESHOLDS.remedy_margin * s.timestep
-        stable = not states or step_limit_again(tried, states) >= least
-        if stable and all_stay_finite(tried, states or list(every.values())):
-            solref, solimp = f"{constant:g} {closure.solref[1]:g}", f"{hard:g} {hard:g} 0.001"
-            return f'solref="{solref}" solimp="{solimp}": it then opens by {one.opening:.2g}'
+        solref, solimp = f"{constant:g} {closure.solref[1]:g}", f"{hard:g} {hard:g} 0.001"
+        words = f'solref="{solref}" solimp="{solimp}"'
+        if (
+            is_stable(s, tried, states, words)
+            if states
+            else not fault_in_runs(s, tried, list(every.values()), words)
+        ):
+            return f"{words}: it then opens by {one.opening:.2g}"
     return None
