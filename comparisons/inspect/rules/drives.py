@@ -15,9 +15,6 @@ from .parts import gears
 from .remedies import moments
 
 
-NO_LIMIT = -np.inf, np.inf
-
-
 class Drive(NamedTuple):
     """An actuator of one hinge or slide: directly, or by a fixed tendon over that joint alone.
 
@@ -440,7 +437,8 @@ def saturated_actuator(s: InspectedModel) -> Iterator[Hit]:
             need = float(balance.needs[one.dof])
             room = THRESHOLDS.overload * abs(need)
             within = one.low - room <= need <= one.high + room
-            if one.actuator in said or not alone[one.dof] or within:
+            stopped = stopped_by_limit(s, one, state, float(balance.left[one.dof]))
+            if one.actuator in said or not alone[one.dof] or within or stopped:
                 continue
             said.add(one.actuator)
             unit = one.unit_of_force
@@ -491,41 +489,49 @@ def simple_joints_left(
     for one in drives(s):
         left, force = float(limited.left[one.dof]), float(limited.force[one.dof])
         if one.holds:
-            unit = 1.0 if one.unit == "rad" else s.size
-            here = float(state.position[s.model.jnt_qposadr[one.joint]])
-            drift = float(unlimited[one.dof]) / one.stiffness
-            low, high = s.model.jnt_range[one.joint] if s.model.jnt_limited[one.joint] else NO_LIMIT
-            moves = abs(np.clip(here + drift, low, high) - here) > THRESHOLDS.servo_drift * unit
-            beyond = max(low - here - drift, here + drift - high)
-            target = (
-                f"{one.name} drives it to {here + drift:.3g} {one.unit}, beyond its range of "
-                f"{low:.4g} to {high:.4g}"
+            here, low, high = place_of(s, one, state)
+            target = here + float(unlimited[one.dof]) / one.stiffness
+            moves = abs(np.clip(target, low, high) - here) > drift_of(s, one)
+            outside = max(low - target, target - high) > THRESHOLDS.control_excess * (high - low)
+            how = (
+                f"{one.name} drives it to {target:.3g} {one.unit}, beyond its range of {low:.4g} "
+                f"to {high:.4g}"
             )
-            if moves and beyond > 0:
-                yield one.joint, LEAVES.format(state.name, target), INSIDE
-            elif moves:
-                how = f"{one.name} yields by about {drift:.3g} {one.unit}"
-                yield one.joint, LEAVES.format(state.name, how), ""
-            elif (
-                beyond > THRESHOLDS.control_excess * (high - low)
-                and one.unit == "rad"
-                and one.actuator not in pressing  # `control_beyond_range` reports it
-            ):
-                yield (
-                    one.joint,
-                    f"in the state {state.name!r} {target}: it presses it there",
-                    INSIDE,
-                )
+            if moves and not outside:
+                how = f"{one.name} yields by about {target - here:.3g} {one.unit}"
+            if moves:
+                yield one.joint, LEAVES.format(state.name, how), INSIDE if outside else ""
+            elif outside and one.unit == "rad" and one.actuator not in pressing:
+                yield one.joint, f"in the state {state.name!r} {how}: it presses there", INSIDE
         elif (
             one.motor
             and limited.control[one.actuator]
             and abs(left) > THRESHOLDS.motor_imbalance * abs(force)
+            and not stopped_by_limit(s, one, state, left)
         ):
             how = (
                 f"{one.name} exerts {force:.3g} {one.unit_of_force}, and "
                 f"{limited.needs[one.dof]:.3g} would balance it"
             )
             yield one.joint, LEAVES.format(state.name, how), ""
+
+
+def place_of(s: InspectedModel, one: Drive, state: State) -> tuple[float, float, float]:
+    """Return the position of a drive's joint in a state, and the ends of its range."""
+    m, here = s.model, float(state.position[s.model.jnt_qposadr[one.joint]])
+    ends = m.jnt_range[one.joint] if s.loaded.limited_joints[one.joint] else (-np.inf, np.inf)
+    return here, float(ends[0]), float(ends[1])
+
+
+def drift_of(s: InspectedModel, one: Drive) -> float:
+    """Return the displacement [rad, m] up to which a joint keeps its place."""
+    return THRESHOLDS.servo_drift * (1.0 if one.unit == "rad" else s.size)
+
+
+def stopped_by_limit(s: InspectedModel, one: Drive, state: State, force: float) -> bool:
+    """Return True if a limit stops the motion to which an unbalanced force would lead."""
+    here, low, high = place_of(s, one, state)
+    return (high - here if force > 0 else here - low) < drift_of(s, one)
 
 
 def ball_joints_left(
