@@ -33,9 +33,9 @@ from ..reports.sections import Section, markdown_sections, print_sections
 from ..reports.text import STYLES, in_encoding, print_line, print_unbroken
 from ..reports.words import plural, printable
 from ..terminal.program import MISUSED, complain, console, json_text, progress_bar, to_stdout
-from .console import VERDICTS, inspection_sections, omissions, print_rule
+from .console import VERDICTS, inspection_sections, omissions
 from .fixes import neutral_edit
-from .inspection import Inspection, inspect_in_parts, refuse_slips, unwaived
+from .inspection import Inspection, inspect_in_parts, selection_of, unwaived
 from .mujoco.source import ROOT, OtherRootError, read
 from .request import InspectRun
 from .rules.table import RULES
@@ -372,15 +372,11 @@ def inspect_models(
     UsageError
         If options do not go together, or the only file cannot be read.
     """
-    if run.explain is not None:
-        print_rule(console(), run.explain)
-        if not run.models:
-            return 0
     if not run.models:
         raise UsageError("which file? mbcheck inspect MODEL.xml")
     destinations = (json_file, junit_file, sarif_file)
     refuse_conflicts(*destinations)
-    refuse_slips(run)
+    selection_of(run)  # which refuses unknown rules, and files that cannot be read
     if run.dry_run and not run.fix:
         raise UsageError("--dry-run is for --fix")
     items: list[ReportItem] = []

@@ -48,7 +48,7 @@ class ModelFinding:
     Attributes
     ----------
     rule : str
-        id of the rule, which `mbcheck inspect --explain` explains
+        id of the rule, which `mbcheck explain` explains
     severity : {"error", "warning", "note"}
         severity of the rule
     element : str
@@ -401,7 +401,7 @@ class Selection(NamedTuple):
 
 
 def selection_of(request: InspectRequest) -> Selection:
-    """Return the selected rules, the waivers and the baseline of a file.
+    """Return the selected rules, the waivers and the baseline of a file, or of none.
 
     Raises
     ------
@@ -410,19 +410,10 @@ def selection_of(request: InspectRequest) -> Selection:
     """
     file = str(request.path)
     beside = os.path.join(os.path.dirname(file), BESIDE)
-    place = request.waivers or (beside if os.path.isfile(beside) else None)
+    place = request.waivers or (beside if file and os.path.isfile(beside) else None)
     waivers = waivers_of(Path(place), file, RULES) if place else ()
     known = baseline_of(request.baseline) if request.baseline else {}
     return Selection(rules_of(request), waivers, known.get(Path(file).as_posix(), {}))
-
-
-def refuse_slips(request: InspectRequest) -> None:
-    """Refuse unknown rules, and files that cannot be read, before any work."""
-    rules_of(request)
-    if request.waivers:
-        waivers_of(Path(request.waivers), "", RULES)
-    if request.baseline:
-        baseline_of(request.baseline)
 
 
 def rules_of(request: InspectRequest) -> frozenset[str]:

@@ -12,14 +12,13 @@ import numpy as np
 
 from ..checks.rules.conditions import Statement
 from ..documents.fields import HIDDEN, documented
-from .growth import fed_growth
 from .mujoco.closures import ClosedLoop
 from .mujoco.facts import Facts, can_touch, meetings
 from .mujoco.linear import Linear
 from .mujoco.model import Flags, Loaded, Numbers
 from .mujoco.source import Element
 from .tuning import NUMERICS
-from .views import Shape, StepLimit, View
+from .views import Shape, StepLimit, View, fed_growth
 
 Severity = Literal["error", "warning", "note"]
 

@@ -33,6 +33,10 @@ class Drive(NamedTuple):
         Least and largest force on the joint; -inf and inf without limits.
     unit, unit_of_force : str
         Units of the joint's coordinate, and of its force.
+    ends : tuple of float
+        Range of the joint, infinite without limits.
+    servo_drift : float
+        Displacement up to which a servo keeps the joint in its place.
     """
 
     actuator: int
@@ -49,6 +53,8 @@ class Drive(NamedTuple):
     high: float
     unit: str
     unit_of_force: str
+    ends: tuple[float, float]
+    servo_drift: float
 
 
 def drives(s: InspectedModel) -> list[Drive]:
@@ -98,6 +104,8 @@ def drives(s: InspectedModel) -> list[Drive]:
                 high=float(high),
                 unit="rad" if hinges[joint] else "m",
                 unit_of_force="Nm" if hinges[joint] else "N",
+                ends=tuple(narrowest([(m.jnt_limited[joint], m.jnt_range[joint], 1.0)]).tolist()),
+                servo_drift=THRESHOLDS.servo_drift * (1.0 if hinges[joint] else s.size),
             )
         )
     return listed
@@ -379,30 +387,18 @@ class KeyframeForces(NamedTuple):
     control : array (nu,)
     arms : array (nu, nv)
         Moment arms of the actuators.
-    free : array (nv,)
-        True if it falls freely.
-    undriven : array (nv,)
-        Largest unbalanced force in its tree at a joint, neither free nor driven.
+    needs : array (nv,)
+        Forces of actuators that would balance each degree of freedom.
+    falls : array (nv,)
+        True if it falls, so that no balance is to be expected.
     """
 
     force: Array
     left: Array
     control: Array
     arms: Array
-    free: Flags
-    undriven: Array
-
-    @property
-    def needs(self) -> Array:
-        """Forces (nv,) of actuators that would balance each degree of freedom."""
-        same = np.isclose(self.force, self.left, rtol=1e-12, atol=0.0)
-        return np.where(same, 0.0, self.force - self.left)
-
-    @property
-    def falls(self) -> Flags:
-        """Degrees of freedom (nv,) that fall, so that no balance is to be expected."""
-        loose = self.undriven > THRESHOLDS.undriven_imbalance * np.abs(self.needs)
-        return np.asarray(self.free | loose)
+    needs: Array
+    falls: Flags
 
 
 def balance_of(s: InspectedModel, state: State, unlimited: Flags | None = None) -> KeyframeForces:
@@ -425,7 +421,10 @@ def balance_of(s: InspectedModel, state: State, unlimited: Flags | None = None) 
     np.maximum.at(most, m.dof_treeid, np.where(bound, 0.0, np.abs(left)))
     falling = np.isin(m.dof_treeid, m.dof_treeid[falls])
     force, control = np.array(data.qfrc_actuator), np.array(data.ctrl)
-    return KeyframeForces(force, left, control, arms, falling, most[m.dof_treeid])
+    same = np.isclose(force, left, rtol=1e-12, atol=0.0)
+    needs = np.where(same, 0.0, force - left)
+    loose = most[m.dof_treeid] > THRESHOLDS.undriven_imbalance * np.abs(needs)
+    return KeyframeForces(force, left, control, arms, needs, np.asarray(falling | loose))
 
 
 def saturated_actuator(s: InspectedModel) -> Iterator[Hit]:
@@ -489,9 +488,9 @@ def simple_joints_left(
     for one in drives(s):
         left, force = float(limited.left[one.dof]), float(limited.force[one.dof])
         if one.holds:
-            here, low, high = place_of(s, one, state)
+            here, (low, high) = float(state.position[s.model.jnt_qposadr[one.joint]]), one.ends
             target = here + float(unlimited[one.dof]) / one.stiffness
-            moves = abs(np.clip(target, low, high) - here) > drift_of(s, one)
+            moves = abs(np.clip(target, low, high) - here) > one.servo_drift
             outside = max(low - target, target - high) > THRESHOLDS.control_excess * (high - low)
             how = (
                 f"{one.name} drives it to {target:.3g} {one.unit}, beyond its range of {low:.4g} "
@@ -516,22 +515,10 @@ def simple_joints_left(
             yield one.joint, LEAVES.format(state.name, how), ""
 
 
-def place_of(s: InspectedModel, one: Drive, state: State) -> tuple[float, float, float]:
-    """Return the position of a drive's joint in a state, and the ends of its range."""
-    m, here = s.model, float(state.position[s.model.jnt_qposadr[one.joint]])
-    ends = m.jnt_range[one.joint] if s.loaded.limited_joints[one.joint] else (-np.inf, np.inf)
-    return here, float(ends[0]), float(ends[1])
-
-
-def drift_of(s: InspectedModel, one: Drive) -> float:
-    """Return the displacement [rad, m] up to which a joint keeps its place."""
-    return THRESHOLDS.servo_drift * (1.0 if one.unit == "rad" else s.size)
-
-
 def stopped_by_limit(s: InspectedModel, one: Drive, state: State, force: float) -> bool:
     """Return True if a limit stops the motion to which an unbalanced force would lead."""
-    here, low, high = place_of(s, one, state)
-    return (high - here if force > 0 else here - low) < drift_of(s, one)
+    here, (low, high) = state.position[s.model.jnt_qposadr[one.joint]], one.ends
+    return bool((high - here if force > 0 else here - low) < one.servo_drift)
 
 
 def ball_joints_left(

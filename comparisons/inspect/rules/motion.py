@@ -5,17 +5,25 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ....reference.soft_constraint import IMPEDANCES
 from ...checks.rules import conditions
-from ..growth import fed_by_drive, growing, growth_in_run, is_fed_by_drive
 from ..mujoco.model import OPENED, Loaded
 from ..subject import Hit, InspectedModel
 from ..tuning import EFFORT, NUMERICS, THRESHOLDS
-from ..views import Shape, StepLimit, View, view_of
+from ..views import (
+    Shape,
+    StepLimit,
+    View,
+    fed_by_drive,
+    growing,
+    growth_in_run,
+    is_fed_by_drive,
+    view_of,
+)
 from .drives import drives, sign_attribute
 from .remedies import (
     closure_remedy,
@@ -312,12 +320,12 @@ def unstable_mode(s: InspectedModel) -> Iterator[Hit]:
             f"{1 / rate.real:.3g} s ({rate.real:.3g} 1/s){swing}, whatever the step: {source} it"
         )
         signs = sign_remedy(s, one, mode, fed_by)
-        fix = "reverse the sign of " + " and ".join(sign.words for sign in signs)
+        fix = "reverse the sign of " + " and ".join(words for _, _, _, words, _, _ in signs)
         if not signs:
             fix = damping_remedy(s, one, mode) or (
                 "reverse the sign of the gain, or of the gear" if actuators else "reverse its sign"
             )
-        causes = tuple((sign.rule, s.hit(sign.kind, sign.number, "").name) for sign in signs)
+        causes = tuple((rule, s.hit(kind, i, "").name) for rule, kind, i, *_ in signs)
         yield s.hit("joint", s.model.dof_jntid[mode.dof], message, fix=fix, causes=causes)
 
 
@@ -334,52 +342,35 @@ def feeders(s: InspectedModel, view: View, mode: Shape) -> list[int]:
     return large
 
 
-class WrongSign(NamedTuple):
-    """Sign of a servo or damper that feeds a motion, with the rule that finds it.
-
-    ``words`` name the attribute; ``field`` and ``index`` give its place in ``MjModel``.
-    """
-
-    rule: str
-    kind: str
-    number: int
-    words: str
-    field: str
-    index: Any
+WrongSign = tuple[str, str, int, str, str, Any]
+"""A sign that feeds a motion: the rule that finds it, kind and number of the object, the attribute,
+and its field and index in ``MjModel``."""
 
 
 def sign_remedy(
     s: InspectedModel, one: View, mode: Shape, feeding: Sequence[int]
 ) -> list[WrongSign]:
     """Return the wrong signs of actuators and dampers, if reversing them ends the growth."""
-    m, name = s.model, s.loaded.name
-    wrong = [
-        WrongSign(
-            "positive_feedback",
-            "actuator",
-            i,
-            f"{sign_attribute(s, i, what)} of {servo.name}",
-            "actuator_biasprm",
-            (i, column),
-        )
-        for servo in drives(s)
-        for i in {servo.actuator}.intersection(feeding)
-        for column, what, resists in ((1, "position", servo.stiffness), (2, "speed", servo.damping))
-        if resists < 0
+    m, name, wrong = s.model, s.loaded.name, list[WrongSign]()
+    for servo in drives(s):
+        i = servo.actuator
+        signs = ((1, "position", servo.stiffness), (2, "speed", servo.damping))
+        for column, what, resists in signs if i in feeding else ():
+            if resists < 0:
+                words, field = f"{sign_attribute(s, i, what)} of {servo.name}", "actuator_biasprm"
+                wrong.append(("positive_feedback", "actuator", i, words, field, (i, column)))
+    joints = np.unique(m.dof_jntid[(m.dof_damping < 0) & (mode.vector != 0)]).tolist()
+    tendons = np.flatnonzero(m.tendon_damping < 0).tolist()
+    places = [("joint", i, "dof_damping", m.dof_jntid == i) for i in joints]
+    places += [("tendon", i, "tendon_damping", i) for i in tendons]
+    wrong += [
+        ("negative_damping", kind, i, f"damping of {name(kind, i)}", field, index)
+        for kind, i, field, index in places
     ]
-    moved = np.unique(m.dof_jntid[(m.dof_damping < 0) & (mode.vector != 0)])
-    for kind, field, numbers in (
-        ("joint", "dof_damping", moved),
-        ("tendon", "tendon_damping", np.flatnonzero(m.tendon_damping < 0)),
-    ):
-        for i in map(int, numbers):
-            index = m.dof_jntid == i if kind == "joint" else i
-            words = f"damping of {name(kind, i)}"
-            wrong.append(WrongSign("negative_damping", kind, i, words, field, index))
 
     def change(model: Any) -> None:
-        for sign in wrong:
-            getattr(model, sign.field)[sign.index] *= -1
+        for *_, field, index in wrong:
+            getattr(model, field)[index] *= -1
 
     tried = edited(s.loaded, change)
     ends = wrong and no_mode_is_fed(s, tried) and runs_settle(s, tried, one, mode)

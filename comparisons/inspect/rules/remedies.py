@@ -72,19 +72,18 @@ def keeps_spinning(loaded: Loaded, state: State, shorter: float) -> bool:
     A servo at its largest force may reverse it every few steps, at a speed that depends on the
     step, and never come to rest. Displacements would tear closed loops: there, none is tried.
     """
-    horizon, most, worst = min(NUMERICS.far_time, NUMERICS.run_steps * shorter), 0.0, None
+    horizon = min(NUMERICS.far_time, NUMERICS.run_steps * shorter)
+    fine, least = with_option(loaded, "timestep", shorter), NUMERICS.lasting_energy
     for start in () if loaded.model.neq else far_starts(loaded, state):
         step, energies = short_run(loaded, start, horizon)
+        peak, last = kinetic(energies)
         if step is not None:
             return True
-        peak, last = kinetic(energies)
-        if last > max(most, NUMERICS.lasting_energy * peak):
-            most, worst = last, start
-    if worst is None:
-        return False
-    step, energies = short_run(with_option(loaded, "timestep", shorter), worst, horizon)
-    peak, last = kinetic(energies)
-    return step is None and most > NUMERICS.lasting_ratio * last + NUMERICS.lasting_energy * peak
+        if last > least * peak:
+            peak, expected = kinetic(short_run(fine, start, horizon)[1])
+            if last > NUMERICS.lasting_ratio * expected + least * peak:
+                return True
+    return False
 
 
 def far_starts(
