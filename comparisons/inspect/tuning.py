@@ -245,7 +245,7 @@ class Numerics:
     energy_gain: float = 0.002
     energy_roundoff: float = 1e-12
     perturbation: float = 1e-6
-    far_starts: tuple[float, ...] = (0.1, 0.3, 1.0)
+    far_starts: tuple[float, ...] = tuple(map(float, np.linspace(0.1, 1.2, 12)))
     far_time: float = 1.0
     shorter_step: float = 0.25
     lasting_ratio: float = 4.0

@@ -33,7 +33,6 @@ from .remedies import (
     in_words,
     integrator_remedy,
     joint_edits,
-    keeps_growing,
     moments,
     rounded,
     short_run,
@@ -418,7 +417,11 @@ def runs_settle(s: InspectedModel, tried: Loaded, one: View, mode: Shape) -> boo
     dofs = s.model.dof_jntid == s.model.dof_jntid[mode.dof]
     starts = far_starts(fine, one.state, dofs, NUMERICS.far_starts[-1:])
     runs = (short_run(fine, start, horizon) for start in starts)
-    return not any(failed or keeps_growing(energies) for failed, energies in runs)
+    for failed, energies in runs:
+        first, second = (np.max(part, initial=0.0) for part in np.array_split(energies[:, 1], 2))
+        if failed is not None or second > NUMERICS.lasting_ratio * first:
+            return False
+    return True
 
 
 def run_fails(s: InspectedModel) -> Iterator[Hit]:

@@ -34,8 +34,8 @@ def edited(loaded: Loaded, change: Callable[[Any], None]) -> Loaded:
 
 FAILS = "its run fails, too"
 SPINS = (
-    f"a run with a joint displaced by up to {max(NUMERICS.far_starts):g} rad fails, or keeps a "
-    "motion that a shorter step does not show"
+    f"a run with a servo's joint displaced by up to {max(NUMERICS.far_starts):g} rad fails, or "
+    "keeps a motion that a shorter step does not show"
 )
 
 
@@ -67,14 +67,15 @@ def stays_finite(loaded: Loaded, state: State) -> bool:
 
 
 def keeps_spinning(loaded: Loaded, state: State, shorter: float) -> bool:
-    """Return True if a run with one joint displaced fails, or keeps a motion due to its step.
+    """Return True if a run with a servo's joint displaced fails, or keeps a motion due to its step.
 
     A servo at its largest force may reverse it every few steps, at a speed that depends on the
     step, and never come to rest. Displacements would tear closed loops: there, none is tried.
     """
+    driven = np.any(moments(loaded, state)[servos(loaded)], axis=0) & (loaded.model.neq == 0)
     horizon = min(NUMERICS.far_time, NUMERICS.run_steps * shorter)
     fine, least = with_option(loaded, "timestep", shorter), NUMERICS.lasting_energy
-    for start in () if loaded.model.neq else far_starts(loaded, state):
+    for start in far_starts(loaded, state, driven, NUMERICS.far_starts):
         step, energies = short_run(loaded, start, horizon)
         peak, last = kinetic(energies)
         if step is not None:
@@ -87,10 +88,7 @@ def keeps_spinning(loaded: Loaded, state: State, shorter: float) -> bool:
 
 
 def far_starts(
-    loaded: Loaded,
-    state: State,
-    dofs: Flags | bool = True,
-    sizes: Sequence[float] = NUMERICS.far_starts,
+    loaded: Loaded, state: State, dofs: Flags, sizes: Sequence[float]
 ) -> Iterator[State]:
     """Yield states with one joint displaced within its range; floating bodies stay in place.
 
@@ -220,7 +218,7 @@ def step_remedies(s: InspectedModel, limit: StepLimit) -> str:
     known = limit.joint in names and not limit.constraint and len(names) <= EFFORT.max_remedy_dofs
     if known and states and linear is not None:
         dof, joints = names.index(str(limit.joint)), s.model.dof_jntid
-        alone, acts = joints == joints[dof], servos(s)
+        alone, acts = joints == joints[dof], servos(s.loaded)
         arms, inertia = moments(s.loaded, states[0]), float(linear.mass[dof, dof])
         both = alone, alone | np.any(arms[acts], axis=0)
         kinds = [
@@ -299,10 +297,10 @@ def integrator_remedy(
     return [], lost
 
 
-def servos(s: InspectedModel) -> Flags:
+def servos(loaded: Loaded) -> Flags:
     """Return the actuators (n_u,) that react to position or speed."""
-    acts = np.any(s.model.actuator_biasprm[:, 1:3] != 0, axis=1)
-    return np.asarray(acts & s.loaded.of_kind("actuator_biastype", "affine"))
+    acts = np.any(loaded.model.actuator_biasprm[:, 1:3] != 0, axis=1)
+    return np.asarray(acts & loaded.of_kind("actuator_biastype", "affine"))
 
 
 def moments(loaded: Loaded, state: State) -> Array:
