@@ -88,8 +88,8 @@ def finding_sections(items: Sequence[ReportItem], full: bool) -> Iterator[Sectio
         yield Section(lines=[f"... and of {', '.join(left)}, with --full"])
     if rules:
         first = next(iter(rules))
-        more = "" if full else "; --full prints waivers"
-        yield Section(lines=[f"mbcheck explain {first} says why it matters{more}"])
+        hint = "" if full else "; --full prints waivers"
+        yield Section(lines=[f"mbcheck explain {first} says why it matters{hint}"])
 
 
 def waiver_lines(findings: Iterable[ModelFinding]) -> Iterator[str]:

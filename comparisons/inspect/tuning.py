@@ -206,7 +206,7 @@ class Numerics:
     shorter_step : float
         Share of the timestep with which a run shows the motion that lasts.
     lasting_ratio, lasting_energy : float
-        Kinetic energy at the end of a run that is a fault of the step: relative to that of a run
+        Kinetic energy at the end of a run that its step must have caused: relative to that of a run
         with shorter steps, and to the largest in that run.
     steps_per_radian, min_steps_per_radian : float
         Steps of a run that confirms growth, and the fewest for modes that do not grow: RK4 is
@@ -274,8 +274,8 @@ class EffortLimits:
         Random states in which an idle joint is searched.
     runs : int
         States from which a short run starts.
-    growth_tries : int
-        Dampings of a growing mode that are tried in runs.
+    run_tries : int
+        Values of an edit that are tried in runs, once modes are stable.
     far_dofs : int
         Degrees of freedom that are displaced, one after the other, to try a remedy.
     compiled_bytes : float
@@ -302,7 +302,7 @@ class EffortLimits:
     draws: int = 40
     idle_draws: int = 4
     runs: int = 2
-    growth_tries: int = 3
+    run_tries: int = 6
     far_dofs: int = 8
     compiled_bytes: float = 4e7
     values: int = 40

@@ -473,7 +473,7 @@ def fed_growth(loaded: Loaded, views: Sequence[View]) -> Iterator[tuple[View, Sh
 
 
 def growth_in_run(loaded: Loaded, view: View, mode: Shape, horizon: float) -> float | None:
-    """Return the growth factor along a mode in a run of a length [s]; None if that is too long.
+    """Return the growth factor along a mode in a run of a length [s]; None if it is too long.
 
     The step resolves all modes by `Numerics.steps_per_radian` if there is time for that, else this
     one, and all others by `Numerics.min_steps_per_radian`.

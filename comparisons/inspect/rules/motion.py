@@ -388,7 +388,7 @@ def damping_remedy(s: InspectedModel, one: View, mode: Shape) -> str | None:
         )
     )
     stable = (edit for edit in edits if no_mode_is_fed(s, edit[1]))
-    tried = islice(stable, EFFORT.growth_tries)
+    tried = islice(stable, EFFORT.run_tries)
     return next((words for words, model in tried if runs_settle(s, model, one, mode)), None)
 
 

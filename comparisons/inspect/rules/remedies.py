@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import copy
 import math
+from bisect import bisect_left
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import chain, islice, product
+from itertools import islice, product
 from typing import Any
 
 import numpy as np
@@ -227,12 +228,8 @@ def step_remedies(s: InspectedModel, limit: StepLimit) -> str:
             [gain_edits(s, acts & (arms[:, dof] != 0)), gain_edits(s, acts)],
         ]
         for kind in kinds:
-            edits = (
-                words
-                for words, change in chain(*kind)
-                if is_stable(s, edited(s.loaded, change), states, words)
-            )
-            parts += islice(edits, 1)
+            stable = (first_stable(s, list(edits), states) for edits in kind)
+            parts += islice(filter(None, stable), 1)
     file_limit = next(one for one in s.steps if one.of_file).limit
     if 0 < file_limit < math.inf:
         step = rounded(THRESHOLDS.recommended_step * file_limit, up=False)
@@ -242,22 +239,34 @@ def step_remedies(s: InspectedModel, limit: StepLimit) -> str:
     return in_words(parts, lost)
 
 
+def first_stable(s: InspectedModel, edits: Sequence[Edit], states: Sequence[State]) -> str | None:
+    """Return the smallest of some edits, ascending, that makes the step stable, if any does.
+
+    The more is edited, the larger is the limit: bisection finds where the trials of runs begin.
+    """
+    first = bisect_left(
+        edits, True, key=lambda edit: is_below_limit(edited(s.loaded, edit[1]), states)
+    )
+    tried = islice(edits, first, first + EFFORT.run_tries)
+    stable = (words for words, x in tried if is_stable(s, edited(s.loaded, x), states, words))
+    return next(stable, None)
+
+
 def is_stable(s: InspectedModel, tried: Loaded, states: Sequence[State], words: str) -> bool:
     """Return True if the step of an edited model is well below its limit, and short runs show it.
 
     Then `near_step_limit` has no finding either; ``words`` name the edit.
     """
-    step = float(tried.model.opt.timestep)
-    within = step <= THRESHOLDS.recommended_step * step_limit_again(tried, states)
-    return within and not fault_in_runs(s, tried, states, words)
+    return is_below_limit(tried, states) and not fault_in_runs(s, tried, states, words)
 
 
-def step_limit_again(loaded: Loaded, states: Sequence[State]) -> float:
-    """Return the largest stable step [s] of an edited model; 0 where there are no modes."""
-    views = [view_of(loaded, state) for state in states]
+def is_below_limit(tried: Loaded, states: Sequence[State]) -> bool:
+    """Return True if the timestep of an edited model is well below the largest stable step."""
+    views = [view_of(tried, state) for state in states]
     if any(one.linear is None for one in views) or not views:
-        return 0.0
-    return step_limit_of(loaded, integrator(loaded), views).limit
+        return False
+    limit = step_limit_of(tried, integrator(tried), views).limit
+    return float(tried.model.opt.timestep) <= THRESHOLDS.recommended_step * limit
 
 
 def states_of(s: InspectedModel, name: str | None) -> list[State]:

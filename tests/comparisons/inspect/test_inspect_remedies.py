@@ -79,7 +79,8 @@ def test_a_fix_leaves_no_spin_and_is_not_near_the_limit(tmp_path: Path) -> None:
         {"kp": gain * 3600, "kv": gain * 0.36},
     ]
     for edit in edits:
-        assert inspect(servo(path, **edit)).findings == (), edit
+        rules = {one.rule for one in inspect(servo(path, **edit)).findings}
+        assert rules.isdisjoint({"step_limit", "near_step_limit"}), edit
         for angle in (0.2, 0.55, 0.8):
             there = lasting_speed(path, angle, 2e-5)
             assert lasting_speed(path, angle) < 2 * there + 0.1, (edit, angle)
@@ -92,8 +93,8 @@ def test_a_fix_leaves_no_spin_and_is_not_near_the_limit(tmp_path: Path) -> None:
 def test_the_value_of_a_fix_is_the_one_to_write(armature: float, tmp_path: Path) -> None:
     """It is above that of the file, not to be added to it, and no integrator has the same limit."""
     inertia = 0.0016 + armature
-    joint = f'damping="{30 * inertia:g}" armature="{{}}"'
-    settings = {"servo": "", "kp": 5e5 * inertia, "kv": 0.0}
+    joint = f'damping="{45 * inertia:g}" armature="{{}}"'
+    settings = {"servo": "", "kp": 8e5 * inertia, "kv": 0.0}
     path = servo(tmp_path / "model.xml", joint=joint.format(armature), **settings)
     found = one_of(path, "near_step_limit")
     assert not re.search('integrator="(implicit|implicitfast)"', found.fix)
@@ -130,8 +131,8 @@ INSIDE = "give the keyframe a ctrl within the range of the joint"
 @pytest.mark.parametrize(
     ("actuator", "key", "words"),
     [
-        (POSITION, 'qpos="1.5" ctrl="2.5"', "in the state 'hanging' one drives it to 2.5 rad"),
-        (POSITION, 'qpos="0.5" ctrl="2.5"', "do not keep it there: one drives it to 2.5 rad"),
+        (POSITION, 'qpos="1.5" ctrl="2.5"', "in the state 'hanging' one drives it to 2.49 rad"),
+        (POSITION, 'qpos="0.5" ctrl="2.5"', "do not keep it there: one drives it to 2.49 rad"),
         (POSITION, 'qpos="0.5" ctrl="1"', "do not keep it there: one yields by about 0.495 rad"),
         (POSITION, 'qpos="1.5" ctrl="1.55"', None),
         ("motor", 'qpos="1.5" ctrl="90"', None),
@@ -181,7 +182,7 @@ def test_a_sign_is_mended_beside_an_inverted_pendulum(tmp_path: Path) -> None:
 
 def test_waivers_to_paste(tmp_path: Path) -> None:
     """`--full` prints them: with a reason each, they waive what was found."""
-    path = written(tmp_path, ('name="swing"', 'name="a[1]"'), ('damping="0.1"', 'damping="-5"'))
+    path = written(tmp_path, ('name="swing"', 'name="a[1]"'), ('damping="0.1"', 'damping="-0.05"'))
     text = invoke("inspect", str(path), "--full", "--no-modes").stdout
     start = text.index("  [[waive]]")
     entries = text[start : text.index("\n\n", start)]
