@@ -276,8 +276,8 @@ class EffortLimits:
         States from which a short run starts.
     run_tries : int
         Values of an edit that are tried in runs, once modes are stable.
-    far_dofs : int
-        Degrees of freedom that are displaced, one after the other, to try a remedy.
+    far_starts : int
+        Runs with a displaced joint that try a remedy.
     compiled_bytes : float
         Bytes of text and models that are compiled to find repeated defaults.
     values : int
@@ -303,7 +303,7 @@ class EffortLimits:
     idle_draws: int = 4
     runs: int = 2
     run_tries: int = 6
-    far_dofs: int = 8
+    far_starts: int = 24
     compiled_bytes: float = 4e7
     values: int = 40
     single_attributes: int = 200

@@ -45,7 +45,8 @@ def fault_in_runs(
 ) -> str:
     """Return the fault that short runs of an edited model show; empty if they show none.
 
-    The runs start near the first of these states, and farther away; ``words`` name the edit.
+    The runs start near the first of these states, and away from the very first; ``words`` name the
+    edit.
     """
     tell((words,))
     few = states[: EFFORT.runs]
@@ -54,7 +55,7 @@ def fault_in_runs(
     own = float(tried.model.opt.timestep)
     recommended = (THRESHOLDS.recommended_step * one.limit for one in s.limits_of_file)
     shorter = min(NUMERICS.shorter_step * own, *recommended, own)
-    return SPINS if any(keeps_spinning(tried, state, shorter) for state in few) else ""
+    return SPINS if any(keeps_spinning(tried, state, shorter) for state in few[:1]) else ""
 
 
 def stays_finite(loaded: Loaded, state: State) -> bool:
@@ -93,14 +94,15 @@ def far_starts(
 ) -> Iterator[State]:
     """Yield states with one joint displaced within its range; floating bodies stay in place.
 
-    The first of the degrees of freedom ``dofs`` (nv,) are displaced, by each of the ``sizes`` [rad]
-    or, if they slide, that share of the model's size.
+    The degrees of freedom ``dofs`` (nv,) are displaced by each of the ``sizes`` [rad] or, if they
+    slide, that share of the model's size; where these are too many starts, some are left out.
     """
     m, limited = loaded.model, loaded.limited_joints
     unit = np.diag(np.where(loaded.sliding_dofs, float(m.stat.extent), 1.0))
     jointed = ~loaded.of_kind("jnt_type", "free")[m.dof_jntid]
     places, ends = m.jnt_qposadr[limited], m.jnt_range[limited].T
-    for axis, size in product(unit[jointed & dofs][: EFFORT.far_dofs], sizes):
+    every = list(product(unit[jointed & dofs], sizes))
+    for axis, size in every[:: math.ceil(len(every) / EFFORT.far_starts) or 1]:
         position = state.position.copy()
         loaded.mujoco.mj_integratePos(m, position, size * axis, 1.0)
         position[places] = np.clip(position[places], *ends)
