@@ -101,8 +101,8 @@ def numbers_in(template: str, numbers: Numbers) -> dict[str, Any]:
     {'speed': [1.0, 2.0], 'shares.rest': 0.25}
     """
     flat: dict[str, Any] = {}
-    for _, place, _, _ in Formatter().parse(template):
-        name = re.split(r"[.\[]", place or "")[0]
+    for place in [place for _, place, _, _ in Formatter().parse(template) if place]:
+        name = re.split(r"[.\[]", place)[0]
         value = numbers.get(name)
         parts = value.items() if isinstance(value, Mapping) else ()
         flat |= {f"{name}.{key}": part for key, part in parts} or {name: value}

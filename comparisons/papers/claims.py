@@ -86,12 +86,15 @@ class PaperData:
     verdict : str
         Whether model and method are right, what comes out and holds, and what to cite instead;
         numbers are taken from rows: ``{case_1_speed.value:.4g}``.
+    names : str
+        Meaning of the names of numbers that many of its conditions have.
     """
 
     figures: tuple[PaperFigure, ...] = ()
     rows: tuple[LedgerRow, ...] = ()
     causes: tuple[Cause, ...] = ()
     verdict: str = ""
+    names: str = ""
 
 
 REFUSALS = (LookupError, ValueError, TypeError, AttributeError, ImportError)

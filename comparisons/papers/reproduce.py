@@ -103,10 +103,7 @@ class Folder:
     def forget_maps(self, scene: str) -> None:
         """Remove the maps of a scene, so that they are computed again."""
         for path in self.work.glob(f"{scene}_*"):
-            if path.is_dir():
-                shutil.rmtree(path, ignore_errors=True)
-            else:
-                path.unlink()
+            path.unlink()
 
     @property
     def contents(self) -> Findings:
@@ -237,10 +234,10 @@ def reproduce(request: ReproduceRequest) -> Findings:
     ]
     done = 0
 
-    def tell_map(name: str, finished: int, total: int) -> None:
-        request.progress(done, len(names), f"{names[done]}: map {name} {finished}/{total}")
+    def report(words: str) -> None:
+        request.progress(done, len(names), f"{names[done]}: {words}")
 
-    session = Session(available(), request.full, request.workers, folder.work, tell_map)
+    session = Session(available(), request.full, request.workers, folder.work, report)
     sessions = {scene: for_scene(session, scene) for scene in papers}
     is_part = request.resume or request.rows or request.figure is not None
     for scene in () if is_part else papers:

@@ -5,18 +5,19 @@ from __future__ import annotations
 import json
 import logging
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import wraps
+from functools import partial, wraps
 from hashlib import sha256
 from inspect import signature
 from pathlib import Path
+from time import monotonic
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from ...reference.errors import UsageError
 from ..maps.request import Axis, Request, resolved
 from ..maps.run import compute
-from ..maps.store import Map, read
+from ..maps.store import Map
+from ..terminal.program import time_left
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -38,8 +39,8 @@ class Session:
         Number of processes that compute maps.
     folder : Path or None
         Where maps are kept, so that an interrupted run goes on with them.
-    progress : callable ``(name, done, total)``
-        Called as the points of a map are finished.
+    progress : callable ``(words)``
+        Called as the points of a map, or runs, are finished.
     points : int, optional
         Points along the axes of the papers' maps, in place of their own numbers.
     engine_points : int, optional
@@ -54,7 +55,7 @@ class Session:
     full: bool = False
     workers: int = 1
     folder: Path | None = None
-    progress: Callable[[str, int, int], None] = lambda name, done, total: None
+    progress: Callable[[str], None] = lambda words: None
     points: int | None = None
     engine_points: int | None = None
     seconds: float | None = None
@@ -66,6 +67,16 @@ class Session:
             self.cache[key] = produce()
         value: T = self.cache[key]
         return value
+
+    def follow(self, what: str) -> Callable[[int, int], None]:
+        """Return a function ``(done, total)`` that reports progress and the remaining time."""
+        begin = monotonic()
+
+        def report(done: int, total: int) -> None:
+            left = time_left(monotonic() - begin, done / total) if done < total else ""
+            self.progress(f"{what} {done}/{total}" + f" ({left})" * bool(left))
+
+        return report
 
     def map(
         self,
@@ -80,38 +91,21 @@ class Session:
         key = json.dumps(request.as_dict(), sort_keys=True)
         return self.once(key, lambda: self._map(request, key))
 
-    def stored_map(self, file: Path, settings: str) -> Map | None:
-        """Return a map from its file if there is one, and it is intact and that of the settings."""
-        if not file.exists():
-            return None
-        with suppress(UsageError):
-            stored = read(file)
-            if json.loads(settings) == stored.settings:
-                return stored
-        LOG.warning("Warning: %s is damaged, or another map: computed again", file)
-        return None
-
     def _map(self, request: Any, settings: str) -> Map:
-        """Read a map from the folder, or else compute it."""
+        """Compute a map, except for the points that its file in the folder has."""
         name = f"{request.scene} {request.quantity} {request.engine} {request.model}"
-        file = unfinished = None
-        if self.folder is not None:
-            key = sha256(settings.encode()).hexdigest()[:12]
-            file = self.folder / f"{name.replace(' ', '_')}_{key}.nc"
-            if stored := self.stored_map(file, settings):
-                return stored
-            unfinished = file.with_suffix(".unfinished")
-        computed = compute(
-            request,
-            workers=self.workers,
-            unfinished=unfinished,
-            resume=True,
-            progress=lambda done, total: self.progress(name, done, total),
-        )
-        if file and unfinished:
-            computed.save(file)
-            unfinished.unlink(missing_ok=True)
-        return computed
+        key = sha256(settings.encode()).hexdigest()[:12]
+        file = self.folder and self.folder / f"{name.replace(' ', '_')}_{key}.nc"
+        progress = self.follow(f"map {name}")
+        call = partial(compute, request, workers=self.workers, resume=True, progress=progress)
+        try:
+            return call(unfinished=file)
+        except UsageError:
+            if not (file and file.exists()):
+                raise
+            LOG.warning("Warning: %s is damaged, or another map: computed again", file)
+            file.unlink()
+            return call(unfinished=file)
 
 
 def once(function: Callable[Concatenate[Session, P], T]) -> Callable[Concatenate[Session, P], T]:

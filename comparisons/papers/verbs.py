@@ -46,7 +46,7 @@ def reproduce_papers(json_file: Destination | None, **options: Any) -> int:
 
     out = Path(options["out"])
     try:
-        with progress_bar(True, "figures and rows") as advance:
+        with progress_bar(True, "figures and rows", lines=True) as advance:
             result = reproduce(**options, progress=advance)
     except KeyboardInterrupt:
         click.echo("finished figures and rows are kept: repeat with --resume", err=True)

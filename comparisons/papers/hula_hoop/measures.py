@@ -8,7 +8,7 @@ values are random.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 from math import factorial
 from typing import Any
@@ -89,6 +89,12 @@ APPROXIMATIONS = {
     "refined": refined_solution,
     "corrected": corrected_solution,
 }
+FORMULAS = {
+    "printed": (paper_solution, True),
+    "paper": (paper_solution, False),
+    "corrected": (corrected_solution, False),
+}
+"""Approximate solutions, and whether (55) is taken as printed."""
 STATES = ("y", "theta", "y_dot", "theta_dot")
 
 
@@ -155,35 +161,14 @@ def value_range(times: Array, values: Array) -> tuple[float, float]:
     return float(every.min()), float(every.max())
 
 
-@dataclass(frozen=True)
-class LockIn:
-    """How a motion from rest at 3 Hz, 60 N becomes a rotation.
+def lock_in(times: Array, theta: Array, speed: Array) -> dict[str, float]:
+    """Return how a motion (n_t,) from rest at 3 Hz, 60 N becomes a rotation.
 
-    Attributes
-    ----------
-    last_slip : float
-        Time until which the phase is more than half a turn from its final value [s].
-    last_reversal : float
-        Time at which the free mass last turns backwards [s].
-    settled : float
-        Time from which the phase stays within 0.5 rad of its final value [s].
-    turns : float
-        Turns per period, over the last eight.
-    direction : int
-    least_speed : float
-        Smallest speed of the last period over omega, in the sense of rotation.
+    ``value``, the time at which the free mass last turns backwards; ``slip``, until which the phase
+    is more than half a turn from its final value; ``settled``, from which it stays within 0.5 rad
+    of that [s]. Of the last eight periods the ``turns`` in each, negative against the first sense;
+    of the last one the ``least`` speed in the sense of rotation, over omega.
     """
-
-    last_slip: float
-    last_reversal: float
-    settled: float
-    turns: float
-    direction: int
-    least_speed: float
-
-
-def lock_in(times: Array, theta: Array, speed: Array) -> LockIn:
-    """Return the lock-in of a motion (n_t,) from rest."""
     omega = 2 * np.pi * EXAMPLE.force_frequency
     turns = (theta[-1] - theta[-1 - 8 * SAMPLES]) / (2 * np.pi * 8)
     direction = 1 if turns > 0 else -1
@@ -191,14 +176,13 @@ def lock_in(times: Array, theta: Array, speed: Array) -> LockIn:
     phase = (direction * theta - omega * times)[::SAMPLES]
     off = np.abs(phase - phase[-9:].mean())
     last = slice(-1 - SAMPLES, None)
-    return LockIn(
-        last_slip=float(np.max(stroboscopic[off > np.pi], initial=0.0)),
-        last_reversal=float(np.max(times[direction * speed < 0], initial=0.0)),
-        settled=float(np.max(stroboscopic[off > 0.5], initial=0.0)),
-        turns=abs(turns),
-        direction=direction,
-        least_speed=value_range(times[last], direction * speed[last])[0] / omega,
-    )
+    return {
+        "value": float(np.max(times[direction * speed < 0], initial=0.0)),
+        "slip": float(np.max(stroboscopic[off > np.pi], initial=0.0)),
+        "settled": float(np.max(stroboscopic[off > 0.5], initial=0.0)),
+        "turns": float(turns),
+        "least": value_range(times[last], direction * speed[last])[0] / omega,
+    }
 
 
 # Maps
@@ -300,41 +284,22 @@ def regions(unstable: Any, least: int = 2) -> list[Any]:
     return [part for part in parts if part.sum() >= least]
 
 
-def agreement(session: Session, plate: bool, which: str) -> dict[str, float]:
-    """Compare fig. 4 with fig. 5, or fig. 6 with fig. 7 (plate), on the robust points.
+def robust_points(session: Session, plate: bool, who: str) -> tuple[Any, Any, Any]:
+    """Return the points that are computed in both maps and robust in the motion from rest.
 
-    ``share`` of the points at which "stable" and "class blue o" are both true or both false;
-    ``trivial``, that which the better of "everywhere" and "nowhere" would reach; ``points``.
+    As bool arrays: where they are (n_y, n_x), and of these (k,) where the rotation is stable and
+    where hula-hoop motion is reached from rest.
     """
-    robust = motion_map(session, plate).robust
-    hoop = moves(session, plate, "blue_o")[robust]
-    return {
-        "share": float(np.mean(hoop == stable(session, plate, which)[robust])),
-        "trivial": float(max(hoop.mean(), 1 - hoop.mean())),
-        "points": int(robust.sum()),
-    }
-
-
-def own_maps(session: Session, plate: bool, engine: str) -> tuple[Any, Any, Any]:
-    """Return an engine's stability of its rotation, and its motion from rest.
-
-    Three bool arrays (k,) over the points that it computed in both maps, its motion robust:
-    the rotation is stable, hula-hoop motion from rest, and this repeats in each period.
-    """
-    calm, motion = stability_map(session, plate, engine), motion_map(session, plate, engine)
-    known = (calm.computed == 1) & (motion.computed == 1) & motion.robust
+    calm, motion = stability_map(session, plate, who), motion_map(session, plate, who)
+    there = (calm.computed == 1) & (motion.computed == 1) & motion.robust
     hoop = is_class(motion, "motion", "blue_o")
-    first = hoop & (motion.variables["periods"] == 1)
-    return is_class(calm, "stability", "stable")[known], hoop[known], first[known]
+    return there, is_class(calm, "stability", "stable")[there], hoop[there]
 
 
 # Sections 1 to 4 ----------------------------------------------------------------------------------
 
 
 PHASES = 2 * np.pi * np.arange(256) / 256
-LINEAR, MIXING = np.random.default_rng(14).normal(size=(2, 3, 3))
-START, FIRST, SECOND, FORCE = np.random.default_rng(18).normal(size=(4, 3))
-"""Random operators, and U_0, V_1, V_2, f, by which orders in p are distinguished."""
 TRIAL = ApproximateSolution(
     alpha=0.8, q_1=1.3, beta=0.5, u_1=0.3, gamma=0.7, theta_0=0.0, residual=np.nan
 )
@@ -420,58 +385,6 @@ def mass_ratio(session: Session) -> Numbers:
 
 
 # Section 3
-
-
-def even_harmonics(session: Session) -> Numbers:
-    """Return the largest even harmonic of the nonlinear terms of (7), over all of them."""
-    motion = TRIAL.motion(PHASES / TRIAL.alpha)
-    terms = motion.theta_dot**2 * np.sin(motion.theta), motion.theta_ddot * np.cos(motion.theta)
-    spectra = np.abs(np.fft.rfft(terms))
-    return {"share": np.max(np.max(spectra[:, 0:7:2], axis=1) / np.max(spectra, axis=1))}
-
-
-def orders(p: Any, other: Any = 0.0, known: Any = FORCE) -> Any:
-    """Return (14) with (18) at p, with random operators and functions.
-
-    These are matrices for L, products of sines for N. With the other argument of N, and without a
-    known function, it is (15) with (19).
-    """
-    v = START + p * FIRST + p**2 * SECOND
-    nonlinear = MIXING @ np.sin(v + other)
-    return LINEAR @ (v - START) + p * LINEAR @ START + p * (nonlinear - known)
-
-
-def homotopy(session: Session) -> Numbers:
-    """Return the largest difference of (11) from (10), and at p = 0, 1 from (12), (13).
-
-    With random values for L(V), L(U_0), N(V) and f. It also covers the errors of (21), (22) as the
-    first two orders of (14), and of (38), (39) as those of (15).
-    """
-    linear, start, nonlinear, force = np.random.default_rng(11).normal(size=4)
-
-    def in_11(p: float) -> float:
-        return float(linear - start + p * start + p * (nonlinear - force))
-
-    in_10 = 0.7 * (linear - start) + 0.3 * (linear + nonlinear - force)
-    ends = in_11(0.0) - (linear - start), in_11(1.0) - (linear + nonlinear - force)
-    series = [abs(in_11(0.3) - in_10), *map(abs, ends)]
-    for other, known in ((0.0, FORCE), (SECOND, 0.0)):
-        first_order = LINEAR @ FIRST + MIXING @ np.sin(START + other) + LINEAR @ START - known
-        series.append(np.max(np.abs(orders(0.0, other, known))))
-        slope = orders(1e-30j, other, known).imag / 1e-30
-        series.append(np.max(np.abs(slope - first_order)))
-    return {"error": max(series)}
-
-
-def second_order(session: Session) -> Numbers:
-    """Return errors of the second order of (20), whose N is taken at V_1 as printed."""
-    step = 1e-4
-    truth = (orders(step) - 2 * orders(0.0) + orders(-step)) / step**2 / 2
-    printed, right = (
-        float(np.max(np.abs(LINEAR @ SECOND + MIXING @ nonlinear - truth)))
-        for nonlinear in (np.sin(FIRST), np.cos(START) * FIRST)
-    )
-    return {"as_printed": printed, "corrected": right, "share": right / printed}
 
 
 def bessel_series(session: Session) -> Numbers:
@@ -584,13 +497,8 @@ def closed_form(session: Session) -> Numbers:
 
 def effect_of_55(session: Session) -> Numbers:
     """Return multipliers and stable shares of figure 4 with (55) as printed, and corrected."""
-    solution = paper_solution(EXAMPLE)
-    multipliers = [
-        float(abs(floquet_multipliers(solution, EXAMPLE, as_printed)[0]))
-        for as_printed in (True, False)
-    ]
     shares = [float(np.mean(stable(session, False, name))) for name in ("printed", "paper")]
-    return {"multipliers": multipliers, "shares": shares}
+    return {"multipliers": list(multipliers(session).values())[:2], "shares": shares}
 
 
 def eigenvalues(session: Session, count: int = 64) -> Numbers:
@@ -666,10 +574,9 @@ def rotation(session: Session, who: str) -> Numbers:
 
 
 def motion_from_rest(session: Session, who: str) -> Numbers:
-    """Return the lock-in of the motion from rest, and its angular velocity then.
+    """Return `lock_in` of the motion from rest, its turns less 1.
 
-    Times of the last slip and reversal [s], and turns per period; the least theta' of the last
-    period, and the frequency of the largest peak of theta' over the last 12 periods, by omega.
+    And the frequency of the largest peak of theta' over the last 12 periods, by omega.
     """
     run, periods = example_from_rest(session, who), 12
     theta_dot = run.observables["theta_dot"]
@@ -677,15 +584,7 @@ def motion_from_rest(session: Session, who: str) -> Numbers:
     window = theta_dot[-periods * SAMPLES :]
     spectrum = np.abs(np.fft.rfft((window - window.mean()) * np.hanning(len(window))))
     ratio = float(np.argmax(spectrum)) / periods
-    return {
-        "value": end.last_reversal,
-        "slip": end.last_slip,
-        "turns": abs(end.turns - 1),
-        "least": end.least_speed,
-        "settled": end.settled,
-        "ratio": ratio,
-        "off": abs(ratio - 2),
-    }
+    return {**end, "turns": abs(abs(end["turns"]) - 1), "ratio": ratio, "off": abs(ratio - 2)}
 
 
 def errors_of_solutions(session: Session) -> Numbers:
@@ -703,14 +602,9 @@ def errors_of_solutions(session: Session) -> Numbers:
 
 def multipliers(session: Session) -> Numbers:
     """Return the largest multipliers of approximate solutions, and with (55) as printed."""
-    cases = {
-        "paper": ("paper", False),
-        "corrected": ("corrected", False),
-        "printed": ("paper", True),
-    }
     return {
-        name: abs(floquet_multipliers(APPROXIMATIONS[which](EXAMPLE), EXAMPLE, as_printed)[0])
-        for name, (which, as_printed) in cases.items()
+        name: float(abs(floquet_multipliers(solution(EXAMPLE), EXAMPLE, as_printed)[0]))
+        for name, (solution, as_printed) in FORMULAS.items()
     }
 
 
@@ -777,12 +671,6 @@ NEAR = {False: (32.0, 28.0, 23.0, 18.0), True: (110.0, 95.0, 78.0, 61.0)}
 STEPS = 80
 """Steps of engines in a period."""
 
-FORMULAS = {
-    "printed": (paper_solution, True),
-    "paper": (paper_solution, False),
-    "corrected": (corrected_solution, False),
-}
-
 
 @once
 def ends(session: Session, plate: bool) -> list[BoundaryAlong]:
@@ -841,8 +729,8 @@ def distances(session: Session, who: str, plate: bool) -> Numbers:
 # Readings
 
 
-def from_rest(p: HulaHoop, angles: Array | float = 0.0) -> list[LockIn]:
-    """Return the lock-in of motions at 3 Hz from rest at some angles [rad], by the reference."""
+def from_rest(p: HulaHoop, angles: Array | float = 0.0) -> list[str]:
+    """Return the lock-in of motions at 3 Hz from rest at some angles [rad], in words."""
     count = np.broadcast(p.damping_ratio, p.hinge_damping_ratio, angles).size
     times = samples(LONG_RUN)
     states = np.zeros((4, len(times), count))
@@ -850,20 +738,21 @@ def from_rest(p: HulaHoop, angles: Array | float = 0.0) -> list[LockIn]:
     derivative = get_scene(SCENE).right_hand_side(p)
     for i in range(len(times) - 1):
         states[:, i + 1] = rk8_steps(derivative, states[:, i], times[i], times[i + 1], 1)
-    return [lock_in(times, states[1, :, i], states[3, :, i]) for i in range(count)]
+    return [in_words(lock_in(times, states[1, :, i], states[3, :, i])) for i in range(count)]
 
 
-def in_words(end: LockIn) -> str:
+def in_words(end: dict[str, float]) -> str:
     """Return a lock-in in words."""
-    if abs(end.turns) < LOCKED:
+    turns = abs(end["turns"])
+    if turns < LOCKED:
         return "no lock-in, no turns in the end"
-    if abs(end.turns - 1) > LOCKED:  # chaos: how many turns depends on the last digit
+    if abs(turns - 1) > LOCKED:  # chaos: how many turns depends on the last digit
         return "no lock-in, irregular turns"
-    sense = "forwards" if end.direction > 0 else "backwards"
-    backwards = "reverses to the end" if end.least_speed < 0 else "last reversal"
+    sense = "forwards" if end["turns"] > 0 else "backwards"
+    backwards = "reverses to the end" if end["least"] < 0 else "last reversal"
     return (
-        f"locks in, turning {sense}; last slip {end.last_slip:.2f} s, {backwards} "
-        f"{end.last_reversal:.2f} s"
+        f"locks in, turning {sense}; last slip {end['slip']:.2f} s, {backwards} "
+        f"{end['value']:.2f} s"
     )
 
 
@@ -877,14 +766,14 @@ def damping_units(session: Session) -> Numbers:
               (0.1, 0.02)]  # fmt: skip
     damping, hinge = np.array(ratios).T
     p = EXAMPLE.replace(damping_ratio=damping, hinge_damping_ratio=hinge)
-    return {"ends": [in_words(end) for end in from_rest(p)]}
+    return {"ends": from_rest(p)}
 
 
 def starts(session: Session) -> Numbers:
     """Return the lock-in from rest at angles near 0, and the robust share of figure 5."""
     angles = np.array([0.0, 1e-6, -1e-6, 1e-3, -1e-3, 1e-2, -1e-2, 0.1, -0.1])
-    ends = [in_words(end) for end in from_rest(EXAMPLE, angles)]
-    return {"ends": ends, "robust": np.mean(motion_map(session, False).variables["robust"] == 1)}
+    robust = np.mean(motion_map(session, False).variables["robust"] == 1)
+    return {"ends": from_rest(EXAMPLE, angles), "robust": robust}
 
 
 # Sections 5.2 and 6: figures 4 to 7 ---------------------------------------------------------------
@@ -1276,35 +1165,38 @@ def region_3(session: Session) -> Numbers:
 def agreements(session: Session, who: str, plate: bool) -> Numbers:
     """Return the share of the robust points at which stability predicts the motion from rest.
 
-    By each solution; of an engine, by the stability of its rotation.
+    By each solution; of an engine, by the stability of its rotation. ``trivial`` is the share that
+    the better of "everywhere" and "nowhere" reaches, and ``parts`` the largest of the corrected
+    solutions on parts of our axes.
     """
+    there, calm, hoop = robust_points(session, plate, who)
     if who != REFERENCE:
-        calm, hoop, _ = own_maps(session, plate, who)
         return {"share": np.mean(calm == hoop), "count": len(hoop)}
-    by_solution = {name: agreement(session, plate, name) for name in STABILITIES}
-    shares = {name: item["share"] for name, item in by_solution.items()}
-    hoop, robust = moves(session, plate, "blue_o"), motion_map(session, plate).robust
-    parts = [largest_on_parts(hoop == stable(session, plate, name), robust) for name in CORRECTED]
+    right = {
+        name: moves(session, plate, "blue_o") == stable(session, plate, name)
+        for name in STABILITIES
+    }
+    shares = {name: float(np.mean(where[there])) for name, where in right.items()}
     return {
-        **by_solution["paper"],
         **shares,
+        "share": shares["paper"],
+        "trivial": float(max(hoop.mean(), 1 - hoop.mean())),
+        "points": len(hoop),
         "best": max(shares[name] for name in CORRECTED),
-        "parts": max(parts),
+        "parts": max(largest_on_parts(right[name], there) for name in CORRECTED),
     }
 
 
 def unstable_seen(session: Session, who: str) -> Numbers:
     """Count robust points of figure 5 with a periodic motion where a rotation is unstable."""
+    there, calm, hoop = robust_points(session, False, who)
+    periodic = hoop & (motion_map(session, False, who).variables["periods"][there] == 1)
+    numbers = {"count": count(periodic & ~calm), "total": count(periodic)}
     if who != REFERENCE:
-        calm, _, periodic = own_maps(session, False, who)
-        return {"count": np.sum(periodic & ~calm), "total": np.sum(periodic)}
-    motion = motion_map(session, False)
-    hoop = is_class(motion, "motion", "blue_o") & motion.robust
-    periodic = hoop & (motion.variables["periods"] == 1)
-    paper, exact = (count(~stable(session, False, name) & periodic) for name in ("paper", "exact"))
-    total = count(periodic)
-    more = count(hoop) - total
-    return {"paper": paper, "exact": exact, "count": exact, "total": total, "more": more}
+        return numbers
+    paper = count(periodic & ~stable(session, False, "paper")[there])
+    more = count(hoop) - numbers["total"]
+    return {**numbers, "exact": numbers["count"], "paper": paper, "more": more}
 
 
 def stable_elsewhere(session: Session) -> Numbers:
@@ -1350,7 +1242,7 @@ def drawn_solution(session: Session) -> Numbers:
     return {
         name: {
             "counts": [len(regions(~stable(session, plate, name))) for plate in PLATES],
-            "shares": [agreement(session, plate, name)["share"] for plate in PLATES],
+            "shares": [agreements(session, REFERENCE, plate)[name] for plate in PLATES],
         }
         for name in STABILITIES
     }

@@ -168,9 +168,10 @@ def runs(session: Session, figure: int, who: str) -> dict[float, Response | str]
     horizon = HORIZONS[figure] * (2 if session.full else 1)
     beams, motions = [beam_of(figure, mass).replace(segments=count) for mass in MASSES], {}
     run = partial(simulate_beam, who=who, horizon=horizon)
+    report = session.follow(f"runs of figure {figure} {who}")
     for i, motion in on_this_machine(session.workers)(run, beams):
         motions[MASSES[i]] = motion
-        session.progress(f"{SCENE.name} figure {figure} {who}", len(motions), len(beams))
+        report(len(motions), len(beams))
     return motions
 
 
@@ -551,7 +552,6 @@ def curves(session: Session, who: str) -> Numbers:
         "ranges": spans,
         "growth": np.diff(spans),
         "falls": np.all(by_load[:, place > THRESHOLD] < 0),
-        "innermost": innermost,
         "words": f"not at beta = {innermost:.3f}" if np.isfinite(innermost) else "yes",
     }
 
@@ -568,7 +568,6 @@ def maxima_at_speeds(session: Session, speeds: Sequence[float]) -> Numbers:
     every = sorted([*speeds, own[0], own[-1]])
     return {
         "matched": own,
-        "speeds": every,
         "two": [best(speed, 2) for speed in every],
         "converged": [best(speed) for speed in every],
         "two_crossings": [crossover(loaded(LOADS[0], speed), modes=2) for speed in every],
@@ -639,14 +638,9 @@ def against_none(session: Session, who: str, figure: int, of: Measure) -> Number
     }
 
 
-def angle_after_pulse(motion: Response, p: RotatingBeam) -> float:
-    """Return the angle of the free end when the pulse ends [rad]."""
-    return float(motion.values["tip_angle"][motion.times == p.torque_period][0])
-
-
-def hub_after_pulse(motion: Response, p: RotatingBeam) -> float:
-    """Return the angle of the hub when the pulse ends [rad]."""
-    return float(motion.values["theta"][motion.times == p.torque_period][0])
+def angle_after_pulse(motion: Response, p: RotatingBeam, name: str = "tip_angle") -> float:
+    """Return an angle when the pulse ends [rad]: that of the free end, or ``theta`` of the hub."""
+    return float(motion.values[name][motion.times == p.torque_period][0])
 
 
 def order_of_angles(session: Session) -> Numbers:
@@ -729,7 +723,7 @@ def pulses(
         for j, mass in enumerate(MASSES):
             p = FIGURE_5.replace(hub_inertia=inertia, hub_radius=radius, mass=mass)
             motion = linear_pulse(p, times)
-            angle[i, j], largest[i, j] = hub_after_pulse(motion, p), peak(motion, p)
+            angle[i, j], largest[i, j] = angle_after_pulse(motion, p, "theta"), peak(motion, p)
             left[i, j] = free_amplitude(motion, p)
     growth = 100 * (largest[:, 1:] / largest[:, :1] - 1)
     most = np.max(growth, axis=1)
@@ -754,7 +748,8 @@ def peaks_by_mass(session: Session) -> Numbers:
 def angles_by_mass(session: Session) -> Numbers:
     """Return the angles [rad] of the hub and of the free end after the pulse, by mass."""
     hub, free_end = (
-        by_mass(session, REFERENCE, 5, of) for of in (hub_after_pulse, angle_after_pulse)
+        by_mass(session, REFERENCE, 5, partial(angle_after_pulse, name=name))
+        for name in ("theta", "tip_angle")
     )
     return {"hub": hub, "free_end": free_end}
 

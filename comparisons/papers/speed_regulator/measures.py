@@ -700,7 +700,6 @@ def dampers_of_figure_4(session: Session) -> Numbers:
     cycles = [rotation(damped(c, torque=t)) for c, t in zip(DAMPINGS, torques, strict=True)]
     multipliers = np.array([cycle.multiplier for cycle in cycles])
     return {
-        "torques": torques,
         "speeds": [cycle.mean_speed for cycle in cycles],
         "multipliers": multipliers,
         "turns": -np.log(2) / np.log(multipliers),

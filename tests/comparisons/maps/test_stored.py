@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import tracemalloc
 from pathlib import Path
 
@@ -85,18 +84,22 @@ def test_a_file_that_is_written_follows_no_link(
 
 
 def test_a_paper_takes_no_map_that_is_damaged_or_of_something_else(
-    serial: Map, tmp_path: Path, caplog: pytest.LogCaptureFixture
+    serial: Map, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    session = Session(engines=(), folder=tmp_path)
-    wanted = json.dumps(serial.settings)
-    file = tmp_path / "map.nc"
-    assert session.stored_map(file, wanted) is None
-    serial.save(file)
-    stored = session.stored_map(file, wanted)
-    assert stored is not None
-    assert store.to_bytes(stored) == store.to_bytes(serial)
+    def stored() -> Map:
+        session = Session(engines=(), folder=tmp_path)
+        return session.map("hula_hoop", "floquet", X, Y, model="paper", block=9)
+
+    right = store.to_bytes(serial)
+    assert store.to_bytes(stored()) == right
+    (file,) = tmp_path.iterdir()
+    with monkeypatch.context() as patched:
+        patched.setattr(run, "evaluate", lambda *_: pytest.fail("computed again"))
+        assert store.to_bytes(stored()) == right
     assert not caplog.messages
-    assert session.stored_map(file, wanted.replace("floquet", "other")) is None
-    file.write_bytes(file.read_bytes()[:-9])
-    assert session.stored_map(file, wanted) is None
+    other = dataclasses.replace(serial, settings={**serial.settings, "quantity": "other"})
+    for wrong in (store.to_bytes(other), right[:-9]):
+        file.write_bytes(wrong)
+        assert store.to_bytes(stored()) == right
+        assert file.read_bytes() == right
     assert len([line for line in caplog.messages if "computed again" in line]) == 2
