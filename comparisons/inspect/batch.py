@@ -33,9 +33,9 @@ from ..reports.sections import Section, markdown_sections, print_sections
 from ..reports.text import STYLES, in_encoding, print_line, print_unbroken
 from ..reports.words import plural, printable
 from ..terminal.program import MISUSED, complain, console, json_text, progress_bar, to_stdout
-from .console import VERDICTS, inspection_sections, omissions, print_rule
+from .console import VERDICTS, inspection_sections, omissions
 from .fixes import neutral_edit
-from .inspection import Inspection, inspect_in_parts, refuse_slips, unwaived
+from .inspection import Inspection, inspect_in_parts, selection_of, unwaived
 from .mujoco.source import ROOT, OtherRootError, read
 from .request import InspectRun
 from .rules.table import RULES
@@ -264,7 +264,7 @@ class Sandbox:
         self.end, self.progress = monotonic() + budget, progress
         self.worker: Worker | None = None
         self.report: FileReport | None = None
-        self.part, self.alone = "", False
+        self.place, self.part, self.alone = (0, 1, ""), "", False
 
     def close(self) -> None:
         """End the process."""
@@ -304,13 +304,18 @@ class Sandbox:
         return outcome
 
     def hear(self, message: Any) -> None:
-        """Receive the next part, or an intermediate report."""
+        """Receive the next part, an edit that a part tries, or an intermediate report."""
         if len(message) == 2:
             self.report = message
+            return
+        if len(message) == 1:
+            done, total, part = self.place
+            message = done, total, f"{part}: {message[0]}"
         else:
-            self.part = message[-1]
-            if self.alone:
-                self.progress(*message)
+            self.place = message
+        self.part = message[-1]
+        if self.alone:
+            self.progress(*message)
 
 
 def in_folder(folder: str, work: Callable[[], T]) -> T | MbcheckError:
@@ -367,15 +372,11 @@ def inspect_models(
     UsageError
         If options do not go together, or the only file cannot be read.
     """
-    if run.explain is not None:
-        print_rule(console(), run.explain)
-        if not run.models:
-            return 0
     if not run.models:
         raise UsageError("which file? mbcheck inspect MODEL.xml")
     destinations = (json_file, junit_file, sarif_file)
     refuse_conflicts(*destinations)
-    refuse_slips(run)
+    selection_of(run)  # which refuses unknown rules, and files that cannot be read
     if run.dry_run and not run.fix:
         raise UsageError("--dry-run is for --fix")
     items: list[ReportItem] = []

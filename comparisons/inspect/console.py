@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+import glob
+import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from rich.console import Console
 
-from ...reference.errors import UnknownNameError
 from ..reports.item import Level, ReportItem
 from ..reports.sections import Section, print_sections
-from ..reports.text import print_table
 from ..reports.words import number, plural
-from .inspection import Inspection
+from .inspection import Inspection, ModelFinding
 from .mujoco.facts import BodyFacts
 from .mujoco.model import ENGINE
 from .rules.table import RULES
@@ -41,6 +41,9 @@ def inspection_sections(
     """Yield facts, findings, modes and steps and, if it is short or ``full``, the bodies."""
     yield facts_section(inspection)
     yield from finding_sections(items, full)
+    if full and inspection.unwaived:
+        title = "to waive a finding, with your reason: in mbcheck-inspect.toml beside the model"
+        yield Section(title, verbatim=list(waiver_lines(inspection.unwaived)))
     if inspection.untried is not None:
         yield Section(lines=[f"repeated_default: {inspection.untried}"])
     rows = [row for body in inspection.bodies for row in body_rows(body)]
@@ -85,7 +88,15 @@ def finding_sections(items: Sequence[ReportItem], full: bool) -> Iterator[Sectio
         yield Section(lines=[f"... and of {', '.join(left)}, with --full"])
     if rules:
         first = next(iter(rules))
-        yield Section(lines=[f"mbcheck inspect --explain {first} says why it matters"])
+        hint = "" if full else "; --full prints waivers"
+        yield Section(lines=[f"mbcheck explain {first} says why it matters{hint}"])
+
+
+def waiver_lines(findings: Iterable[ModelFinding]) -> Iterator[str]:
+    """Yield the entries of a file of waivers for some findings, without their reasons."""
+    for rule, element in dict.fromkeys((one.rule, one.element) for one in findings):
+        pattern = json.dumps(glob.escape(element), ensure_ascii=False)
+        yield from ("[[waive]]", f'rule = "{rule}"', f"element = {pattern}", 'reason = ""')
 
 
 def facts_section(inspection: Inspection) -> Section:
@@ -258,22 +269,7 @@ def closures_section(inspection: Inspection, full: bool) -> Iterator[Section]:
 
 
 def print_rule(console: Console, name: str) -> None:
-    """Print the texts of a rule: meaning, reason and remedy; or a list, for the name ``all``.
-
-    Raises
-    ------
-    UnknownNameError
-        If there is no such rule.
-    """
-    if name == "all":
-        rows = [
-            [one, rule.severity, "strict" if rule.house else "default", rule.meaning]
-            for one, rule in RULES.items()
-        ]
-        print_table(console, ["rule", "severity", "profile", "finds"], rows)
-        return
-    if name not in RULES:
-        raise UnknownNameError("rule", name, (*RULES, "all"))
+    """Print the texts of a rule: meaning, reason, remedy, and how it is waived."""
     rule = RULES[name]
     lines = [rule.why, f"fix: {rule.fix}"]
     lines += ["a rule of the house: evaluated with --strict or --select"] * rule.house

@@ -48,7 +48,7 @@ class ModelFinding:
     Attributes
     ----------
     rule : str
-        id of the rule, which `mbcheck inspect --explain` explains
+        id of the rule, which `mbcheck explain` explains
     severity : {"error", "warning", "note"}
         severity of the rule
     element : str
@@ -310,14 +310,19 @@ def report_of(
     """
     waivers = (*s.loaded.source.waivers, *selection.waivers)
     results, used = list[ModelFinding](), set[int]()
+    stated = {cause for _, hit in hits for cause in hit.causes}
     for rule, hit in sorted(hits, key=lambda one: list(RULES).index(one[0])):
         names = hit.name, hit.name.partition("/")[0].partition(":")[2] or hit.name
         number = next((i for i, one in enumerate(waivers) if one.covers(rule, *names)), None)
         if number is not None:
             used.add(number)
-            results.append(finding(rule, hit, waivers[number].reason))
-        else:
-            results.append(compared(selection.baseline, rule, hit))
+        if (rule, hit.name) in stated:
+            continue
+        results.append(
+            compared(selection.baseline, rule, hit)
+            if number is None
+            else finding(rule, hit, waivers[number].reason)
+        )
     skipped = {name for name in RULES if name not in selection.rules or f"rule {name}" in left_out}
     if untried:
         skipped.add("repeated_default")
@@ -396,7 +401,7 @@ class Selection(NamedTuple):
 
 
 def selection_of(request: InspectRequest) -> Selection:
-    """Return the selected rules, the waivers and the baseline of a file.
+    """Return the selected rules, the waivers and the baseline of a file, or of none.
 
     Raises
     ------
@@ -405,19 +410,10 @@ def selection_of(request: InspectRequest) -> Selection:
     """
     file = str(request.path)
     beside = os.path.join(os.path.dirname(file), BESIDE)
-    place = request.waivers or (beside if os.path.isfile(beside) else None)
+    place = request.waivers or (beside if file and os.path.isfile(beside) else None)
     waivers = waivers_of(Path(place), file, RULES) if place else ()
     known = baseline_of(request.baseline) if request.baseline else {}
     return Selection(rules_of(request), waivers, known.get(Path(file).as_posix(), {}))
-
-
-def refuse_slips(request: InspectRequest) -> None:
-    """Refuse unknown rules, and files that cannot be read, before any work."""
-    rules_of(request)
-    if request.waivers:
-        waivers_of(Path(request.waivers), "", RULES)
-    if request.baseline:
-        baseline_of(request.baseline)
 
 
 def rules_of(request: InspectRequest) -> frozenset[str]:

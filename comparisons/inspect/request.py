@@ -60,7 +60,7 @@ class InspectRun(InspectRequest):
     models : sequence of str
         Files, folders and patterns.
     full : bool
-        Print all tables, and every finding.
+        Print all tables, every finding, and the waivers to paste for them.
     lines : bool
         Print a line for each finding, as for many files.
     whole_models : bool
@@ -75,8 +75,6 @@ class InspectRun(InspectRequest):
         Remove attributes without which the file compiles to the same model, to the last bit.
     dry_run : bool
         With --fix: print the edits, and make none.
-    explain : str or None
-        Explain a rule; 'all' lists them.
     """
 
     path: str | Path = ""
@@ -89,4 +87,3 @@ class InspectRun(InspectRequest):
     annotations: Annotated[bool | None, OptionMark()] = None
     fix: Annotated[bool, OptionMark()] = False
     dry_run: Annotated[bool, OptionMark()] = False
-    explain: Annotated[str | None, OptionMark("RULE")] = None

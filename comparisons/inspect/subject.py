@@ -18,7 +18,7 @@ from .mujoco.linear import Linear
 from .mujoco.model import Flags, Loaded, Numbers
 from .mujoco.source import Element
 from .tuning import NUMERICS
-from .views import StepLimit, View
+from .views import Shape, StepLimit, View, fed_growth
 
 Severity = Literal["error", "warning", "note"]
 
@@ -32,7 +32,8 @@ class Hit(NamedTuple):
     """A finding of a rule: element and its name, a sentence with numbers, and a remedy.
 
     ``attribute`` is the wrong attribute of the element, if it is one. ``fix`` is empty
-    where that of the rule suffices. ``measure`` is the larger the worse.
+    where that of the rule suffices. ``measure`` is the larger the worse. ``causes`` are findings,
+    by rule and name of the element, which state the same mistake and are left out.
     """
 
     element: Element | None
@@ -41,6 +42,7 @@ class Hit(NamedTuple):
     fix: str = ""
     attribute: str | None = None
     measure: float | None = None
+    causes: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -88,6 +90,11 @@ class InspectedModel(Facts):
         """Number of random positions in which two geoms of one mechanism overlap."""
         possible = self.options.contact and bool(np.any(self.can_touch))
         return meetings(self.loaded) if possible else {}
+
+    @cached_property
+    def fed_growth(self) -> list[tuple[View, Shape]]:
+        """Modes that drives or dampers feed, one of each joint; runs have shown their growth."""
+        return list(fed_growth(self.loaded, self.views))
 
     @property
     def model(self) -> Any:

@@ -73,10 +73,8 @@ class Thresholds:
     worse_than_baseline : float
         Factor by which a finding of the baseline must grow to count again.
     near_step_limit, recommended_step : float
-        Shares of the largest stable step: from the first on a step is close to it; the second is
-        what a remedy recommends.
-    remedy_margin : float
-        Largest stable step after a remedy, relative to the timestep.
+        Shares of the largest stable step: above the first a step is close to it; below the second
+        it is after a remedy.
     preferred_integrators : tuple of str
         Integrators that remedies try, in order of cost.
     inertia_shares : tuple of float
@@ -126,7 +124,6 @@ class Thresholds:
     worse_than_baseline: float = 1.1
     near_step_limit: float = 0.8
     recommended_step: float = 0.79
-    remedy_margin: float = 1.1
     preferred_integrators: tuple[str, ...] = ("implicitfast", "implicit", "discrete", "RK4")
     inertia_shares: tuple[float, ...] = tuple(map(float, np.geomspace(0.1, 1000.0, 24)))
     damping_unit: float = 0.1
@@ -202,6 +199,15 @@ class Numerics:
         Share of an energy below which another is round-off.
     perturbation : float
         Departure [rad, m] of a perturbed start.
+    far_starts : tuple of float
+        Displacements of one joint [rad], or relative to the model's size, of starts far away.
+    far_time : float
+        Length of a run from there [s].
+    shorter_step : float
+        Share of the timestep with which a run shows the motion that lasts.
+    lasting_ratio, lasting_energy : float
+        Kinetic energy at the end of a run that its step must have caused: relative to that of a run
+        with shorter steps, and to the largest in that run.
     steps_per_radian, min_steps_per_radian : float
         Steps of a run that confirms growth, and the fewest for modes that do not grow: RK4 is
         stable up to 2.78 radians in a step, so it feeds none of these.
@@ -239,6 +245,11 @@ class Numerics:
     energy_gain: float = 0.002
     energy_roundoff: float = 1e-12
     perturbation: float = 1e-6
+    far_starts: tuple[float, ...] = tuple(map(float, np.linspace(0.1, 1.2, 12)))
+    far_time: float = 1.0
+    shorter_step: float = 0.25
+    lasting_ratio: float = 4.0
+    lasting_energy: float = 0.01
     steps_per_radian: float = 40.0
     min_steps_per_radian: float = 2.0
     probe_speed: float = 0.1
@@ -263,6 +274,10 @@ class EffortLimits:
         Random states in which an idle joint is searched.
     runs : int
         States from which a short run starts.
+    run_tries : int
+        Values of an edit that are tried in runs, once modes are stable.
+    far_starts : int
+        Runs with a displaced joint that try a remedy.
     compiled_bytes : float
         Bytes of text and models that are compiled to find repeated defaults.
     values : int
@@ -287,6 +302,8 @@ class EffortLimits:
     draws: int = 40
     idle_draws: int = 4
     runs: int = 2
+    run_tries: int = 6
+    far_starts: int = 24
     compiled_bytes: float = 4e7
     values: int = 40
     single_attributes: int = 200

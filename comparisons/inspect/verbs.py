@@ -19,7 +19,6 @@ from .request import InspectRun
         "mbcheck inspect robots/ 'scenes/*.xml' --fail-on warning --sarif found.sarif",
         "mbcheck inspect model.xml --strict --ignore 'unused_*'",
         "mbcheck inspect model.xml --fix --dry-run",
-        "mbcheck inspect --explain step_limit",
     )
 )
 @with_options_of(InspectRun)

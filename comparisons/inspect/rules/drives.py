@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,6 +33,10 @@ class Drive(NamedTuple):
         Least and largest force on the joint; -inf and inf without limits.
     unit, unit_of_force : str
         Units of the joint's coordinate, and of its force.
+    ends : tuple of float
+        Range of the joint, infinite without limits.
+    servo_drift : float
+        Displacement up to which a servo keeps the joint in its place.
     """
 
     actuator: int
@@ -49,6 +53,8 @@ class Drive(NamedTuple):
     high: float
     unit: str
     unit_of_force: str
+    ends: tuple[float, float]
+    servo_drift: float
 
 
 def drives(s: InspectedModel) -> list[Drive]:
@@ -98,6 +104,8 @@ def drives(s: InspectedModel) -> list[Drive]:
                 high=float(high),
                 unit="rad" if hinges[joint] else "m",
                 unit_of_force="Nm" if hinges[joint] else "N",
+                ends=tuple(narrowest([(m.jnt_limited[joint], m.jnt_range[joint], 1.0)]).tolist()),
+                servo_drift=THRESHOLDS.servo_drift * (1.0 if hinges[joint] else s.size),
             )
         )
     return listed
@@ -156,6 +164,20 @@ class CommandRange(NamedTuple):
     high: float
     bounds: Array | None
     degrees: bool
+
+    def fix(self, ends: Sequence[float] | Array) -> str:
+        """Return the attribute for other ends (2,) of the joint's coordinate."""
+        low, high = np.sort(np.asarray(ends) * self.drive.gear)
+        return f'write {self.attribute}="{low:.6g} {high:.6g}" on the actuator'
+
+    @property
+    def exceeds_joint(self) -> bool:
+        """True if a hinge is commanded beyond its range; slides of grippers press on purpose."""
+        if self.bounds is None or self.drive.unit != "rad" or self.degrees:
+            return False
+        least, most = self.bounds
+        room = THRESHOLDS.control_excess * (most - least) * (1 + 1e-9)
+        return bool(max(least - self.low, self.high - most) > room)
 
 
 def command_ranges(s: InspectedModel) -> Iterator[CommandRange]:
@@ -218,16 +240,14 @@ def control_in_degrees(s: InspectedModel) -> Iterator[Hit]:
                 f"{max(-one.low, one.high) / (2 * np.pi):.3g} turns of {one.drive.where}: controls "
                 "are in radians, whatever the compiler's angle",
                 attribute=one.attribute,
+                fix=one.fix(np.deg2rad([one.low, one.high])),
             )
 
 
 def control_beyond_range(s: InspectedModel) -> Iterator[Hit]:
     for one in command_ranges(s):
-        if one.bounds is None or one.drive.unit != "rad" or one.degrees:
-            continue  # slides of grippers press on purpose
-        least, most = one.bounds
-        room = THRESHOLDS.control_excess * (most - least) * (1 + 1e-9)
-        if max(least - one.low, one.high - most) > room:
+        if one.bounds is not None and one.exceeds_joint:
+            least, most = one.bounds
             yield s.hit(
                 "actuator",
                 one.drive.actuator,
@@ -235,6 +255,7 @@ def control_beyond_range(s: InspectedModel) -> Iterator[Hit]:
                 f"{one.high:.4g}, beyond the joint's range of {least:.4g} to {most:.4g}: it pushes "
                 "into the limit",
                 attribute=one.attribute,
+                fix=one.fix(one.bounds),
             )
 
 
@@ -366,30 +387,18 @@ class KeyframeForces(NamedTuple):
     control : array (nu,)
     arms : array (nu, nv)
         Moment arms of the actuators.
-    free : array (nv,)
-        True if it falls freely.
-    undriven : array (nv,)
-        Largest unbalanced force in its tree at a joint, neither free nor driven.
+    needs : array (nv,)
+        Forces of actuators that would balance each degree of freedom.
+    falls : array (nv,)
+        True if it falls, so that no balance is to be expected.
     """
 
     force: Array
     left: Array
     control: Array
     arms: Array
-    free: Flags
-    undriven: Array
-
-    @property
-    def needs(self) -> Array:
-        """Forces (nv,) of actuators that would balance each degree of freedom."""
-        same = np.isclose(self.force, self.left, rtol=1e-12, atol=0.0)
-        return np.where(same, 0.0, self.force - self.left)
-
-    @property
-    def falls(self) -> Flags:
-        """Degrees of freedom (nv,) that fall, so that no balance is to be expected."""
-        loose = self.undriven > THRESHOLDS.undriven_imbalance * np.abs(self.needs)
-        return np.asarray(self.free | loose)
+    needs: Array
+    falls: Flags
 
 
 def balance_of(s: InspectedModel, state: State, unlimited: Flags | None = None) -> KeyframeForces:
@@ -412,7 +421,10 @@ def balance_of(s: InspectedModel, state: State, unlimited: Flags | None = None) 
     np.maximum.at(most, m.dof_treeid, np.where(bound, 0.0, np.abs(left)))
     falling = np.isin(m.dof_treeid, m.dof_treeid[falls])
     force, control = np.array(data.qfrc_actuator), np.array(data.ctrl)
-    return KeyframeForces(force, left, control, arms, falling, most[m.dof_treeid])
+    same = np.isclose(force, left, rtol=1e-12, atol=0.0)
+    needs = np.where(same, 0.0, force - left)
+    loose = most[m.dof_treeid] > THRESHOLDS.undriven_imbalance * np.abs(needs)
+    return KeyframeForces(force, left, control, arms, needs, np.asarray(falling | loose))
 
 
 def saturated_actuator(s: InspectedModel) -> Iterator[Hit]:
@@ -424,7 +436,8 @@ def saturated_actuator(s: InspectedModel) -> Iterator[Hit]:
             need = float(balance.needs[one.dof])
             room = THRESHOLDS.overload * abs(need)
             within = one.low - room <= need <= one.high + room
-            if one.actuator in said or not alone[one.dof] or within:
+            stopped = stopped_by_limit(s, one, state, float(balance.left[one.dof]))
+            if one.actuator in said or not alone[one.dof] or within or stopped:
                 continue
             said.add(one.actuator)
             unit = one.unit_of_force
@@ -447,41 +460,71 @@ def control_not_holding(s: InspectedModel) -> Iterator[Hit]:
         limited, balance = balance_of(s, state), balance_of(s, state, pulls_to_control(s))
         full, falls = limited.force != balance.force, limited.falls
         left = np.where(falls, balance.force, balance.left)
-        for joint, how in (
-            *simple_joints_left(s, limited, left),
-            *ball_joints_left(s, balance.arms, left),
+        for joint, message, fix in (
+            *simple_joints_left(s, state, limited, left),
+            *ball_joints_left(s, state, balance.arms, left),
         ):
             dof = int(s.model.jnt_dofadr[joint])
             if (full[dof] or not falls[dof]) and joint not in said:
                 said.add(joint)
-                message = f"the controls of the state {state.name!r} do not keep it there: {how}"
-                yield s.hit("joint", joint, message)
+                yield s.hit("joint", joint, message, fix=fix)
+
+
+LEAVES = "the controls of the state {!r} do not keep it there: {}"
+INSIDE = "give the keyframe a ctrl within the range of the joint"
+
+JointLeft = tuple[int, str, str]
+"""Number of a joint that leaves a keyframe, a message, and a fix, empty for that of the rule."""
 
 
 def simple_joints_left(
-    s: InspectedModel, limited: KeyframeForces, unlimited: Array
-) -> Iterator[tuple[int, str]]:
-    """Yield the hinges and slides that leave a keyframe, and a description.
+    s: InspectedModel, state: State, limited: KeyframeForces, unlimited: Array
+) -> Iterator[JointLeft]:
+    """Yield the hinges and slides that leave a keyframe, or that a servo presses into a limit.
 
     ``unlimited`` (nv,) are the forces that servos without limits do not balance.
     """
+    pressing = {one.drive.actuator for one in command_ranges(s) if one.exceeds_joint}
     for one in drives(s):
         left, force = float(limited.left[one.dof]), float(limited.force[one.dof])
         if one.holds:
-            drift = float(unlimited[one.dof]) / one.stiffness
-            if abs(drift) > THRESHOLDS.servo_drift * (1.0 if one.unit == "rad" else s.size):
-                yield one.joint, f"{one.name} yields by about {drift:.3g} {one.unit}"
+            here, (low, high) = float(state.position[s.model.jnt_qposadr[one.joint]]), one.ends
+            target = here + float(unlimited[one.dof]) / one.stiffness
+            moves = abs(np.clip(target, low, high) - here) > one.servo_drift
+            outside = max(low - target, target - high) > THRESHOLDS.control_excess * (high - low)
+            how = (
+                f"{one.name} drives it to {target:.3g} {one.unit}, beyond its range of {low:.4g} "
+                f"to {high:.4g}"
+            )
+            if moves and not outside:
+                how = f"{one.name} yields by about {target - here:.3g} {one.unit}"
+            if moves:
+                yield one.joint, LEAVES.format(state.name, how), INSIDE if outside else ""
+            elif outside and one.unit == "rad" and one.actuator not in pressing:
+                yield one.joint, f"in the state {state.name!r} {how}: it presses there", INSIDE
         elif (
             one.motor
             and limited.control[one.actuator]
             and abs(left) > THRESHOLDS.motor_imbalance * abs(force)
+            and not stopped_by_limit(s, one, state, left)
         ):
-            need = f"{limited.needs[one.dof]:.3g} would balance it"
-            yield one.joint, f"{one.name} exerts {force:.3g} {one.unit_of_force}, and {need}"
+            how = (
+                f"{one.name} exerts {force:.3g} {one.unit_of_force}, and "
+                f"{limited.needs[one.dof]:.3g} would balance it"
+            )
+            yield one.joint, LEAVES.format(state.name, how), ""
 
 
-def ball_joints_left(s: InspectedModel, arms: Array, left: Array) -> Iterator[tuple[int, str]]:
-    """Yield the ball joints that leave a keyframe about axes with servos, and a description."""
+def stopped_by_limit(s: InspectedModel, one: Drive, state: State, force: float) -> bool:
+    """Return True if a limit stops the motion to which an unbalanced force would lead."""
+    here, (low, high) = state.position[s.model.jnt_qposadr[one.joint]], one.ends
+    return bool((high - here if force > 0 else here - low) < one.servo_drift)
+
+
+def ball_joints_left(
+    s: InspectedModel, state: State, arms: Array, left: Array
+) -> Iterator[JointLeft]:
+    """Yield the ball joints that leave a keyframe about axes with servos."""
     m, kind = s.model, s.loaded.of_kind
     acts = pulls_to_control(s) & kind("actuator_trntype", "joint", "jointinparent")
     for joint in np.flatnonzero(kind("jnt_type", "ball")):
@@ -491,4 +534,5 @@ def ball_joints_left(s: InspectedModel, arms: Array, left: Array) -> Iterator[tu
         turn = float(np.linalg.norm(np.linalg.pinv(stiffness) @ left[dofs]))
         if turn > THRESHOLDS.servo_drift:
             names = ", ".join(s.loaded.name("actuator", i) for i in own)
-            yield int(joint), f"{names} yield by about {turn:.3g} rad"
+            how = f"{names} yield by about {turn:.3g} rad"
+            yield int(joint), LEAVES.format(state.name, how), ""

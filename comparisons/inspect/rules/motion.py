@@ -3,33 +3,39 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
 from typing import Any
 
 import numpy as np
 
-from ....reference.scene import Array
 from ....reference.soft_constraint import IMPEDANCES
 from ...checks.rules import conditions
-from ..mujoco.linear import Linear
 from ..mujoco.model import OPENED, Loaded
 from ..subject import Hit, InspectedModel
 from ..tuning import EFFORT, NUMERICS, THRESHOLDS
-from ..views import Shape, StepLimit, View, view_of
+from ..views import (
+    Shape,
+    StepLimit,
+    View,
+    fed_by_drive,
+    growing,
+    growth_in_run,
+    is_fed_by_drive,
+    view_of,
+)
 from .drives import drives, sign_attribute
 from .remedies import (
-    all_stay_finite,
     closure_remedy,
     edited,
-    growth,
+    far_starts,
+    fault_in_runs,
     in_words,
     integrator_remedy,
     joint_edits,
     moments,
     rounded,
     short_run,
-    stays_finite,
     step_remedies,
     with_option,
 )
@@ -49,19 +55,17 @@ def step_limit(s: InspectedModel) -> Iterator[Hit]:
 
 def remedies(s: InspectedModel, limit: StepLimit) -> str:
     """Return edits that make the step stable, once no motion grows whatever the step."""
-    for view in s.views:
-        for mode in fed_by_drive(view):
-            if grows_in_run(s, view, mode):
-                least = THRESHOLDS.remedy_margin * s.timestep
-                long = [one.integrator for one in s.steps if one.limit >= least]
-                there = " or ".join(f'integrator="{name}"' for name in long)
-                stable = f"; for all other motions {there} is stable" if long else ""
-                return (
-                    f"first mend the growing motion of {s.loaded.joint_names[mode.dof]} "
-                    "(unstable_mode): as long as it grows, no run can show that an integrator or a "
-                    f"step is stable{stable}"
-                )
-    return step_remedies(s, limit)
+    if not s.fed_growth:
+        return step_remedies(s, limit)
+    _, mode = s.fed_growth[0]
+    share = THRESHOLDS.recommended_step
+    long = [one.integrator for one in s.steps if s.timestep <= share * one.limit]
+    there = " or ".join(f'integrator="{name}"' for name in long)
+    stable = f"; for all other motions {there} is stable" if long else ""
+    return (
+        f"first mend the growing motion of {s.loaded.joint_names[mode.dof]} (unstable_mode): as "
+        f"long as it grows, no run can show that an integrator or a step is stable{stable}"
+    )
 
 
 def near_step_limit(s: InspectedModel) -> Iterator[Hit]:
@@ -159,9 +163,9 @@ def solref_raised(s: InspectedModel) -> Iterator[Hit]:
         if 0 < constant < least * (1 - 1e-9):
             step = rounded(constant / 2, up=False, digits=4)
             if step not in fixes:
-                tried = with_option(s.loaded, "timestep", step)
-                holds = all_stay_finite(tried, s.loaded.states)
-                fixes[step] = f'timestep="{step:g}" or shorter' if holds else ""
+                tried, words = with_option(s.loaded, "timestep", step), f'timestep="{step:g}"'
+                fault = fault_in_runs(s, tried, s.loaded.states, words)
+                fixes[step] = "" if fault else f"{words} or shorter"
             message = (
                 f"solref has a time constant of {constant:g} s; MuJoCo silently uses two "
                 f"timesteps, {least:.4g} s"
@@ -303,92 +307,25 @@ UNKNOWN = (
 """Remedy of a run that fails with all that was tried."""
 
 
-def is_fed_by_drive(linear: Linear, mode: Shape) -> bool:
-    """Return True if an actuator or a damper supplies most of the mean power fed into a mode.
-
-    In ``f = -C v - K q`` a negative symmetric K feeds a mode that diverges; a negative C and the
-    skew part of K feed it in each cycle.
-    """
-    parts, rate = linear.parts, mode.rate
-
-    def product(matrix: Array) -> complex:
-        """Real part by the symmetric part of a matrix, imaginary part by the skew one."""
-        return complex(np.vdot(mode.vector, matrix @ mode.vector))
-
-    servo = product(parts.servo)
-    powers = [
-        -(rate.conjugate() * 1j * servo.imag).real,
-        -(abs(rate) ** 2) * product(parts.actuator).real,
-        -(abs(rate) ** 2) * product(parts.passive).real,
-        -rate.real * servo.real,
-    ]
-    foreign = sum(max(0.0, power) for power in powers)
-    own = max(0.0, -rate.real * product(parts.stiffness - parts.servo).real)
-    return foreign > THRESHOLDS.fed_share * (foreign + own)
-
-
-def growing(view: View) -> list[Shape]:
-    """Return the modes, with soft constraints, that grow fast enough to be seen in a run."""
-    return [
-        mode
-        for mode in view.simulated
-        if mode.kind == "unstable"
-        and mode.rate.real > THRESHOLDS.min_growth
-        and view.steady_hinge is None
-    ]
-
-
-def fed_by_drive(view: View) -> Iterator[Shape]:
-    """Yield the growing modes that drives or dampers feed, rather than gravity and springs."""
-    for mode in growing(view):
-        if view.linear is not None and is_fed_by_drive(view.linear, mode):
-            yield mode
-
-
 def unstable_mode(s: InspectedModel) -> Iterator[Hit]:
-    joints = set[str]()
-    for one in s.views:
-        for mode in fed_by_drive(one):
-            joint = s.loaded.joint_names[mode.dof]
-            if joint in joints or not grows_in_run(s, one, mode):
-                continue
-            joints.add(joint)
-            fed_by = feeders(s, one, mode)
-            actuators = ", ".join(s.loaded.name("actuator", i) for i in fed_by)
-            source = f"actuators {actuators} feed" if actuators else "negative damping feeds"
-            swing = f" and oscillates at {mode.rate.imag:.4g} rad/s" if mode.rate.imag else ""
-            message = (
-                f"in the state {one.state.name!r} a motion of {joint} grows by a factor of e in "
-                f"{1 / mode.rate.real:.3g} s ({mode.rate.real:.3g} 1/s){swing}, whatever the step: "
-                f"{source} it"
-            )
-            number = int(s.model.dof_jntid[mode.dof])
-            fix = sign_remedy(s, one, fed_by) or damping_remedy(s, one, number)
-            fix = fix or (
+    for one, mode in s.fed_growth:
+        joint, rate = s.loaded.joint_names[mode.dof], mode.rate
+        fed_by = feeders(s, one, mode)
+        actuators = ", ".join(s.loaded.name("actuator", i) for i in fed_by)
+        source = f"actuators {actuators} feed" if actuators else "negative damping feeds"
+        swing = f" and oscillates at {rate.imag:.4g} rad/s" if rate.imag else ""
+        message = (
+            f"in the state {one.state.name!r} a motion of {joint} grows by a factor of e in "
+            f"{1 / rate.real:.3g} s ({rate.real:.3g} 1/s){swing}, whatever the step: {source} it"
+        )
+        signs = sign_remedy(s, one, mode, fed_by)
+        fix = "reverse the sign of " + " and ".join(words for _, _, _, words, _, _ in signs)
+        if not signs:
+            fix = damping_remedy(s, one, mode) or (
                 "reverse the sign of the gain, or of the gear" if actuators else "reverse its sign"
             )
-            yield s.hit("joint", number, message, fix=fix)
-
-
-def grows_in_run(s: InspectedModel, view: View, mode: Shape) -> bool:
-    """Return True if a run shows that a mode grows."""
-    folds = THRESHOLDS.growth_folds
-    factor = growth_in_run(s.loaded, view, mode, folds / mode.rate.real)
-    return factor is not None and factor > np.exp(folds / 2)
-
-
-def growth_in_run(loaded: Loaded, view: View, mode: Shape, horizon: float) -> float | None:
-    """Return the growth factor along a mode in a run of a length [s]; None if it is too long.
-
-    The step resolves all modes by `Numerics.steps_per_radian` if there is time for that, else this
-    one, and all others by `Numerics.min_steps_per_radian`.
-    """
-    fastest, timestep = max(one.omega for one in view.simulated), float(loaded.model.opt.timestep)
-    many, few = NUMERICS.steps_per_radian, NUMERICS.min_steps_per_radian
-    step = max(min(timestep, 1 / (many * fastest)), horizon / NUMERICS.run_steps)
-    if step > min(timestep, 1 / max(many * mode.omega, few * fastest)):
-        return None
-    return growth(loaded, view.state, np.real(mode.vector), step, horizon)
+        causes = tuple((rule, s.hit(kind, i, "").name) for rule, kind, i, *_ in signs)
+        yield s.hit("joint", s.model.dof_jntid[mode.dof], message, fix=fix, causes=causes)
 
 
 def feeders(s: InspectedModel, view: View, mode: Shape) -> list[int]:
@@ -404,45 +341,87 @@ def feeders(s: InspectedModel, view: View, mode: Shape) -> list[int]:
     return large
 
 
-def ends_growth(s: InspectedModel, one: View, change: Callable[[Any], None]) -> bool:
-    """Return True if no mode grows in a state after an edit: by the modes, and in a run."""
-    tried = edited(s.loaded, change)
-    again = view_of(tried, one.state)
-    if again.linear is None or growing(again):
-        return False
-    slowest = max(again.simulated, key=lambda mode: mode.rate.real)
-    horizon = THRESHOLDS.growth_folds / max(mode.rate.real for mode in growing(one))
-    factor = growth_in_run(tried, again, slowest, horizon)
-    return factor is not None and factor < np.exp(1)
+WrongSign = tuple[str, str, int, str, str, Any]
+"""A sign that feeds a motion: the rule that finds it, kind and number of the object, the attribute,
+and its field and index in ``MjModel``."""
 
 
-def sign_remedy(s: InspectedModel, one: View, feeding: Sequence[int]) -> str | None:
-    """Return the attributes of actuators with a wrong sign, if reversing it ends the growth."""
-    wrong = [
-        (servo.actuator, column, sign_attribute(s, servo.actuator, what))
-        for servo in drives(s)
-        for column, what, resists in ((1, "position", servo.stiffness), (2, "speed", servo.damping))
-        if servo.actuator in feeding and resists < 0
+def sign_remedy(
+    s: InspectedModel, one: View, mode: Shape, feeding: Sequence[int]
+) -> list[WrongSign]:
+    """Return the wrong signs of actuators and dampers, if reversing them ends the growth."""
+    m, name, wrong = s.model, s.loaded.name, list[WrongSign]()
+    for servo in drives(s):
+        i = servo.actuator
+        signs = ((1, "position", servo.stiffness), (2, "speed", servo.damping))
+        for column, what, resists in signs if i in feeding else ():
+            if resists < 0:
+                words, field = f"{sign_attribute(s, i, what)} of {servo.name}", "actuator_biasprm"
+                wrong.append(("positive_feedback", "actuator", i, words, field, (i, column)))
+    joints = np.unique(m.dof_jntid[(m.dof_damping < 0) & (mode.vector != 0)]).tolist()
+    tendons = np.flatnonzero(m.tendon_damping < 0).tolist()
+    places = [("joint", i, "dof_damping", m.dof_jntid == i) for i in joints]
+    places += [("tendon", i, "tendon_damping", i) for i in tendons]
+    wrong += [
+        ("negative_damping", kind, i, f"damping of {name(kind, i)}", field, index)
+        for kind, i, field, index in places
     ]
 
     def change(model: Any) -> None:
-        for actuator, column, _ in wrong:
-            model.actuator_biasprm[actuator, column] *= -1
+        for *_, field, index in wrong:
+            getattr(model, field)[index] *= -1
 
-    if not wrong or not ends_growth(s, one, change):
-        return None
-    return "reverse the sign of " + " and ".join(
-        f"{attribute} of {s.loaded.name('actuator', actuator)}" for actuator, _, attribute in wrong
-    )
+    tried = edited(s.loaded, change)
+    ends = wrong and no_mode_is_fed(s, tried) and runs_settle(s, tried, one, mode)
+    return wrong if ends else []
 
 
-def damping_remedy(s: InspectedModel, one: View, joint: int) -> str | None:
+def damping_remedy(s: InspectedModel, one: View, mode: Shape) -> str | None:
     """Return a damping of a joint that ends the growth, if any does."""
     assert one.linear is not None
-    dofs = s.model.dof_jntid == joint
+    dofs = s.model.dof_jntid == s.model.dof_jntid[mode.dof]
     unit = THRESHOLDS.damping_unit * float(np.max(np.diag(one.linear.mass)[dofs]))
-    edits = joint_edits(s, "damping", dofs, unit * max(mode.omega for mode in growing(one)))
-    return next((words for words, change in edits if ends_growth(s, one, change)), None)
+    edits = (
+        (words, edited(s.loaded, change))
+        for words, change in joint_edits(
+            s, "damping", dofs, unit * max(mode.omega for mode in growing(one))
+        )
+    )
+    stable = (edit for edit in edits if no_mode_is_fed(s, edit[1]))
+    tried = islice(stable, EFFORT.run_tries)
+    return next((words for words, model in tried if runs_settle(s, model, one, mode)), None)
+
+
+def no_mode_is_fed(s: InspectedModel, tried: Loaded) -> bool:
+    """Return True if drives and dampers of an edited model feed no mode in any state."""
+    views = (view_of(tried, view.state) for view, _ in s.linear_views if view.steady_hinge is None)
+    return all(view.linear is not None and not any(fed_by_drive(view)) for view in views)
+
+
+def runs_settle(s: InspectedModel, tried: Loaded, one: View, mode: Shape) -> bool:
+    """Return True if runs of an edited model do not grow, near a state and far from it.
+
+    Where gravity lets another motion grow, the modes alone decide.
+    """
+    again, horizon = view_of(tried, one.state), THRESHOLDS.growth_folds / mode.rate.real
+    if growing(again):
+        return True
+    slowest = max(again.simulated, key=lambda mode: mode.rate.real)
+    factor = growth_in_run(tried, again, slowest, horizon)
+    if factor is None or factor >= np.exp(1):
+        return False
+    fastest = max(mode.omega for mode in again.simulated) or 1.0
+    step = min(s.timestep, 1 / (NUMERICS.steps_per_radian * fastest))
+    rk4 = s.loaded.member("mjtIntegrator", "mjINT", "RK4")
+    fine = with_option(with_option(tried, "integrator", rk4), "timestep", step)
+    dofs = s.model.dof_jntid == s.model.dof_jntid[mode.dof]
+    starts = far_starts(fine, one.state, dofs, NUMERICS.far_starts[-1:])
+    runs = (short_run(fine, start, horizon) for start in starts)
+    for failed, energies in runs:
+        first, second = (np.max(part, initial=0.0) for part in np.array_split(energies[:, 1], 2))
+        if failed is not None or second > NUMERICS.lasting_ratio * first:
+            return False
+    return True
 
 
 def run_fails(s: InspectedModel) -> Iterator[Hit]:
@@ -463,8 +442,9 @@ def run_fails(s: InspectedModel) -> Iterator[Hit]:
         )
         fixes, lost = integrator_remedy(s, [state])
         shorter = (rounded(share * s.timestep, up=False) for share in THRESHOLDS.shorter_steps)
-        stable = (x for x in shorter if stays_finite(with_option(s.loaded, "timestep", x), state))
-        fixes += [f'timestep="{step:g}"' for step in islice(stable, 1)]
+        edits = ((f'timestep="{x:g}"', with_option(s.loaded, "timestep", x)) for x in shorter)
+        stable = (words for words, x in edits if not fault_in_runs(s, x, [state], words))
+        fixes += islice(stable, 1)
         yield s.about("option", message=message, fix=in_words(fixes, lost) or UNKNOWN)
         return
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -24,26 +24,10 @@ NAMING = ("body", "body1", "body2", "objname", "refname", "target", "subtree1", 
 # Bodies against the size of their geoms --------------------------------------------------------
 
 
-class Extent(NamedTuple):
-    """Space that the geoms of a body fill, in the frame of the body.
-
-    Attributes
-    ----------
-    body : int
-    middle : array (3,)
-    reach : float
-        Distance from the middle to the farthest point [m].
-    volume : float
-        Volume of the boxes around the geoms, an upper bound of theirs [m^3].
-    stated : bool
-        True if the body has an ``<inertial>`` that counts.
-    """
-
-    body: int
-    middle: Array
-    reach: float
-    volume: float
-    stated: bool
+Extent = tuple[int, Array, float, float, bool]
+"""Body, and the space of its geoms in its frame: middle (3,) and reach [m], the distance from there
+to the farthest point; volume [m^3] of the boxes around the geoms, an upper bound of theirs; True if
+the body has an ``<inertial>`` that counts."""
 
 
 def extents(s: InspectedModel) -> Iterator[Extent]:
@@ -64,13 +48,9 @@ def extents(s: InspectedModel) -> Iterator[Extent]:
         middle = (np.min(places - radii[:, None], 0) + np.max(places + radii[:, None], 0)) / 2
         element = s.loaded.places.get(("body", body))
         tags = {child.tag for child in element.children} if element else set[str]()
-        yield Extent(
-            body=body,
-            middle=middle,
-            reach=float(np.max(np.linalg.norm(places - middle, axis=1) + radii)),
-            volume=float(np.sum(np.prod(sizes[own], axis=1))),
-            stated="inertial" in tags and s.setting("inertiafromgeom") != "true",
-        )
+        reach = float(np.max(np.linalg.norm(places - middle, axis=1) + radii))
+        stated = "inertial" in tags and s.setting("inertiafromgeom") != "true"
+        yield body, middle, reach, float(np.sum(np.prod(sizes[own], axis=1))), stated
 
 
 def odd_inertia(s: InspectedModel) -> Iterator[Hit]:

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Callable, Iterator, Sequence
+from bisect import bisect_left
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import chain, islice, product
+from itertools import islice, product
 from typing import Any
 
 import numpy as np
 
 from ....reference.scene import Array
 from ...checks.rules.conditions import OPENING
+from ...engines.isolation import tell
 from ..mujoco.closures import ClosedLoop, closures
 from ..mujoco.facts import integrator, integrators
 from ..mujoco.model import Flags, Loaded, NotFiniteError, State
@@ -31,14 +33,86 @@ def edited(loaded: Loaded, change: Callable[[Any], None]) -> Loaded:
     return replace(loaded, model=model)
 
 
+FAILS = "its run fails, too"
+SPINS = (
+    f"a run with a servo's joint displaced by up to {max(NUMERICS.far_starts):g} rad fails, or "
+    "keeps a motion that a shorter step does not show"
+)
+
+
+def fault_in_runs(
+    s: InspectedModel, tried: Loaded, states: Sequence[State], words: str = "the model"
+) -> str:
+    """Return the fault that short runs of an edited model show; empty if they show none.
+
+    The runs start near the first of these states, and away from the very first; ``words`` name the
+    edit.
+    """
+    tell((words,))
+    few = states[: EFFORT.runs]
+    if not all(stays_finite(tried, state) for state in few):
+        return FAILS
+    own = float(tried.model.opt.timestep)
+    recommended = (THRESHOLDS.recommended_step * one.limit for one in s.limits_of_file)
+    shorter = min(NUMERICS.shorter_step * own, *recommended, own)
+    return SPINS if any(keeps_spinning(tried, state, shorter) for state in few[:1]) else ""
+
+
 def stays_finite(loaded: Loaded, state: State) -> bool:
-    """Return True if a short run from a perturbed state neither fails nor will fail later.
+    """Return True if a run from near a state neither fails nor would fail later.
 
     Where nothing drives the model, growth of its energy that continues would only fail later.
     """
     step, energies = short_run(loaded, state)
     driven = loaded.model.nu or loaded.model.nflex
     return step is None and bool(driven or not keeps_growing(energies))
+
+
+def keeps_spinning(loaded: Loaded, state: State, shorter: float) -> bool:
+    """Return True if a run with a servo's joint displaced fails, or keeps a motion due to its step.
+
+    A servo at its largest force may reverse it every few steps, at a speed that depends on the
+    step, and never come to rest. Displacements would tear closed loops: there, none is tried.
+    """
+    driven = np.any(moments(loaded, state)[servos(loaded)], axis=0) & (loaded.model.neq == 0)
+    horizon = min(NUMERICS.far_time, NUMERICS.run_steps * shorter)
+    fine, least = with_option(loaded, "timestep", shorter), NUMERICS.lasting_energy
+    for start in far_starts(loaded, state, driven, NUMERICS.far_starts):
+        step, energies = short_run(loaded, start, horizon)
+        peak, last = kinetic(energies)
+        if step is not None:
+            return True
+        if last > least * peak:
+            peak, expected = kinetic(short_run(fine, start, horizon)[1])
+            if last > NUMERICS.lasting_ratio * expected + least * peak:
+                return True
+    return False
+
+
+def far_starts(
+    loaded: Loaded, state: State, dofs: Flags, sizes: Sequence[float]
+) -> Iterator[State]:
+    """Yield states with one joint displaced within its range; floating bodies stay in place.
+
+    The degrees of freedom ``dofs`` (nv,) are displaced by each of the ``sizes`` [rad] or, if they
+    slide, that share of the model's size; where these are too many starts, some are left out.
+    """
+    m, limited = loaded.model, loaded.limited_joints
+    unit = np.diag(np.where(loaded.sliding_dofs, float(m.stat.extent), 1.0))
+    jointed = ~loaded.of_kind("jnt_type", "free")[m.dof_jntid]
+    places, ends = m.jnt_qposadr[limited], m.jnt_range[limited].T
+    every = list(product(unit[jointed & dofs], sizes))
+    for axis, size in every[:: math.ceil(len(every) / EFFORT.far_starts) or 1]:
+        position = state.position.copy()
+        loaded.mujoco.mj_integratePos(m, position, size * axis, 1.0)
+        position[places] = np.clip(position[places], *ends)
+        yield state._replace(position=position)
+
+
+def kinetic(energies: Array) -> tuple[float, float]:
+    """Return the largest kinetic energy [J] of a run (n, 2), and of its last part."""
+    last = np.array_split(energies[:, 1], NUMERICS.energy_parts)[-1]
+    return float(np.max(energies[:, 1], initial=0.0)), float(np.max(last, initial=0.0))
 
 
 def keeps_growing(energies: Array) -> bool:
@@ -61,8 +135,10 @@ def keeps_growing(energies: Array) -> bool:
     return bool(np.all(gains) and np.all(np.diff(kinetic) > 0))
 
 
-def short_run(loaded: Loaded, state: State) -> tuple[int | None, Array]:
-    """Run a model from a perturbed state.
+def short_run(
+    loaded: Loaded, state: State, horizon: float = NUMERICS.run_time
+) -> tuple[int | None, Array]:
+    """Run a model for some time [s] from a perturbed state, with constant controls.
 
     Returns
     -------
@@ -74,7 +150,7 @@ def short_run(loaded: Loaded, state: State) -> tuple[int | None, Array]:
     size = NUMERICS.perturbation
     departure = np.random.default_rng(0).uniform(-size, size, model.nv)
     lib.mj_integratePos(model, data.qpos, departure, 1.0)
-    steps = min(NUMERICS.run_steps, int(NUMERICS.run_time / model.opt.timestep) + 1)
+    steps = min(NUMERICS.run_steps, int(horizon / model.opt.timestep) + 1)
     for step in range(1, steps + 1):
         lib.mj_step(model, data)
         if loaded.lost(data):
@@ -84,33 +160,6 @@ def short_run(loaded: Loaded, state: State) -> tuple[int | None, Array]:
             lib.mj_energyVel(model, data)
             energies.append(data.energy.copy())
     return None, np.array(energies)
-
-
-def growth(loaded: Loaded, state: State, direction: Array, step: float, horizon: float) -> float:
-    """Return the growth factor of a small departure within a run from a state.
-
-    Parameters
-    ----------
-    loaded : Loaded
-    state : State
-    direction : array (nv,)
-    step, horizon : float
-        Step and length of the run by RK4 [s].
-    """
-    lib, model, size = loaded.mujoco, loaded.sharp(), NUMERICS.perturbation
-    model.opt.integrator, model.opt.timestep = lib.mjtIntegrator.mjINT_RK4, step
-    runs = [loaded.data(state, model) for _ in range(2)]
-    largest = float(np.max(np.abs(direction))) or 1.0
-    lib.mj_integratePos(model, runs[1].qpos, size * direction / largest, 1.0)
-    steps = max(10, min(NUMERICS.run_steps, int(horizon / step)))
-    difference, most = np.empty(model.nv), 0.0
-    for i in range(steps):
-        for data in runs:
-            lib.mj_step(model, data)
-        if i >= steps // 2:
-            lib.mj_differentiatePos(model, difference, 1.0, runs[0].qpos, runs[1].qpos)
-            most = max(most, float(np.max(np.abs(difference))))
-    return most / size if np.isfinite(most) else np.inf
 
 
 # Remedies -------------------------------------------------------------------------------------
@@ -132,16 +181,21 @@ def with_option(loaded: Loaded, name: str, value: Any) -> Loaded:
 
 
 def joint_edits(s: InspectedModel, name: str, dofs: Flags, scale: float) -> Iterator[Edit]:
-    """Yield values of ``armature`` or ``damping`` of degrees of freedom (nv,), ascending."""
-    joints = list(dict.fromkeys(np.array(s.loaded.joint_names)[dofs].tolist()))
-    where = f"{'joint' if len(joints) == 1 else 'joints'} {', '.join(joints)}"
+    """Yield values of ``armature`` or ``damping`` of degrees of freedom (nv,), ascending.
+
+    Each is the value to be written, for the joints that have less.
+    """
+    before, names = np.array(getattr(s.model, f"dof_{name}")), np.array(s.loaded.joint_names)
     for value in (rounded(share * scale, up=True) for share in THRESHOLDS.inertia_shares):
+        less = dofs & (before < value)
 
-        def change(model: Any, value: float = value) -> None:
-            values = getattr(model, f"dof_{name}")
-            values[dofs] = np.maximum(values[dofs], value)
+        def change(model: Any, value: float = value, less: Flags = less) -> None:
+            getattr(model, f"dof_{name}")[less] = value
 
-        yield f'{name}="{value:g}" on {where}', change
+        joints = list(dict.fromkeys(names[less].tolist()))
+        where = f"{'joint' if len(joints) == 1 else 'joints'} {', '.join(joints)}"
+        if joints:
+            yield f'{name}="{value:g}" on {where}', change
 
 
 def gain_edits(s: InspectedModel, actuators: Flags) -> Iterator[Edit]:
@@ -167,7 +221,7 @@ def step_remedies(s: InspectedModel, limit: StepLimit) -> str:
     known = limit.joint in names and not limit.constraint and len(names) <= EFFORT.max_remedy_dofs
     if known and states and linear is not None:
         dof, joints = names.index(str(limit.joint)), s.model.dof_jntid
-        alone, acts = joints == joints[dof], servos(s)
+        alone, acts = joints == joints[dof], servos(s.loaded)
         arms, inertia = moments(s.loaded, states[0]), float(linear.mass[dof, dof])
         both = alone, alone | np.any(arms[acts], axis=0)
         kinds = [
@@ -176,44 +230,45 @@ def step_remedies(s: InspectedModel, limit: StepLimit) -> str:
             [gain_edits(s, acts & (arms[:, dof] != 0)), gain_edits(s, acts)],
         ]
         for kind in kinds:
-            edits = (
-                words
-                for words, change in chain(*kind)
-                if is_stable(edited(s.loaded, change), states)
-            )
-            parts += islice(edits, 1)
+            stable = (first_stable(s, list(edits), states) for edits in kind)
+            parts += islice(filter(None, stable), 1)
     file_limit = next(one for one in s.steps if one.of_file).limit
     if 0 < file_limit < math.inf:
         step = rounded(THRESHOLDS.recommended_step * file_limit, up=False)
-        if is_stable(with_option(s.loaded, "timestep", step), states, margin=1.0):
-            parts.append(f'timestep="{step:g}"')
+        words = f'timestep="{step:g}"'
+        if is_stable(s, with_option(s.loaded, "timestep", step), states, words):
+            parts.append(words)
     return in_words(parts, lost)
 
 
-def is_stable(
-    tried: Loaded, states: Sequence[State], margin: float = THRESHOLDS.remedy_margin
-) -> bool:
-    """Return True if the timestep of an edited model is stable: by its limit, and in short runs.
+def first_stable(s: InspectedModel, edits: Sequence[Edit], states: Sequence[State]) -> str | None:
+    """Return the smallest of some edits, ascending, that makes the step stable, if any does.
 
-    Parameters
-    ----------
-    tried : Loaded
-    states : sequence of State
-        The state whose limit must be ``margin`` steps, and others that must permit the step.
-    margin : float
+    The more is edited, the larger is the limit: bisection finds where the trials of runs begin.
     """
-    step = float(tried.model.opt.timestep)
-    if step_limit_again(tried, states[:1]) < margin * step:
-        return False
-    return step_limit_again(tried, states) >= step and all_stay_finite(tried, states)
+    first = bisect_left(
+        edits, True, key=lambda edit: is_below_limit(edited(s.loaded, edit[1]), states)
+    )
+    tried = islice(edits, first, first + EFFORT.run_tries)
+    stable = (words for words, x in tried if is_stable(s, edited(s.loaded, x), states, words))
+    return next(stable, None)
 
 
-def step_limit_again(loaded: Loaded, states: Sequence[State]) -> float:
-    """Return the largest stable step [s] of an edited model; 0 where there are no modes."""
-    views = [view_of(loaded, state) for state in states]
+def is_stable(s: InspectedModel, tried: Loaded, states: Sequence[State], words: str) -> bool:
+    """Return True if the step of an edited model is well below its limit, and short runs show it.
+
+    Then `near_step_limit` has no finding either; ``words`` name the edit.
+    """
+    return is_below_limit(tried, states) and not fault_in_runs(s, tried, states, words)
+
+
+def is_below_limit(tried: Loaded, states: Sequence[State]) -> bool:
+    """Return True if the timestep of an edited model is well below the largest stable step."""
+    views = [view_of(tried, state) for state in states]
     if any(one.linear is None for one in views) or not views:
-        return 0.0
-    return step_limit_of(loaded, integrator(loaded), views).limit
+        return False
+    limit = step_limit_of(tried, integrator(tried), views).limit
+    return float(tried.model.opt.timestep) <= THRESHOLDS.recommended_step * limit
 
 
 def states_of(s: InspectedModel, name: str | None) -> list[State]:
@@ -222,43 +277,41 @@ def states_of(s: InspectedModel, name: str | None) -> list[State]:
     return sorted(states, key=lambda state: state.name != name)
 
 
-def all_stay_finite(loaded: Loaded, states: Sequence[State]) -> bool:
-    """Return True if short runs from the first of these states stay finite."""
-    return all(stays_finite(loaded, state) for state in states[: EFFORT.runs])
-
-
-def in_words(remedies: Sequence[str], lost: Sequence[str]) -> str:
-    """Return a sentence about remedies, and the integrators whose runs fail, too."""
+def in_words(remedies: Sequence[str], lost: Mapping[str, Sequence[str]]) -> str:
+    """Return a sentence about remedies, and the integrators whose runs have a fault, by fault."""
     words = "; or ".join(remedies)
-    also = f" (not integrator {' or '.join(lost)}: its run fails, too)" if lost else ""
-    return f"{words}{also}" if words else ""
+    also = "; ".join(f"not integrator {' or '.join(names)}: {why}" for why, names in lost.items())
+    return f"{words} ({also})" if words and also else words
 
 
-def integrator_remedy(s: InspectedModel, states: Sequence[State]) -> tuple[list[str], list[str]]:
-    """Return the cheapest other integrator whose run is stable, if any, and those that fail.
+def integrator_remedy(
+    s: InspectedModel, states: Sequence[State]
+) -> tuple[list[str], dict[str, list[str]]]:
+    """Return the cheapest other integrator whose run is stable, if any, and those with a fault.
 
     Integrators whose limit permits the timestep are tried, all of them where no limit is known.
     """
-    limits, lost = {one.integrator: one.limit for one in s.steps}, list[str]()
+    limits, lost = {one.integrator: one.limit for one in s.steps}, dict[str, list[str]]()
     there = limits or integrators(s.loaded)
     for name in THRESHOLDS.preferred_integrators:
         most = limits.get(name, math.inf)
-        permitted = most >= THRESHOLDS.remedy_margin * s.timestep
+        permitted = s.timestep <= THRESHOLDS.recommended_step * most
         if name in there and name != s.options.integrator and permitted:
-            kind = s.loaded.member("mjtIntegrator", "mjINT", name)
-            if not all_stay_finite(with_option(s.loaded, "integrator", kind), states):
-                lost.append(f'"{name}"')
+            kind, edit = s.loaded.member("mjtIntegrator", "mjINT", name), f'integrator="{name}"'
+            fault = fault_in_runs(s, with_option(s.loaded, "integrator", kind), states, edit)
+            if fault:
+                lost.setdefault(fault, []).append(f'"{name}"')
                 continue
             words = "without limit" if math.isinf(most) else f"stable up to {most:.3g} s"
             small = f" ({words} in small motions)" if limits else ""
-            return [f'integrator="{name}"{small}'], lost
+            return [edit + small], lost
     return [], lost
 
 
-def servos(s: InspectedModel) -> Flags:
+def servos(loaded: Loaded) -> Flags:
     """Return the actuators (n_u,) that react to position or speed."""
-    acts = np.any(s.model.actuator_biasprm[:, 1:3] != 0, axis=1)
-    return np.asarray(acts & s.loaded.of_kind("actuator_biastype", "affine"))
+    acts = np.any(loaded.model.actuator_biasprm[:, 1:3] != 0, axis=1)
+    return np.asarray(acts & loaded.of_kind("actuator_biastype", "affine"))
 
 
 def moments(loaded: Loaded, state: State) -> Array:
@@ -295,9 +348,12 @@ def closure_remedy(s: InspectedModel, closure: ClosedLoop) -> str | None:
         one = next(one for one in again if one.number == closure.number)
         if one.opening > OPENING * s.size_of(closure) or (one.turn or 0.0) > OPENING:
             continue
-        least = THRESHOLDS.remedy_margin * s.timestep
-        stable = not states or step_limit_again(tried, states) >= least
-        if stable and all_stay_finite(tried, states or list(every.values())):
-            solref, solimp = f"{constant:g} {closure.solref[1]:g}", f"{hard:g} {hard:g} 0.001"
-            return f'solref="{solref}" solimp="{solimp}": it then opens by {one.opening:.2g}'
+        solref, solimp = f"{constant:g} {closure.solref[1]:g}", f"{hard:g} {hard:g} 0.001"
+        words = f'solref="{solref}" solimp="{solimp}"'
+        if (
+            is_stable(s, tried, states, words)
+            if states
+            else not fault_in_runs(s, tried, list(every.values()), words)
+        ):
+            return f"{words}: it then opens by {one.opening:.2g}"
     return None

@@ -442,14 +442,14 @@ RULES: Mapping[str, ModelRule] = {
         "warning",
         "a range of control in degrees",
         "The compiler converts angles of joints, not controls: these are in radians.",
-        'write the range in radians, or inheritrange="1"',
+        "write the range in radians",
         drives.control_in_degrees,
     ),
     "control_beyond_range": ModelRule(
         "warning",
         "a servo whose commands exceed the range of its joint",
         "It pushes into the joint's limit with all its force, and the soft limit yields.",
-        'limit the commands to the range of the joint, or write inheritrange="1"',
+        'write the range of the joint, times the gear, or inheritrange="1" in its place',
         drives.control_beyond_range,
     ),
     "positive_feedback": ModelRule(
