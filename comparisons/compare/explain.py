@@ -39,7 +39,7 @@ FACTORS: Mapping[str, float] = {
 """Field -> the factor of a complete loss, or of another value by which its effect is measured."""
 
 MIN_CHANGE = 1e-4
-"""Smallest relative change of an attribute that is named; smaller ones follow errors of the fit."""
+"""Smaller relative changes of an attribute are not named; they follow errors of the fit."""
 
 FACTORS_ALLOWED, POSITIVE_FACTORS = (-1e4, 1e4), (0.0, 100.0)
 """Bounds of the factors by which a reader may have scaled attributes, and those of `POSITIVE`.

@@ -110,7 +110,7 @@ def summary(result: Findings) -> str:
 
 
 def counted(result: Findings) -> dict[str, object]:
-    """Return what the table of the numbers of rows with each verdict is made of."""
+    """Return the values that fill the table of counts of verdicts."""
     return {"result": result, "verdicts": (*VERDICTS, *([ERROR] if result.failures else []))}
 
 

@@ -162,7 +162,7 @@ def value_range(times: Array, values: Array) -> tuple[float, float]:
 
 
 def lock_in(times: Array, theta: Array, speed: Array) -> dict[str, float]:
-    """Return how a motion (n_t,) from rest at 3 Hz, 60 N becomes a rotation.
+    """Describe in numbers the run (n_t,) from rest at 3 Hz, 60 N that becomes a rotation.
 
     ``value``, the time at which the free mass last turns backwards; ``slip``, until which the phase
     is more than half a turn from its final value; ``settled``, from which it stays within 0.5 rad
