@@ -17,12 +17,12 @@ from ..queries.query import choose_method
 from ..scenes.data import scene_data
 from ..scenes.left_out import Pair, PairedModel
 from .sweep import sample_times
-from .table import CaseOfEngine
+from .table import MeasuredCase
 from .tuning import SWEEP
 
 
 @dataclass(frozen=True)
-class LeftOut(CaseOfEngine):
+class LeftOut(MeasuredCase):
     """Comparison of a model with a part and one without it.
 
     Attributes

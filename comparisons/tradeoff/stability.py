@@ -19,12 +19,12 @@ from ..engines.registry import get_engine
 from ..engines.run import EPS
 from ..engines.setup import Setup
 from ..queries.query import choose_method
-from .table import CaseOfEngine
+from .table import MeasuredCase
 from .tuning import SWEEP
 
 
 @dataclass(frozen=True)
-class StabilityShift(CaseOfEngine):
+class StabilityShift(MeasuredCase):
     """Shift of a boundary of stability by a method.
 
     Attributes

@@ -97,7 +97,7 @@ class Point:
 
 
 @dataclass(frozen=True)
-class CaseOfEngine:
+class MeasuredCase:
     """Scene, case and engine that a measurement is about.
 
     Attributes
@@ -116,7 +116,7 @@ class CaseOfEngine:
 
 
 @dataclass(frozen=True)
-class StepSeries(CaseOfEngine):
+class StepSeries(MeasuredCase):
     """Runs of a model by a method over steps.
 
     Attributes
@@ -223,7 +223,7 @@ class SettingRun:
 
 
 @dataclass(frozen=True)
-class Choice(CaseOfEngine):
+class Choice(MeasuredCase):
     """Cheapest setting, or smallest model, that meets a target, or the reason why there is none.
 
     Attributes
