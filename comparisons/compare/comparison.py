@@ -339,8 +339,11 @@ def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelCo
 def why_idle(one: Compiled, other: Compiled, difference: Difference) -> str:
     """Return the reason why a changed default of an option does nothing; empty if it may."""
     name, models = difference.attribute, (one, other)
-    pairs = [[m.answer.get(f"{group}.{name}") for group in ("opt", "default")] for m in models]
-    if difference.element == "option" and all(np.array_equal(*pair) for pair in pairs):
+    is_default = [
+        np.array_equal(m.answer.get(f"opt.{name}", ()), m.answer.get(f"default.{name}", ()))
+        for m in models
+    ]
+    if difference.element == "option" and all(is_default):
         flags = {flag for m in models for flag in m.options.attribute("enableflags").values}
         if name == "sleep_tolerance" and "sleep" not in flags:
             return "sleep is off"
