@@ -20,18 +20,15 @@ CASES = {"hula_hoop": "semicircle_3hz_60n", "rotor_pendulum": "case_2_startup"}
 LEVELS = ("parts", "algebra", "step")
 
 
-ROOT = Path(__file__).resolve().parents[2]
-
-
-def blocks(language: str) -> list[str]:
-    """Return the fenced blocks of a language in the page."""
-    text = (ROOT / "docs" / "engines.md").read_text(encoding="utf-8")
+def blocks(page: Path, language: str) -> list[str]:
+    """Return the fenced blocks of a language in a page of the clone; pages are not installed."""
+    text = page.read_text(encoding="utf-8")
     return re.findall(rf"^```{language}\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
 
 
-def toy_class(change: tuple[str, str] | None = None) -> Any:
-    """Return the class of the page's example, perhaps with a text in it replaced."""
-    (source,) = blocks("python")
+def toy_class(page: Path, change: tuple[str, str] | None = None) -> Any:
+    """Return the class of a page's example, perhaps with a text in it replaced."""
+    (source,) = blocks(page, "python")
     if change:
         assert change[0] in source
         source = source.replace(*change)

@@ -95,7 +95,7 @@ WRONG: Mapping[str, tuple[Any, str, str]] = {
     "loops": (
         FlatLoops,
         "speed_regulator",
-        "right for the model as in its file, and wrong for the same model rotated in space",
+        "right for the model as in its file, and wrong for the same model {placed}",
     ),
 }
 """Plug-ins, the scene that shows what is wrong with them, and the words for it."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,9 +19,14 @@ from mbcheck.comparisons.reports.run.located import located
 from mbcheck.models.mechanism import Term
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineError, EngineUnavailableError
-from mbcheck.tests.support.example import bad, blocks, results, toy_class
+from mbcheck.tests.support import example
+from mbcheck.tests.support.example import bad, results
 
 pytest.importorskip("mujoco", reason="the example takes inertias from MuJoCo")
+
+PAGE = Path(__file__).resolve().parents[3] / "docs" / "engines.md"
+blocks = partial(example.blocks, PAGE)
+toy_class = partial(example.toy_class, PAGE)
 
 
 # Faults, and where they are found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,9 +22,12 @@ from mbcheck.models.kinematics import gaps
 from mbcheck.models.mechanism import mechanism
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineUnavailableError, UsageError
-from mbcheck.tests.support.example import toy_class
+from mbcheck.tests.support import example
 
 pytest.importorskip("mujoco", reason="the example takes inertias from MuJoCo")
+
+PAGE = Path(__file__).resolve().parents[3] / "docs" / "engines.md"
+toy_class = partial(example.toy_class, PAGE)
 
 # Loading
 

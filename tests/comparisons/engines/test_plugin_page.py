@@ -4,14 +4,21 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import pytest
 
 from mbcheck.comparisons.reports.run.located import located
-from mbcheck.tests.support.example import CASES, LEVELS, ROOT, bad, blocks, results, toy_class
+from mbcheck.tests.support import example
+from mbcheck.tests.support.example import CASES, LEVELS, bad, results
 
 pytest.importorskip("mujoco", reason="the example takes inertias from MuJoCo")
+
+ROOT = Path(__file__).resolve().parents[3]
+PAGE = ROOT / "docs" / "engines.md"
+blocks = partial(example.blocks, PAGE)
+toy_class = partial(example.toy_class, PAGE)
 
 
 # The page

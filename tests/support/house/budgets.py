@@ -63,7 +63,7 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
     "examples": (490, 769),
     "models": (1989, 3720),
     "reference": (8349, 16539),
-    "tests": (24778, 42811),  # engines as readers, import bugs, pages, 80 columns (#38, #39)
+    "tests": (24795, 42829),  # engines as readers, import bugs, pages, 80 columns (#38, #39)
 }
 """Folder -> statements and lines of Python."""
 
