@@ -109,5 +109,11 @@ def explain(terms: tuple[str, ...]) -> None:
     screen = console()
     if not terms:
         print_terms(screen)
+    unknown = []
     for term in terms:
-        explain_term(screen, term)
+        try:
+            explain_term(screen, term)
+        except UsageError as error:
+            unknown.append(str(error))
+    if unknown:
+        raise UsageError("\n".join(unknown))

@@ -95,6 +95,8 @@ def finding_sections(items: Sequence[ReportItem], full: bool) -> Iterator[Sectio
 def waiver_lines(findings: Iterable[ModelFinding]) -> Iterator[str]:
     """Yield the entries of a file of waivers for some findings, without their reasons."""
     for rule, element in dict.fromkeys((one.rule, one.element) for one in findings):
+        if rule.startswith("waiver_"):
+            continue  # what is wrong with a waiver is not waived
         pattern = json.dumps(glob.escape(element), ensure_ascii=False)
         yield from ("[[waive]]", f'rule = "{rule}"', f"element = {pattern}", 'reason = ""')
 

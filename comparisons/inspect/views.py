@@ -106,7 +106,7 @@ def shapes(directions: Array, mass: Array, damping: Array, stiffness: Array) -> 
     modes = []
     for rate, inner in pairs:
         vector = directions @ (root * inner)
-        dof = int(np.argmax(np.abs(vector) * np.sqrt(np.diag(mass))))
+        dof = int(np.argmax((vector.conj() * (mass @ vector)).real))  # share of kinetic energy
         modes.append(Shape(rate, vector, kind_of_rate(rate), dof))
     return tuple(sorted(modes, key=lambda mode: (mode.omega, mode.rate.imag)))
 

@@ -367,6 +367,18 @@ class LinearProbe:
         self.closed = tuple(self.loop_rows())
         size = min(1.0, float(loaded.model.stat.extent)) or 1.0
         self.scale = np.where(loaded.sliding_dofs, size, 1.0)
+        self.lift_limits()
+
+    def lift_limits(self) -> None:
+        """Lift the limits that actuator forces do not reach in the state, but in a difference."""
+        m, data = self.model, self.data
+        self.forces(np.zeros(m.nv))
+        on_joints = data.qfrc_actuator[m.jnt_dofadr]
+        for limited, bounds, force in (
+            (m.actuator_forcelimited, m.actuator_forcerange, data.actuator_force),
+            (m.jnt_actfrclimited, m.jnt_actfrcrange, on_joints),
+        ):
+            limited[(bounds[:, 0] < force) & (force < bounds[:, 1])] = 0
 
     def put(self, position: Array, velocity: Array) -> None:
         """Set a state."""

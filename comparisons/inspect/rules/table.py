@@ -447,7 +447,7 @@ RULES: Mapping[str, ModelRule] = {
     ),
     "control_beyond_range": ModelRule(
         "warning",
-        "a servo whose commands exceed the range of its joint",
+        "a servo whose commands exceed the range of its hinge",
         "It pushes into the joint's limit with all its force, and the soft limit yields.",
         'write the range of the joint, times the gear, or inheritrange="1" in its place',
         drives.control_beyond_range,
@@ -461,9 +461,9 @@ RULES: Mapping[str, ModelRule] = {
     ),
     "undamped_servo": ModelRule(
         "warning",
-        "a servo without damping",
-        "No part that acts on the joint has damping or friction: each command starts an "
-        "oscillation that only the error of the integrator ends.",
+        "a servo with almost no damping",
+        "All that acts on the joint damps it by less than 2 % of critical damping, and nothing "
+        "has friction: each command starts an oscillation of tens of periods.",
         'write dampratio="1" on the position actuator, or damping on the joint',
         drives.undamped_servo,
     ),

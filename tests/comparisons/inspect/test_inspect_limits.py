@@ -373,3 +373,34 @@ def test_a_handle_is_no_closure(tmp_path: Path) -> None:
     handle = '<body name="hand" mocap="true" pos="1 0 0"><site name="wall"/></body>'
     path.write_text(text.replace('<site name="wall" pos="1 0 0"/>', handle))
     assert not found(path, "closure_softness")
+
+
+TIGHT = """<mujoco><worldbody><body name="base"><joint name="big" type="slide"/>
+  <geom size="0.1" mass="5"/><body name="wrist" pos="0.3 0 0"><joint name="small" axis="0 0 1"/>
+  <geom type="capsule" size="0.01" fromto="0 0 0 0.1 0 0" mass="0.05"/></body></body></worldbody>
+  <actuator><position joint="small" kp="{kp}" forcerange="-0.5 0.5"/></actuator></mujoco>"""
+
+
+def test_a_servo_below_its_limit_has_its_whole_stiffness(tmp_path: Path) -> None:
+    path, rates = tmp_path / "model.xml", []
+    for kp in (100, 400):
+        path.write_text(TIGHT.format(kp=kp))
+        (mode,) = (one for one in inspect(path).states[0].modes if one.omega > 1)
+        assert mode.joint == "small"
+        rates.append(mode.omega)
+    assert rates[1] == pytest.approx(2 * rates[0], rel=1e-6)
+
+
+ARM = """<mujoco><worldbody><body><joint name="shoulder" axis="0 1 0" stiffness="1"/>
+  <geom type="capsule" size="0.04" fromto="0 0 0 0 0 0.3" mass="1.2"/><body pos="0 0 0.3">
+  <joint name="elbow" axis="0 1 0" stiffness="1"/>
+  <inertial pos="0 0 0.15" mass="0.05" diaginertia="5e-4 5e-4 5e-4"/><body pos="0 0 0.3">
+  <joint name="wrist" axis="0 1 0" stiffness="2000"/>
+  <geom type="capsule" size="0.02" fromto="0 0 0 0 0 0.1" mass="1"/></body></body></body>
+  </worldbody></mujoco>"""
+
+
+def test_a_mode_is_that_of_the_joint_with_its_kinetic_energy(tmp_path: Path) -> None:
+    path = tmp_path / "model.xml"
+    path.write_text(ARM)
+    assert max(inspect(path).states[0].modes, key=lambda one: one.omega).joint == "wrist"
