@@ -440,7 +440,9 @@ class ModelTradeoff:
                 f"no setting meets {percent(request.target)} {where} {over}; the smallest error is "
                 f"{percent(errors[best])}, with {best.name}"
             )
-        error = percent(max(choice.error, self.elsewhere or 0.0))
+        error = percent(choice.error)
+        if (self.elsewhere or 0.0) > choice.error:
+            error += f" ({percent(self.elsewhere)} from other starts)"
         words = f"{setting_of(choice).name}: error {error} {over}"
         if choice.point is own.point:
             return f"{words}, the file's own setting"
