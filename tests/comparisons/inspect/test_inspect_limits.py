@@ -391,7 +391,7 @@ def test_a_servo_below_its_limit_has_its_whole_stiffness(tmp_path: Path) -> None
     assert rates[1] == pytest.approx(2 * rates[0], rel=1e-6)
 
 
-ARM = """<mujoco><worldbody><body><joint name="shoulder" axis="0 1 0" stiffness="1"/>
+CHAIN = """<mujoco><worldbody><body><joint name="shoulder" axis="0 1 0" stiffness="1"/>
   <geom type="capsule" size="0.04" fromto="0 0 0 0 0 0.3" mass="1.2"/><body pos="0 0 0.3">
   <joint name="elbow" axis="0 1 0" stiffness="1"/>
   <inertial pos="0 0 0.15" mass="0.05" diaginertia="5e-4 5e-4 5e-4"/><body pos="0 0 0.3">
@@ -402,5 +402,5 @@ ARM = """<mujoco><worldbody><body><joint name="shoulder" axis="0 1 0" stiffness=
 
 def test_a_mode_is_that_of_the_joint_with_its_kinetic_energy(tmp_path: Path) -> None:
     path = tmp_path / "model.xml"
-    path.write_text(ARM)
+    path.write_text(CHAIN)
     assert max(inspect(path).states[0].modes, key=lambda one: one.omega).joint == "wrist"
