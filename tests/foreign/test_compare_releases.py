@@ -7,9 +7,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
-import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -20,6 +17,7 @@ import pytest
 
 from mbcheck import compare
 from mbcheck.models import mjcf
+from mbcheck.tests.foreign.packages import unpacked
 from mbcheck.tests.support.mjcf.import_bugs import GRIPPER
 from mbcheck.tests.support.mjcf.losses import WHOLE
 
@@ -33,17 +31,14 @@ pytestmark = pytest.mark.foreign
 
 
 def models(folder: Path) -> Iterator[tuple[str, Path]]:
-    """Yield the models of the table by name, the last from a public package, never imported."""
+    """Yield the models of the table by name, the last from a public package."""
     scenes = ("speed_regulator", "ball_hoop")
     texts = {name: next(iter(mjcf.models(name).values())).path.read_text() for name in scenes}
     for name, text in {"arm with free body": WHOLE, **texts, "gripper": GRIPPER}.items():
         path = folder / f"{name.replace(' ', '_')}.xml"
         path.write_text(text)
         yield name, path
-    command = [sys.executable, "-m", "pip", "download", "-q", "--no-deps", "-d", str(folder)]
-    subprocess.run([*command, "gymnasium"], timeout=300, check=True)
-    with zipfile.ZipFile(next(folder.glob("*.whl"))) as wheel:
-        yield "half_cheetah of gymnasium", Path(wheel.extract(CHEETAH, folder))
+    yield "half_cheetah of gymnasium", unpacked("gymnasium", folder) / CHEETAH
 
 
 def compared(folder: Path) -> dict[str, Any]:

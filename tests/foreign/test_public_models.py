@@ -5,9 +5,6 @@ from __future__ import annotations
 import io
 import math
 import statistics
-import subprocess
-import sys
-import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -21,10 +18,9 @@ from mbcheck.comparisons.inspect.views import View, step_limit_of
 from mbcheck.comparisons.tradeoff.model import ModelTradeoff, setting_of
 from mbcheck.comparisons.tradeoff.request import TradeoffRequest
 from mbcheck.reference.errors import UsageError
+from mbcheck.tests.foreign.packages import unpacked
 
 PACKAGES = ("gymnasium", "playground")
-PATIENCE = 120
-"""Seconds that a download may take."""
 
 pytestmark = pytest.mark.foreign
 
@@ -33,12 +29,7 @@ pytestmark = pytest.mark.foreign
 def inspected(tmp_path_factory: pytest.TempPathFactory) -> list[Inspection]:
     """Return what is found in all files that compile alone."""
     folder = tmp_path_factory.mktemp("wheels")
-    command = [sys.executable, "-m", "pip", "download", "-q", "--no-deps", "-d", str(folder)]
-    subprocess.run([*command, *PACKAGES], timeout=PATIENCE, check=True)
-    for wheel in folder.glob("*.whl"):
-        with zipfile.ZipFile(wheel) as content:
-            content.extractall(folder / wheel.stem)
-    return list(reports(folder))
+    return [one for package in PACKAGES for one in reports(unpacked(package, folder))]
 
 
 def reports(folder: Path) -> Iterator[Inspection]:

@@ -63,7 +63,7 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
     "examples": (490, 769),
     "models": (1989, 3720),
     "reference": (8349, 16539),
-    "tests": (24809, 42860),  # engines as readers, import bugs, pages, 80 columns (#38, #39)
+    "tests": (24796, 42851),  # engines as readers, import bugs, pages, 80 columns (#38, #39)
 }
 """Folder -> statements and lines of Python."""
 
