@@ -127,6 +127,10 @@ class Difference:
     share: float = field(default=math.inf, metadata=HIDDEN)
     written: float = field(default=0.0, metadata=HIDDEN)
 
+    def is_rounding(self, of_copy: bool) -> bool:
+        """Return True if rounding explains it; of a copy, also that to six written digits."""
+        return self.share <= (max(EQUAL, self.written) if of_copy else EQUAL)
+
     @property
     def id(self) -> str:
         """Element and attribute."""
@@ -302,8 +306,7 @@ def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelCo
     is_copy = first.text != second.text and any(map(is_saved_by_mujoco, (first.text, second.text)))
     differences, rounding = list[Difference](), list[Difference]()
     for each in differences_of(one, other, match):
-        share = max(EQUAL, each.written) if is_copy else EQUAL
-        (rounding if each.share <= share else differences).append(each)
+        (rounding if each.is_rounding(is_copy) else differences).append(each)
     sides = sides_of(one, other, match)
     trial, gaps, left, idle = None, list[Gap](), list[Gap](), list[Difference]()
     if not isinstance(sides, str):

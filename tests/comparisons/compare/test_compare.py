@@ -43,7 +43,7 @@ def compiled(text: str) -> Compiled:
 def differences(one: Compiled, other: Compiled, is_copy: bool = False) -> list[Difference]:
     """Return the compiled differences; of a copy, those beyond its six digits."""
     every = comparison.differences_of(one, other, match_elements(one, other))
-    return [d for d in every if d.share > max(comparison.EQUAL, is_copy * d.written)]
+    return [one for one in every if not one.is_rounding(is_copy)]
 
 
 @pytest.fixture(scope="module")

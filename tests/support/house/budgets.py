@@ -44,7 +44,7 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
     "comparisons/check": (383, 729),
     "comparisons/checks": (4921, 8774),  # one comparison, mistakes of checks and judge; a source
     "comparisons/cli": (471, 961),  # `explain` and its glossary (#39)
-    "comparisons/compare": (1699, 2911),  # 1,300 granted: engines as readers, idle defaults (#38)
+    "comparisons/compare": (1701, 2914),  # 1,300 granted: engines as readers, idle defaults (#38)
     "comparisons/diff": (278, 497),
     "comparisons/documents": (322, 657),  # waivers of inspect, for compare too (#38)
     "comparisons/engines": (2720, 5050),
