@@ -97,7 +97,7 @@ class BoundaryAlong:
         near = orbit and correct(curve.equations, orbit.z, self.row, 0.0, 30)
         point = None
         if near is not None:
-            _, point = tracer.adapt(curve, *tracer.rate(curve, near, self.row))
+            _, point = tracer.adapt(curve, *tracer.rate(curve, near))
         if point is None or not 0 <= point.place[1] <= 1:
             words = self.kind.replace("_", " ")
             raise NoOrbitError(
