@@ -165,8 +165,3 @@ def chain_scene(n: int, scheme: str = "A") -> EquationsOfMotion:
         stiff=(1e-11, 1e-9),
         continuum=Continuum(tuple(f"joint_{i}" for i in range(1, n + 1)), reach=reach),
     )
-
-
-def scene_of(p: RotatingBeam) -> EquationsOfMotion:
-    """Return the chain of these ``segments`` and this ``scheme``."""
-    return chain_scene(int(p.segments), p.scheme)

@@ -1,13 +1,18 @@
-"""Frequencies of the chain of rotating_beam, by its linearised equations."""
+"""The chain of rotating_beam, and its frequencies by its linearised equations."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from mbcheck.reference.linear import linearise, modes
-from mbcheck.reference.rotating_beam.chain import scene_of
+from mbcheck.reference.rotating_beam.chain import chain_scene
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam, hanging, rotation
 from mbcheck.reference.scene import Array, EquationsOfMotion
+
+
+def scene_of(p: RotatingBeam) -> EquationsOfMotion:
+    """Return the chain of these ``segments`` and this ``scheme``."""
+    return chain_scene(int(p.segments), p.scheme)
 
 
 def chain_frequencies(
