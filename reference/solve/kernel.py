@@ -159,7 +159,9 @@ def source(rates: Rates, n: int, functions: Mapping[str, Any]) -> Rates | None:
     lines = "".join(f"    {made.name} = {line}\n" for line, made in trace.lines.items())
     inputs = ", ".join(one.name for one in (time, *x))
     text = f"def function({inputs}):\n{lines}    return [{', '.join(ends)}]\n"
-    space = {**functions, **dict(trace.constants.values())}
+    space = dict(functions)
+    for name, value in trace.constants.values():  # NumPy's numbers are slow, and widen others
+        space[name] = value.item() if isinstance(value, np.generic) else value
     exec(compiled(text), space)
     function: Rates = space["function"]
     return function
