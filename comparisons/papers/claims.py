@@ -11,7 +11,9 @@ docs/architecture.md says where to change what; a row and its keys::
     each = {call = "speed_of", case = "case_1"}
     reproduced_if = ["value rounds to printed", "drift < 1e-6, everyone, ours"]
 
-A measure is a function of the folder's ``measures.py``, with arguments after ``call``, if any.
+A measure is a function of the folder's ``measures.py``, with arguments after ``call``, if any; or
+a table of formulas. A row takes the keys that it does not have from the row that ``like`` names,
+and so do its tables.
 Without a ``kind`` a row with candidates is a reading, one with an erratum a misprint, and any other
 a claim; it is slow if engines are measured too.
 """
@@ -32,7 +34,7 @@ import msgspec
 
 from ...reference import SCENES
 from ...reference.errors import MbcheckError, UnknownNameError
-from .equations import Identities, join_lines, sides
+from .equations import Formulas, Identities, join_lines, sides
 from .ledger import (
     CORRECTED,
     DEPENDS,
@@ -97,7 +99,9 @@ class PaperData:
     names: str = ""
 
 
-REFUSALS = (LookupError, ValueError, TypeError, AttributeError, ImportError)
+REFUSALS = (
+    LookupError, ValueError, TypeError, AttributeError, ImportError, SyntaxError,
+)  # fmt: skip
 """Errors that a mistake in a paper's file causes."""
 
 
@@ -126,6 +130,12 @@ def read_paper(scene: str) -> PaperData:
             for number, one in data["figures"].items()
         ]
         causes = [{"name": name, **one} for name, one in data["causes"].items()]
+        for name, row in data["rows"].items():
+            model = data["rows"][row.pop("like")] if "like" in row else {}
+            data["rows"][name] = model | {
+                key: model.get(key, {}) | one if isinstance(one, dict) else one
+                for key, one in row.items()
+            }
         rows = [read_row(scene, name, row, shared) for name, row in data["rows"].items()]
         others = {**data, "figures": figures, "causes": causes, "rows": ()}
         return replace(converted(scene, others, PaperData), rows=tuple(rows))
@@ -234,12 +244,17 @@ def check_keys(data: Mapping[str, Any], kind: Any) -> None:
 def measure(scene: str, named: str | Mapping[str, Any]) -> Any:
     """Return the object of this name in the measures of a scene, its arguments filled in.
 
-    ``second_order``, or ``{call = "share_of_class", name = "blue_o"}``; another module is named
-    before a point, ``figures.figure_2``; an argument may be a function, ``{call = "peak"}``.
+    ``second_order``, or ``{call = "distances", plate = true}``; another module is named before a
+    point, ``figures.figure_2``; an argument may be a function, ``{call = "peak"}``. A table without
+    ``call`` has formulas, ``{value = "share_of(blue_o_5)"}``.
     """
     if isinstance(named, str):
         module, _, name = named.rpartition(".")
         return getattr(import_module(f"{__package__}.{scene}.{module or 'measures'}"), name)
+    if "call" not in named:
+        for text in named.values():
+            compile(text, text, "eval")
+        return Formulas(named, import_module(f"{__package__}.{scene}.measures"))
     function = measure(scene, named["call"])
     arguments = {name: argument(scene, value) for name, value in named.items() if name != "call"}
     return partial(function, **arguments) if arguments else function

@@ -16,7 +16,9 @@ x = 0 up to the first order; and ``mean(f, x)``, the mean over a turn of x.
 
 from __future__ import annotations
 
+import builtins
 import re
+from collections import ChainMap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -24,6 +26,8 @@ from textwrap import dedent
 from typing import Any, NamedTuple
 
 import numpy as np
+
+from ..engines.registry import REFERENCE
 
 DIGITS = 30
 POINTS = 4
@@ -148,6 +152,33 @@ class Identities:
         with mpmath.workdps(DIGITS):
             every = ([mpmath.mpf(point[name]) for name in names] for point in points)
             return float(max(abs(apart(*values)) for values in every))
+
+
+@dataclass(frozen=True)
+class Formulas:
+    """Numbers of a row by formulas in Python, each of which may use those before it.
+
+    Attributes
+    ----------
+    texts : mapping of str to str
+        Name of a number -> formula.
+    module : module
+        The measures of the paper, whose names formulas may use, as well as ``session`` and ``who``,
+        the engine or the reference. Its class ``Names``, if any, finds more of them.
+    """
+
+    texts: Mapping[str, str]
+    module: Any
+
+    def __call__(self, session: Any, who: str = REFERENCE) -> dict[str, Any]:
+        """Return the numbers by name."""
+        numbers: dict[str, Any] = {}
+        given = {"session": session, "who": who}
+        names = getattr(self.module, "Names", lambda **given: given)(**given)
+        known: Any = ChainMap(numbers, given, vars(self.module), vars(builtins), names)
+        for name, text in self.texts.items():
+            numbers[name] = eval(text, vars(self.module), known)
+        return numbers
 
 
 def vocabulary() -> dict[str, Any]:

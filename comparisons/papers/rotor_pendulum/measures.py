@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -353,48 +352,7 @@ def motor_slope(electric_powers: int) -> float:
     return float(POLES * scale / electric**electric_powers)
 
 
-def equation_14(session: Session) -> Numbers:
-    """Return the result of (14) at 153.8 rad/s: a power [W], with omega_m^2 a torque [N m].
-
-    And the relative distance of the torque from the 3.08 N m of section 5.2; and the torque with
-    the two inductances exchanged [N m].
-    """
-    slip = 50 * np.pi - 153.8
-    power, torque = motor_slope(1) * slip, motor_slope(2) * slip
-    exchanged = torque * (STATOR / MUTUAL) ** 4
-    return {"power": power, "torque": torque, "off": abs(torque / 3.08 - 1), "exchanged": exchanged}
-
-
 # Section 3: coupling coefficients, figure 2
-
-
-def mirror_images(session: Session) -> Numbers:
-    """Return the median difference of mu_1 and mu_4, and that after n_x and n_phi are swapped."""
-    n = lattice()
-    mu = theory.coupling_coefficients(n)
-    size = np.maximum(abs(mu.mu_1), abs(mu.mu_4))
-    swapped = theory.coupling_coefficients(n._replace(n_x=n.n_phi, n_phi=n.n_x))
-    return {
-        "apart": np.median(abs(mu.mu_1 - mu.mu_4) / size),
-        "mirrored": np.max(abs(swapped.mu_4 - mu.mu_1) / size),
-    }
-
-
-def level_coupling(session: Session) -> Numbers:
-    """Return mu_1, and mu_2 and mu_3, where beta = 0.
-
-    The largest mu_1 for n_x < 1, right and as printed; the largest mu_2 and mu_3; the coupling
-    torque with case 2's springs [N m].
-    """
-    n = lattice(0.0)
-    mu, printed = (theory.coupling_coefficients(n, as_printed) for as_printed in (False, True))
-    before = np.broadcast_to(n.n_x < 1, mu.mu_1.shape)
-    return {
-        "right": np.max(mu.mu_1[before]),
-        "printed": np.max(printed.mu_1[before]),
-        "largest": max(np.max(abs(mu.mu_2)), np.max(abs(mu.mu_3))),
-        "torque": float(theory.coupling_amplitude(CASE_2.replace(installation_angle=0.0))),
-    }
 
 
 def strength(session: Session) -> Numbers:
@@ -435,20 +393,6 @@ def peaks(session: Session) -> Numbers:
     return {**typical, "rise": rise}
 
 
-def coupling_types(session: Session) -> Numbers:
-    """Return the share of the plane without a type, and coupling torques [N m] of each type."""
-    named = sum(high - low for low, high in (REGIONS["before"], REGIONS["after"]))
-    torques = [
-        float(theory.coupling_amplitude(at_ratios(ratio, ratio, np.pi / 6)))
-        for ratio in (0.5, 1.01, 3.0)
-    ]
-    return {
-        "unnamed": 1 - (named / (RANGE[1] - RANGE[0])) ** 2,
-        "torques": torques,
-        "rises": (torques[1] - torques[0], torques[1] - torques[2]),
-    }
-
-
 # Section 4: synchronisation and stability
 
 
@@ -465,24 +409,6 @@ def roots(session: Session) -> Numbers:
         residuals.append(np.max(abs(theory.balance(n, alpha, as_printed) / size)))
         opposite.append(np.max(theory.stability(n, alpha + np.pi, as_printed) / size))
     return {"residual": max(residuals), "opposite": opposite}
-
-
-def springs_decide(session: Session) -> Numbers:
-    """Return the change of the phase by each spring but for half turns [rad], and flips by k_x.
-
-    And the changes by k_phi and k_x with mu_1 as printed, at the least of the other ratio.
-    """
-    alpha = theory.stable_phase_difference(lattice())
-    doubled = np.exp(2j * alpha)
-    by_print = np.exp(2j * theory.stable_phase_difference(lattice(), as_printed=True))
-    printed = [np.ptp(np.unwrap(np.angle(one)) / 2) for one in (by_print[:, 0], by_print[0])]
-    return {
-        "printed": printed,
-        "most": max(printed),
-        "by_x": np.max(abs(np.angle(doubled / doubled[:, :1]))) / 2,
-        "by_phi": np.ptp(np.unwrap(np.angle(doubled[:, 0])) / 2),
-        "flips": np.mean(np.cos(alpha - alpha[:, :1]) < 0),
-    }
 
 
 # Tables 1, 2, and the frequency ratios of section 5.2
@@ -545,20 +471,6 @@ def speeds_of_ratios(session: Session) -> Numbers:
     ]
     needed = [min(pair, key=lambda speed: abs(speed - np.mean(SPEEDS))) for pair in takes]
     return {"needed": needed, "slowest": min(needed), "fastest": max(needed)}
-
-
-def electric_speed(session: Session) -> Numbers:
-    """Return case 2's n_x by (19): with the rotors' speed, and with that below (14)."""
-    electric = POLES * float(CASE_1.synchronous_speed)
-    mechanical, printed = (theory.ratios(CASE_2, speed=w).n_x for w in (electric / POLES, electric))
-    return {"corrected": float(mechanical), "as_printed": float(printed), "electric": electric}
-
-
-def dimensionless(session: Session, name: str) -> Numbers:
-    """Return an entry of table 2: eta, sigma or r_m."""
-    n = theory.ratios(CASE_1)
-    entries = {"eta": CASE_1.rod_mass / CASE_1.rotor_mass, "sigma": n.sigma, "r_m": n.r_m}
-    return {"value": float(entries[name])}
 
 
 # Section 5.2: the three cases ---------------------------------------------------------------------
@@ -705,16 +617,6 @@ def orbit_quantity(
     return sign * orbit_value(synchronous_orbit(session, ORBITS[case], who), quantity)
 
 
-def theoretical(session: Session, case: int, sign: float) -> Numbers:
-    """Return the paper's theoretical phase [rad] at its own frequency ratios, and at ours."""
-    n = PRINTED_RATIOS[case]
-    return {
-        "value": sign * float(theory.stable_phase_difference(n)),
-        "as_printed": sign * float(theory.stable_phase_difference(n, as_printed=True)),
-        "ours": theoretical_phase(case),
-    }
-
-
 def theoretical_phase(case: int) -> float:
     """Return the stable phase of (30), (36) for the stiffnesses of a case [rad]."""
     return float(theory.stable_phase_difference(theory.ratios(CASES[case])))
@@ -797,12 +699,6 @@ def gap_to_theory(session: Session, who: str, case: int) -> Numbers:
         phase = orbit_value(synchronous_orbit(session, p, engine), "phase_difference")
         gaps.append(float(abs(wrapped(phase - alpha))))
     return {"value": gaps[0], "free": gaps[1], "alpha": alpha}
-
-
-def coupling_type(session: Session, case: int) -> Numbers:
-    """Return both frequency ratios of a case: of its stiffnesses, and as printed."""
-    n, printed = theory.ratios(CASES[case]), PRINTED_RATIOS[case]
-    return {"ratios": [float(value) for value in (n.n_x, n.n_phi, printed.n_x, printed.n_phi)]}
 
 
 def coupling_torques(session: Session) -> Numbers:
@@ -922,35 +818,7 @@ def slip(session: Session, who: str) -> Numbers:
     }
 
 
-def theoretical_sign(session: Session) -> Numbers:
-    """Return the residual of (30) at case 1's printed phase, and at its negative, by amplitude."""
-    n = PRINTED_RATIOS[1]
-    size = abs(float(theory.stability(n, theory.stable_phase_difference(n))))
-    printed, right = (abs(float(theory.balance(n, a))) / size for a in (3.013, -3.013))
-    return {"as_printed": printed, "corrected": right}
-
-
 # Readings
-
-
-def motor_constants(session: Session) -> Numbers:
-    """Return case 1's speed and torque with motors and bearings, by each reading of (14).
-
-    The torque at 153.8 rad/s, the speed of a rotor alone, and its torque there.
-    """
-    several = [CASE_1, CASE_1.replace(friction=0.0)]
-    several += [CASE_1.replace(motor_slope=motor_slope(powers)) for powers in (1, 2)]
-    slopes, speeds = (
-        np.array([float(value(p)) for p in several])
-        for value in (attrgetter("motor_slope"), operating_speed)
-    )
-    free = float(CASE_1.synchronous_speed)
-    return {
-        "torques": slopes * (free - 153.8),
-        "speeds": speeds,
-        "alone": slopes * (free - speeds),
-        "orbit": orbit_in_words(session, CASE_1),
-    }
 
 
 def stiffness_or_ratio(session: Session, case: int) -> Numbers:
@@ -990,11 +858,6 @@ def both_cases(session: Session, placement: str = "absolute", model: str | None 
     return f"case 1: {one}; case 2: {two}"
 
 
-def motor_placement(session: Session) -> Numbers:
-    """Return orbits with the second motor on the absolute angle of its rotor, and on the rod."""
-    return {name: both_cases(session, name) for name in ("absolute", "relative")}
-
-
 def equations_of_motion(session: Session) -> Numbers:
     """Return orbits by the exact equations and by (11), and ends of starts with its printed sign.
 
@@ -1018,13 +881,6 @@ def motor_curve(session: Session) -> Numbers:
         "gaps": [[gap(run) for run in runs] for runs in starts],
         "times": [[time_to_speed(run) for run in runs] for runs in starts],
     }
-
-
-def duration(session: Session) -> Numbers:
-    """Return the modulus of the phase of case 1 from rest at 8, 10, ... 16 s [rad]."""
-    run = from_rest(session, 1)
-    sizes = np.abs(wrapped(run.turn_means(run.phase)))
-    return {"phases": np.interp((8, 10, 12, 14, 16), run.turn_means(run.times), sizes)}
 
 
 # Section 5.1: figure 3 ----------------------------------------------------------------------------
@@ -1202,12 +1058,6 @@ def small_parameter(session: Session) -> Numbers:
         "other": other,
         "kind": kind_of(synchronous_orbit(session, light)),
     }
-
-
-def speeds(session: Session) -> Numbers:
-    """Return the speed of motors and bearings alone, and those of cases 1 and 2 [rad/s]."""
-    orbits = [orbit_value(synchronous_orbit(session, CASES[i]), "mean_speed") for i in (1, 2)]
-    return {"speeds": float(operating_speed(CASE_1)), "orbits": orbits}
 
 
 def limits_of_synphase(session: Session, angle: str) -> Numbers:
