@@ -15,7 +15,7 @@ A measure is a function of the folder's ``measures.py``, with arguments after ``
 a table of formulas. A row takes the keys that it does not have from the row that ``like`` names,
 and so do its tables.
 Without a ``kind`` a row with candidates is a reading, one with an erratum a misprint, and any other
-a claim; it is slow if engines are measured too.
+a claim; it is slow if engines are measured too, and a reading if it has numbers.
 """
 
 from __future__ import annotations
@@ -157,7 +157,8 @@ def read_row(
             "reading" if "candidates" in data else "misprint" if "erratum" in data else "claim"
         )
         kind = data.get("kind", implied)
-        own = {"kind": kind, "name": name, "slow": "each" in data}
+        is_slow = "each" in data or {"numbers", "candidates"} <= data.keys()
+        own = {"kind": kind, "name": name, "slow": is_slow}
         row = {**own, **DEFAULTS.get(kind, {}), **data}
         if not CONDITIONS.keys() & data.keys() and row["verdict"] != NOT_TESTABLE:
             row |= DEFAULT_CONDITIONS.get(kind, {})

@@ -11,7 +11,8 @@ own text; the right-hand side is the equation, corrected. A line ``printed`` has
 as printed, and a name before a colon is the one that a row gives it. Names are symbols, or have a
 definition, a text of the same form. Beside the usual functions there are ``J(n, u)``, a Bessel
 function; ``d(f, x, n)``, a derivative; ``at(f, x, value)``; ``linear(f, x)``, the expansion about
-x = 0 up to the first order; and ``mean(f, x)``, the mean over a turn of x.
+x = 0 up to the first order; ``mean(f, x)``, the mean over a turn of x; and ``sum(f, n, first,
+last)``.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ import numpy as np
 
 from ..engines.registry import REFERENCE
 
+FUNCTIONS = ("sin", "cos", "sqrt", "pi", "sinh", "cosh", "factorial")
 DIGITS = 30
 POINTS = 4
 """Number of random points at which equations are compared that name none."""
@@ -190,6 +192,7 @@ def vocabulary() -> dict[str, Any]:
         "d": sympy.diff,
         "at": lambda f, x, value: f.subs(x, value),
         "linear": lambda f, x: f.subs(x, 0) + x * sympy.diff(f, x).subs(x, 0),
+        "sum": lambda f, n, first, last: sympy.Sum(f, (n, first, last)),
         "mean": lambda f, x: sympy.Integral(f, (x, 0, 2 * sympy.pi)) / (2 * sympy.pi),
-        **{name: getattr(sympy, name) for name in ("sin", "cos", "sqrt", "pi", "sinh", "cosh")},
+        **{name: getattr(sympy, name) for name in FUNCTIONS},
     }

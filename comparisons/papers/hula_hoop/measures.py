@@ -24,6 +24,7 @@ from scipy.stats import spearmanr
 from ....reference import get_scene
 from ....reference.continuation.along import BoundaryAlong
 from ....reference.equations import scene_equations
+from ....reference.hula_hoop import theory
 from ....reference.hula_hoop.equations import (
     PLATE,
     SEMICIRCLE,
@@ -31,18 +32,8 @@ from ....reference.hula_hoop.equations import (
     coefficients,
     drive,
     energy,
-    orbit_guesses,
 )
 from ....reference.hula_hoop.floquet import floquet_multipliers, variational_coefficients
-from ....reference.hula_hoop.theory import (
-    ApproximateSolution,
-    balance_residuals,
-    corrected_solution,
-    nondimensional,
-    paper_solution,
-    printed_residuals,
-    refined_solution,
-)
 from ....reference.scene import Array, Case
 from ....reference.solve.rk8 import rk8_steps
 from ...checks.boundary import engine_point
@@ -85,14 +76,14 @@ LONG_RUN = 12.0
 """Duration of runs from rest [s]: eight times the transient of fig. 3."""
 
 APPROXIMATIONS = {
-    "paper": paper_solution,
-    "refined": refined_solution,
-    "corrected": corrected_solution,
+    "paper": theory.paper_solution,
+    "refined": theory.refined_solution,
+    "corrected": theory.corrected_solution,
 }
 FORMULAS = {
-    "printed": (paper_solution, True),
-    "paper": (paper_solution, False),
-    "corrected": (corrected_solution, False),
+    "printed": (theory.paper_solution, True),
+    "paper": (theory.paper_solution, False),
+    "corrected": (theory.corrected_solution, False),
 }
 """Approximate solutions, and whether (55) is taken as printed."""
 STATES = ("y", "theta", "y_dot", "theta_dot")
@@ -253,7 +244,7 @@ def moves(session: Session, plate: bool, name: str, engine: str = REFERENCE) -> 
 def printed_multipliers(session: Session, plate: bool) -> Array:
     """Return the largest moduli (n_y, n_x) of multipliers by (55) as printed."""
     p = grid(session, plate)
-    return np.abs(floquet_multipliers(paper_solution(p), p, as_printed=True)[0])
+    return np.abs(floquet_multipliers(theory.paper_solution(p), p, as_printed=True)[0])
 
 
 def stable(session: Session, plate: bool, which: str) -> Any:
@@ -347,11 +338,11 @@ class Names:
 
 
 PHASES = 2 * np.pi * np.arange(256) / 256
-TRIAL = ApproximateSolution(
+TRIAL = theory.ApproximateSolution(
     alpha=0.8, q_1=1.3, beta=0.5, u_1=0.3, gamma=0.7, theta_0=0.0, residual=np.nan
 )
 
-NUMBERS = {name: float(value) for name, value in nondimensional(EXAMPLE)._asdict().items()}
+NUMBERS = {name: float(value) for name, value in theory.nondimensional(EXAMPLE)._asdict().items()}
 ALONG = NUMBERS | {name: vars(TRIAL)[name] for name in ("alpha", "q_1", "beta", "u_1", "gamma")}
 ALONG |= {"s": PHASES}
 """Coefficients of (7), (8), and with them the values of the trial motion over a turn."""
@@ -380,24 +371,6 @@ def dimensional(values: Values) -> Values:
 
 
 # Sections 1, 2
-
-
-def uniform_rotation(session: Session) -> Numbers:
-    """Return the largest errors of theta [rad] of the printed solution and a uniform rotation.
-
-    And that of y, over its largest value.
-    """
-    truth = states(example_rotation(session))
-    start = orbit_guesses(EXAMPLE)[0]
-    angle = start[1] + start[3] * samples(1.0)
-    gap = apart(np.array([0 * angle, angle, 0 * angle, 0 * angle + start[3]]), truth)
-    (y_error, error, *_), uniform = approximation_errors(session)["paper"], gap[1].max()
-    return {
-        "y_error": y_error / np.abs(truth[0]).max(),
-        "error": error,
-        "uniform": uniform,
-        "ratio": error / uniform,
-    }
 
 
 def plate_inertia(session: Session, expected: float = SEMICIRCLE) -> Numbers:
@@ -429,20 +402,6 @@ def equations_of_motion(session: Session, who: str) -> Numbers:
 # Section 3
 
 
-def bessel_series(session: Session) -> Numbers:
-    """Return the largest error of ten terms of (26) against J_0 ... J_5 at |u_1| = 0.5 and 2."""
-    errors = [
-        abs(
-            (u / 2) ** n
-            * sum((-(u**2) / 4) ** k / (factorial(k) * factorial(n + k)) for k in range(10))
-            - jv(n, u)
-        )
-        for u in (0.5, 2.0)
-        for n in range(6)
-    ]
-    return {"error": max(errors)}
-
-
 def bessel(session: Session) -> Numbers:
     """Return relative errors of (27) for J_0 ... J_5 at |u_1| = 0.5, and J_2, J_3 over J_0."""
     u = 0.5
@@ -460,7 +419,7 @@ def change_of_u_1(session: Session) -> Numbers:
     """
     changes = []
     for p in (EXAMPLE, grid(session, False)):
-        c = nondimensional(p)
+        c = theory.nondimensional(p)
         spring = 1 - c.alpha**2 - 2j * c.rho * c.alpha
         hinge = 4 * c.alpha**2 * c.inertia + 2j * c.zeta_m * c.alpha
         a, inertial = -spring * hinge / (c.alpha**2 / 2), c.epsilon * c.alpha**2
@@ -472,52 +431,6 @@ def change_of_u_1(session: Session) -> Numbers:
     return {"changes": changes}
 
 
-def approximations(session: Session) -> Numbers:
-    """Return bounds of the corrections (34) and (45) by (49)-(52), over q_1 and u_1.
-
-    The residuals of (35), (36), (46), (47) are their coefficients of sine and cosine.
-    """
-    plate = EXAMPLE.replace(inertia_ratio=SEMICIRCLE)
-    solution = paper_solution(plate)
-    left = np.abs(printed_residuals(solution, plate)).reshape(2, 2).max(axis=1)
-    a = np.array([1, 2]) * float(solution.alpha)
-    of_q, of_theta = left * (a + 3) / abs(1 - a**2) / np.abs([solution.q_1, solution.u_1])
-    return {"of_q": of_q, "of_theta": of_theta}
-
-
-def secular_terms(session: Session) -> Numbers:
-    """Return the growth of the correction after (34), in each half of 3000 periods of the spring.
-
-    It is the response to 2 rho q' of (34), q'' + q = 2 rho (sin(tau) - alpha sin(alpha tau)), over
-    rho and the coefficients of (34). ``damped`` is the share of its cos(tau) and sin(tau) that
-    damping in the kernel would leave after some periods.
-    """
-    c = nondimensional(EXAMPLE)
-    alpha, periods = float(c.alpha), 10
-    tau = np.linspace(0, 2e4, 200_001)
-    resonant = (np.sin(tau) - tau * np.cos(tau)) / 2
-    forced = alpha * (np.sin(alpha * tau) - alpha * np.sin(tau)) / (1 - alpha**2)
-    wave = 2 * np.abs(resonant - forced) / abs(1 - alpha**2)
-    early, late = (half.max() for half in np.split(wave[:-1], 2))
-    left = np.exp(-float(c.rho) * 2 * np.pi * periods)
-    return {"growth": late / early, "damped": left, "periods": periods}
-
-
-def mean_balance(session: Session) -> Numbers:
-    """Return mean torques over the friction without and with theta_0, and the gain by theta_0."""
-    c, errors = nondimensional(EXAMPLE), approximation_errors(session)
-    torques = {
-        name: float(abs(balance_residuals(APPROXIMATIONS[name](EXAMPLE), EXAMPLE)[2]))
-        / float(c.zeta_m * c.alpha)
-        for name in ("paper", "corrected")
-    }
-    return {
-        **torques,
-        "phase": float(corrected_solution(EXAMPLE).theta_0),
-        "gain": errors["paper"][1] / errors["corrected"][1],
-    }
-
-
 # Section 4
 
 
@@ -526,7 +439,7 @@ def eigenvalues(session: Session, count: int = 64) -> Numbers:
 
     And the largest multiplier. ``count`` times are taken over the period.
     """
-    solution, c = corrected_solution(EXAMPLE), nondimensional(EXAMPLE)
+    solution, c = theory.corrected_solution(EXAMPLE), theory.nondimensional(EXAMPLE)
     tau = 2 * np.pi / c.alpha * np.arange(count) / count
     p_1, p_2, p_3, p_4, p_5 = variational_coefficients(solution, EXAMPLE, tau)
     one, none = np.ones(count), np.zeros(count)
@@ -547,19 +460,6 @@ def eigenvalues(session: Session, count: int = 64) -> Numbers:
 
 
 OMEGA = 2 * np.pi * float(EXAMPLE.force_frequency)
-
-
-def printed_solution(session: Session) -> Numbers:
-    """Return the amplitudes of the printed solution [mm, rad], and its range of speeds [rad/s]."""
-    solution = paper_solution(EXAMPLE)
-    u_1 = abs(float(solution.u_1))
-    return {
-        "paper": 1e3 * abs(float(solution.q_1)) * float(EXAMPLE.rod_length),
-        "u_1": u_1,
-        "slowest": (1 - 2 * u_1) * OMEGA,
-        "fastest": (1 + 2 * u_1) * OMEGA,
-        "second": second_harmonic(example_orbit(session)),
-    }
 
 
 def rotation(session: Session, who: str) -> Numbers:
@@ -770,26 +670,6 @@ def in_words(end: dict[str, float]) -> str:
     )
 
 
-def damping_units(session: Session) -> Numbers:
-    """Return the lock-in from rest by each reading of the damping of table 1."""
-    mass = EXAMPLE.main_mass + EXAMPLE.free_mass
-    rho = 0.1 / float(2 * mass * EXAMPLE.omega_n)
-    zeta = 0.01 / float(EXAMPLE.free_mass * EXAMPLE.rod_length**2 * EXAMPLE.omega_n)
-    per_metre = zeta * EXAMPLE.rod_length**2
-    ratios = [(0.1, 0.01), (rho, zeta), (rho, 0.01), (0.1, zeta), (rho, per_metre), (0.05, 0.01),
-              (0.1, 0.02)]  # fmt: skip
-    damping, hinge = np.array(ratios).T
-    p = EXAMPLE.replace(damping_ratio=damping, hinge_damping_ratio=hinge)
-    return {"ends": from_rest(p)}
-
-
-def starts(session: Session) -> Numbers:
-    """Return the lock-in from rest at angles near 0, and the robust share of figure 5."""
-    angles = np.array([0.0, 1e-6, -1e-6, 1e-3, -1e-3, 1e-2, -1e-2, 0.1, -0.1])
-    robust = np.mean(motion_map(session, False).variables["robust"] == 1)
-    return {"ends": from_rest(EXAMPLE, angles), "robust": robust}
-
-
 # Sections 5.2 and 6: figures 4 to 7 ---------------------------------------------------------------
 
 
@@ -913,7 +793,7 @@ def axes_of_maps(session: Session) -> Numbers:
             force_amplitude=np.linspace(*newton, POINTS)[:, None],  # type: ignore[arg-type]
             **changed(plate),
         )
-        multiplier = np.abs(floquet_multipliers(paper_solution(p), p)[0])
+        multiplier = np.abs(floquet_multipliers(theory.paper_solution(p), p)[0])
         shares[i, int(plate)] = np.mean(multiplier < 1)
         counts[i, int(plate)] = len(regions(multiplier >= 1))
     return {"shares": shares, "counts": counts}

@@ -21,8 +21,9 @@ from ....reference import get_scene
 from ....reference.continuation.along import BoundaryAlong
 from ....reference.errors import NoOrbitError
 from ....reference.rotor_pendulum import CASE_1, CASE_2, CASE_3, theory
+from ....reference.rotor_pendulum import phase as vibration
 from ....reference.rotor_pendulum.equations import RotorPendulum, coefficients, operating_speed
-from ....reference.rotor_pendulum.phase import coupling_harmonics, forced_response, wrapped
+from ....reference.rotor_pendulum.phase import wrapped
 from ....reference.scene import Array
 from ....reference.solve.single import states_at
 from ...engines.registry import REFERENCE
@@ -622,29 +623,6 @@ def theoretical_phase(case: int) -> float:
     return float(theory.stable_phase_difference(theory.ratios(CASES[case])))
 
 
-def orbit_of_case_1(session: Session) -> Numbers:
-    """Return numbers that explain case 1's phase and the rod's amplitude.
-
-    The orbit's phase [rad], and its distance from 3.10 on the circle; between which times [s] the
-    phase of the run from rest rounds to 3.10 rad; the rod's amplitude [rad] by the linear response
-    (16), and that with the printed sign of (11), by which rotor 2 drives the rod the other way.
-    """
-    phase = orbit_quantity(session, REFERENCE, 1, "phase_difference")
-    rod = complex(forced_response(CALIBRATED, phase)[1])
-    by_rotor_2 = complex(forced_response(CALIBRATED, 0.0)[1]) * np.exp(-1j * phase)  # alone
-    run = from_rest(session, 1)
-    size = np.abs(wrapped(run.turn_means(run.phase)))
-    there = run.turn_means(run.times)[np.abs(size - 3.10) <= 0.005]
-    return {
-        "phase": phase,
-        "circle": abs(float(wrapped(phase - 3.10))),
-        "begin": there.min(initial=np.inf),
-        "end": there.max(initial=-np.inf),
-        "linear": abs(rod),
-        "by_print": abs(rod - 2 * by_rotor_2),
-    }
-
-
 DAMPERS = (15.0, 3.0, 0.3, 0.0)
 """Dampers of the rod [N m s/rad] by which case 2 is computed; the first is printed."""
 INERTIAS = (0.45, 0.49)
@@ -708,7 +686,7 @@ def coupling_torques(session: Session) -> Numbers:
     torque (26) on a rotor, and its share of those of section 5.2; case 3's share of case 2's. And
     the amplitude over the constant part in cases 2 and 3, with the dampers.
     """
-    harmonics = [[complex(one) for one in coupling_harmonics(p)] for p in CASES.values()]
+    harmonics = [[complex(one) for one in vibration.coupling_harmonics(p)] for p in CASES.values()]
     undamped = np.array([float(theory.coupling_amplitude(p)) for p in CASES.values()])
     coupled, overcome = (abs(first) / mean.real for mean, first in harmonics[1:])
     return {
@@ -721,36 +699,6 @@ def coupling_torques(session: Session) -> Numbers:
         "share": undamped[2] / undamped[1],
         "on_a_rotor": undamped[:2] / 2,
         "of_torque": undamped[:2] / 2 / (3.08, 3.23),
-    }
-
-
-def critical_point(session: Session) -> Numbers:
-    """Return the stable root of (30) at beta = pi/2 [rad], and the jump of the phase there.
-
-    And the orbits of case 3 without and with the rod's damper, in words.
-    """
-    n = PRINTED_RATIOS[3]
-    around = theory.stable_phase_difference(n._replace(beta=np.pi / 2 + np.array([-1e-6, 1e-6])))
-    return {
-        "root": float(theory.stable_phase_difference(n)),
-        "jump": float(abs(wrapped(around[1] - around[0]))),
-        "free": orbit_in_words(session, CASE_3.replace(rod_damping=0.0)),
-        "damped": orbit_in_words(session, CASE_3),
-    }
-
-
-def theory_of_cases(session: Session) -> Numbers:
-    """Compare theory and orbits at the three cases.
-
-    The kinds of synchronism by both, and the distances of the phases of cases 1 and 2 [rad].
-    """
-    kinds = [kind_of(synchronous_orbit(session, p)) for p in CASES.values()]
-    cosines = np.cos([theoretical_phase(case) for case in CASES])
-    by_theory = ["synphase" if cosine > 0 else "antiphase" for cosine in cosines]
-    return {
-        "kinds": kinds,
-        "by_theory": by_theory,
-        "apart": [gap_to_theory(session, REFERENCE, case)["value"] for case in (1, 2)],
     }
 
 
