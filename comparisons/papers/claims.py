@@ -3,7 +3,6 @@
 docs/architecture.md says where to change what; a row and its keys::
 
     [rows.case_1_speed]
-    kind = "number"
     section = "5.2, case 1"
     claim = "Synchronous speed."
     verdict = "reproduced"
@@ -14,8 +13,7 @@ docs/architecture.md says where to change what; a row and its keys::
 A measure is a function of the folder's ``measures.py``, with arguments after ``call``, if any; or
 a table of formulas. A row takes the keys that it does not have from the row that ``like`` names,
 and so do its tables.
-Without a ``kind`` a row with candidates is a reading, one with an erratum a misprint, and any other
-a claim; it is slow if engines are measured too, and a reading if it has numbers.
+A row is slow if engines are measured too, and a reading if it has numbers.
 """
 
 from __future__ import annotations
@@ -59,6 +57,9 @@ CONDITIONS = {
 }
 """Key of a row -> the verdict that it has if all these conditions hold, in order of preference."""
 
+IMPLIED_KINDS = {"candidates": "reading", "erratum": "misprint", "printed": "number"}
+"""Key of a row -> the kind that it has if it does not name one; any other is a claim."""
+
 DEFAULTS: Mapping[str, Mapping[str, Any]] = {
     "number": {"reference": "{value:.5g} {unit}", "verdict": REPRODUCED},
     "claim": {"verdict": REPRODUCED},
@@ -97,6 +98,11 @@ class PaperData:
     causes: tuple[Cause, ...] = ()
     verdict: str = ""
     names: str = ""
+
+    @property
+    def items(self) -> list[PaperFigure | LedgerRow]:
+        """The figures, and then the rows."""
+        return [*self.figures, *self.rows]
 
 
 REFUSALS = (
@@ -153,10 +159,8 @@ def read_row(
 ) -> LedgerRow:
     """Return a row of a paper from its table in the file."""
     try:
-        implied = (
-            "reading" if "candidates" in data else "misprint" if "erratum" in data else "claim"
-        )
-        kind = data.get("kind", implied)
+        implied = (kind for key, kind in IMPLIED_KINDS.items() if key in data)
+        kind = data.get("kind", next(implied, "claim"))
         is_slow = "each" in data or {"numbers", "candidates"} <= data.keys()
         own = {"kind": kind, "name": name, "slow": is_slow}
         row = {**own, **DEFAULTS.get(kind, {}), **data}

@@ -25,6 +25,7 @@ from ..reports.text import markdown_table
 from ..reports.words import Markdown, code, number, plain, with_unit
 from .assess import fill
 from .claims import read_paper
+from .equations import Formulas
 from .formulas import Formula, typeset
 from .ledger import ERROR, VERDICTS, RowThreshold
 from .outcomes import FigureEntry, Findings, RowEntry
@@ -200,11 +201,17 @@ def values(row: RowEntry) -> str:
     return "; ".join([*printed, *(f"{name} {plain(own)}" for name, own in ours.items() if own)])
 
 
-def functions_of(entry: RowEntry) -> list[str]:
-    """Return the names of the functions that compute a row's numbers, besides its equations."""
+def measures_of(entry: RowEntry) -> Markdown:
+    """Return the functions and formulas that compute a row's numbers, besides its equations."""
     rows = [row for row in read_paper(entry.scene).rows if row.name == entry.name]
     calls = [call for row in rows for call in (row.numbers, row.each) if call]
-    return [getattr(call, "func", call).__name__ for call in calls]
+    names = [
+        [f"{name} = {text}" for name, text in call.texts.items()]
+        if isinstance(call, Formulas)
+        else [getattr(call, "func", call).__name__]
+        for call in calls
+    ]
+    return Markdown(" and ".join(", ".join(map(code, one)) for one in names))
 
 
 def threshold(item: RowThreshold) -> str:
@@ -227,7 +234,7 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "links": row_links,
     "values": values,
     "threshold": threshold,
-    "functions": functions_of,
+    "measures": measures_of,
     "number": number,
     "with_unit": with_unit,
     "formula": formula,
