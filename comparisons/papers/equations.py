@@ -176,10 +176,11 @@ class Formulas:
         """Return the numbers by name."""
         numbers: dict[str, Any] = {}
         given = {"session": session, "who": who}
+        scope = vars(self.module) | given
         names = getattr(self.module, "Names", lambda **given: given)(**given)
-        known: Any = ChainMap(numbers, given, vars(self.module), vars(builtins), names)
+        known: Any = ChainMap(scope, vars(builtins), names)
         for name, text in self.texts.items():
-            numbers[name] = eval(text, vars(self.module), known)
+            scope[name] = numbers[name] = eval(text, scope, known)
         return numbers
 
 

@@ -24,7 +24,7 @@ from scipy.stats import spearmanr
 from ....reference import get_scene
 from ....reference.continuation.along import BoundaryAlong
 from ....reference.equations import scene_equations
-from ....reference.hula_hoop import theory
+from ....reference.hula_hoop import floquet, theory
 from ....reference.hula_hoop.equations import (
     PLATE,
     SEMICIRCLE,
@@ -33,7 +33,6 @@ from ....reference.hula_hoop.equations import (
     drive,
     energy,
 )
-from ....reference.hula_hoop.floquet import floquet_multipliers, variational_coefficients
 from ....reference.scene import Array, Case
 from ....reference.solve.rk8 import rk8_steps
 from ...checks.boundary import engine_point
@@ -220,14 +219,24 @@ def _map(session: Session, quantity: str, plate: bool, engine: str, model: str |
     )
 
 
-def grid(session: Session, plate: bool) -> HulaHoop:
-    """Return the parameters of all points (n_y, n_x) of figs. 4-7."""
-    x, y = (np.linspace(*axis[1:]) for axis in axes(session))
+def parameters_on(plate: bool, x: Array, y: Array) -> HulaHoop:
+    """Return the parameters (n_y, n_x) at frequencies [Hz] and forces [N]."""
     return HulaHoop(
         force_frequency=x[None, :],  # type: ignore[arg-type]
         force_amplitude=y[:, None],  # type: ignore[arg-type]
         **changed(plate),
     )
+
+
+def grid(session: Session, plate: bool) -> HulaHoop:
+    """Return the parameters of all points (n_y, n_x) of figs. 4-7."""
+    return parameters_on(plate, *(np.linspace(*axis[1:]) for axis in axes(session)))
+
+
+def multiplier(name: str, p: HulaHoop) -> Array:
+    """Return the largest modulus (...) of the multipliers of a solution in `FORMULAS`."""
+    solution, as_printed = FORMULAS[name]
+    return np.abs(floquet.floquet_multipliers(solution(p), p, as_printed=as_printed)[0])
 
 
 def is_class(plane: Map, variable: str, name: str) -> Any:
@@ -243,8 +252,7 @@ def moves(session: Session, plate: bool, name: str, engine: str = REFERENCE) -> 
 @once
 def printed_multipliers(session: Session, plate: bool) -> Array:
     """Return the largest moduli (n_y, n_x) of multipliers by (55) as printed."""
-    p = grid(session, plate)
-    return np.abs(floquet_multipliers(theory.paper_solution(p), p, as_printed=True)[0])
+    return multiplier("printed", grid(session, plate))
 
 
 def stable(session: Session, plate: bool, which: str) -> Any:
@@ -434,28 +442,6 @@ def change_of_u_1(session: Session) -> Numbers:
 # Section 4
 
 
-def eigenvalues(session: Session, count: int = 64) -> Numbers:
-    """Return the share of a period with an eigenvalue of A(tau) of (62) above 1 in modulus.
-
-    And the largest multiplier. ``count`` times are taken over the period.
-    """
-    solution, c = theory.corrected_solution(EXAMPLE), theory.nondimensional(EXAMPLE)
-    tau = 2 * np.pi / c.alpha * np.arange(count) / count
-    p_1, p_2, p_3, p_4, p_5 = variational_coefficients(solution, EXAMPLE, tau)
-    one, none = np.ones(count), np.zeros(count)
-    mass = np.array([[one, p_1], [p_5, one]])
-    right = -np.array(
-        [[one, p_3, 2 * c.rho * one, p_2], [none, p_4, none, c.zeta_m / c.inertia * one]]
-    )
-    lower = np.linalg.solve(np.moveaxis(mass, -1, 0), np.moveaxis(right, -1, 0))
-    upper = np.broadcast_to(np.eye(2, 4, 2), (count, 2, 4))
-    moduli = np.abs(np.linalg.eigvals(np.concatenate([upper, lower], axis=1)))
-    return {
-        "above": np.mean(moduli.max(axis=1) > 1),
-        "largest": float(abs(floquet_multipliers(solution, EXAMPLE)[0])),
-    }
-
-
 # Section 5.1, transients, and the end of region II ------------------------------------------------
 
 
@@ -501,9 +487,7 @@ def motion_from_rest(session: Session, who: str) -> Numbers:
     run, periods = example_from_rest(session, who), 12
     theta_dot = run.observables["theta_dot"]
     end = lock_in(run.times, run.observables["theta"], theta_dot)
-    window = theta_dot[-periods * SAMPLES :]
-    spectrum = np.abs(np.fft.rfft((window - window.mean()) * np.hanning(len(window))))
-    ratio = float(np.argmax(spectrum)) / periods
+    ratio = float(strongest(theta_dot[None, -periods * SAMPLES :], periods)[0])
     return {**end, "turns": abs(abs(end["turns"]) - 1), "ratio": ratio, "off": abs(ratio - 2)}
 
 
@@ -522,10 +506,7 @@ def errors_of_solutions(session: Session) -> Numbers:
 
 def multipliers(session: Session) -> Numbers:
     """Return the largest multipliers of approximate solutions, and with (55) as printed."""
-    return {
-        name: float(abs(floquet_multipliers(solution(EXAMPLE), EXAMPLE, as_printed)[0]))
-        for name, (solution, as_printed) in FORMULAS.items()
-    }
+    return {name: float(multiplier(name, EXAMPLE)) for name in FORMULAS}
 
 
 TRANSIENT, PASSING, LASTING = 100, 4, 20
@@ -603,11 +584,9 @@ def formula_end(name: str, p: HulaHoop) -> float:
 
     The last of `FORCES` where none does below it.
     """
-    solution, as_printed = FORMULAS[name]
 
     def outside(force: Array | float) -> Array:
-        here = p.replace(force_amplitude=force)
-        return np.abs(floquet_multipliers(solution(here), here, as_printed=as_printed)[0]) - 1
+        return multiplier(name, p.replace(force_amplitude=force)) - 1
 
     values = outside(FORCES)
     crossed = np.flatnonzero((values[:-1] < 0) & (values[1:] >= 0))
@@ -788,14 +767,10 @@ def axes_of_maps(session: Session) -> Numbers:
     axes = [(HERTZ, NEWTON), (HERTZ, (5.0, 100.0)), ((1.0, 20.0), NEWTON), ((2.0, 8.0), NEWTON)]
     shares, counts = np.zeros((2, len(axes), 2))
     for (i, (hertz, newton)), plate in product(enumerate(axes), PLATES):
-        p = HulaHoop(
-            force_frequency=np.linspace(*hertz, POINTS)[None, :],  # type: ignore[arg-type]
-            force_amplitude=np.linspace(*newton, POINTS)[:, None],  # type: ignore[arg-type]
-            **changed(plate),
-        )
-        multiplier = np.abs(floquet_multipliers(theory.paper_solution(p), p)[0])
-        shares[i, int(plate)] = np.mean(multiplier < 1)
-        counts[i, int(plate)] = len(regions(multiplier >= 1))
+        p = parameters_on(plate, np.linspace(*hertz, POINTS), np.linspace(*newton, POINTS))
+        modulus = multiplier("paper", p)
+        shares[i, int(plate)] = np.mean(modulus < 1)
+        counts[i, int(plate)] = len(regions(modulus >= 1))
     return {"shares": shares, "counts": counts}
 
 

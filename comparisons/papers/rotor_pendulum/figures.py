@@ -23,15 +23,17 @@ from ..drawing import dotted, draw_gap, handles_of, outside_legend
 from ..session import Session
 from .measures import (
     BETAS,
+    CURVE_SECONDS,
+    LARGEST,
     RANGE,
     REDUCED,
     STARTS,
     StartUp,
     fold_curve,
     from_rest,
+    other_start,
     phase_map,
     stable_phases,
-    start_by_curve,
     theory_on,
 )
 
@@ -236,7 +238,7 @@ MARGIN = 0.06
 
 def simulation_figure(session: Session, case: int) -> Any:
     """Draw the start from rest of a case: its first moments, all of it, and differences."""
-    truth, curve = from_rest(session, case), start_by_curve(session, case)
+    truth, curve = from_rest(session, case), other_start(session, case, CURVE_SECONDS, LARGEST)
     others = {name: from_rest(session, case, name) for name in session.engines}
     figure, axes = new_figure(len(PANELS) + 1, 2, height=1.15, sharex="col")
     early, late = truth.times <= START_UP, truth.times > START_UP

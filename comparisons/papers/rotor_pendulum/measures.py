@@ -325,19 +325,6 @@ def scene_at(values: Values) -> Values:
     return {"energy": scene.energy(q, v, c)} | {f"a_{i}": float(one) for i, one in enumerate(a)}
 
 
-def reduction(session: Session) -> Numbers:
-    """Compare phases [rad] of (11) with those of the exact equations: of runs and an orbit."""
-    gaps = [
-        np.max(abs(from_rest(session, case, REDUCED).phase - from_rest(session, case).phase))
-        for case in CASES
-    ]
-    exact, reduced = (
-        orbit_value(synchronous_orbit(session, CASE_2, model=model), "phase_difference")
-        for model in (None, REDUCED)
-    )
-    return {"gaps": gaps, "exact": exact, "reduced": reduced}
-
-
 MUTUAL, STATOR, RESISTANCE, VOLTAGE, POLES = 0.13, 0.1, 0.54, 220.0, 2
 """Table 1's induction motor [H, H, ohm, V, 1]."""
 
@@ -462,18 +449,6 @@ def frequency_ratio(session: Session, case: int, spring: str) -> Numbers:
     }
 
 
-def speeds_of_ratios(session: Session) -> Numbers:
-    """Return the speeds [rad/s] that section 5.2's stiffnesses and frequency ratios require.
-
-    Of n_x and n_phi in cases 1 and 2, with that of both inertias that comes nearer table 1's range.
-    """
-    takes = [
-        frequency_ratio(session, case, spring)["takes"] for case, spring in product((1, 2), RATIOS)
-    ]
-    needed = [min(pair, key=lambda speed: abs(speed - np.mean(SPEEDS))) for pair in takes]
-    return {"needed": needed, "slowest": min(needed), "fastest": max(needed)}
-
-
 # Section 5.2: the three cases ---------------------------------------------------------------------
 
 
@@ -488,11 +463,6 @@ ORBITS = {**CASES, 1: CALIBRATED}
 """Parameters of the synchronous orbits that are compared with section 5.2's numbers."""
 
 # Starts
-
-
-def start_by_curve(session: Session, case: int) -> StartUp:
-    """Return the start of a case with motors by Kloss's formula."""
-    return other_start(session, case, CURVE_SECONDS, LARGEST)
 
 
 def time_to_speed(run: StartUp) -> float:
@@ -525,7 +495,7 @@ def compare_starts(session: Session, case: int) -> Numbers:
     largest angle until then [rad]. By the curve alone the mean lead of rotor 1 in speed [rad/s],
     and `overshoots`.
     """
-    runs = from_rest(session, case), start_by_curve(session, case)
+    runs = from_rest(session, case), other_start(session, case, CURVE_SECONDS, LARGEST)
     gaps, early = [gap(run) for run in runs], [speeding_up(run) for run in runs]
     curve = overshoots(runs[1])
     return {
@@ -804,31 +774,6 @@ def both_cases(session: Session, placement: str = "absolute", model: str | None 
         for p in (CASE_1, CASE_2)
     )
     return f"case 1: {one}; case 2: {two}"
-
-
-def equations_of_motion(session: Session) -> Numbers:
-    """Return orbits by the exact equations and by (11), and ends of starts with its printed sign.
-
-    Phases [rad], speeds [rad/s] and torques [N m] of cases 2 and 3 by the latter.
-    """
-    printed = [other_start(session, case, 4.0, as_printed=True).ends for case in (2, 3)]
-    reduced = both_cases(session, model=REDUCED)
-    return {"exact": both_cases(session), "reduced": reduced, "printed": printed}
-
-
-def motor_curve(session: Session) -> Numbers:
-    """Return starts of all cases by (14), and by motors with largest torques of 8, 12 and 20 N m.
-
-    The largest differences of the speeds, over them, and when both rotors are at speed [s].
-    """
-    starts = [[from_rest(session, case) for case in CASES]]
-    starts += [
-        [other_start(session, case, 1.0, torque) for case in CASES] for torque in (8, 12, 20)
-    ]
-    return {
-        "gaps": [[gap(run) for run in runs] for runs in starts],
-        "times": [[time_to_speed(run) for run in runs] for runs in starts],
-    }
 
 
 # Section 5.1: figure 3 ----------------------------------------------------------------------------
