@@ -384,21 +384,6 @@ def peaks(session: Session) -> Numbers:
 # Section 4: synchronisation and stability
 
 
-def roots(session: Session) -> Numbers:
-    """Return residuals of (30) at its stable roots, and (36) at the opposite ones, by amplitude.
-
-    With mu_1 as printed and corrected.
-    """
-    residuals, opposite = [], []
-    for beta, as_printed in product((*BETAS.values(), np.pi / 2), (True, False)):
-        n = lattice(beta)
-        alpha = theory.stable_phase_difference(n, as_printed)
-        size = torque_size(theory.coupling_coefficients(n, as_printed), beta)
-        residuals.append(np.max(abs(theory.balance(n, alpha, as_printed) / size)))
-        opposite.append(np.max(theory.stability(n, alpha + np.pi, as_printed) / size))
-    return {"residual": max(residuals), "opposite": opposite}
-
-
 # Tables 1, 2, and the frequency ratios of section 5.2
 
 
@@ -522,24 +507,6 @@ def starts_of_both_cases(session: Session) -> Numbers:
     first, second = (compare_starts(session, case) for case in (1, 2))
     ratios = {name: np.divide(second[name], first[name]) for name in ("gaps", "swings")}
     return {"first": first, "second": second, **ratios}
-
-
-def differences(session: Session) -> Numbers:
-    """Return the changes of speeds and phase of cases 1 and 2 from rest, and at the end.
-
-    Largest differences of the speeds, over them; ranges of the phase in the first second, on the
-    whole and in the last half second [rad], its mean over turns.
-    """
-    runs = [from_rest(session, case) for case in (1, 2)]
-    phases = [run.turn_means(run.phase) for run in runs]
-    moves, rests = [np.ptp(phase) for phase in phases], [np.ptp(phase[-12:]) for phase in phases]
-    return {
-        "gaps": [gap(run) for run in runs],
-        "early": [np.ptp(phase[:24]) for phase in phases],
-        "moves": moves,
-        "rests": rests,
-        "slows": np.divide(moves, rests),
-    }
 
 
 PRINTED_POINTS = (("153.8", "3.08"), ("153.5", "3.23"))
@@ -739,34 +706,6 @@ def slip(session: Session, who: str) -> Numbers:
 # Readings
 
 
-def stiffness_or_ratio(session: Session, case: int) -> Numbers:
-    """Return orbits by the printed stiffnesses, and by the printed ratios with both inertias."""
-    p, n = CASES[case], PRINTED_RATIOS[case]
-    speed, several = float(p.synchronous_speed), [p]
-    for mass, moment in zip(*map(spring_inertias, RATIOS), strict=True):
-        springs = mass * (speed / n.n_x) ** 2, moment * (speed / n.n_phi) ** 2
-        several.append(p.replace(platform_stiffness=springs[0], rod_stiffness=springs[1]))
-    return {"orbits": [orbit_in_words(session, own) for own in several]}
-
-
-def hundred_kilograms(session: Session) -> Numbers:
-    """Return results with 100 kg as the platform's mass, and as all that moves along x.
-
-    The stiffnesses at n_x = 0.1 and 1 [N/m], the speeds that cases 1 and 2 require [rad/s], and
-    the platform's amplitude in case 1 [m].
-    """
-    stiffnesses, speeds, amplitudes = [], [], []
-    for platform in (100.0, 86.0):
-        several = [p.replace(platform_mass=platform) for p in (CASE_1, CASE_2)]
-        mass = spring_inertias("platform")[0] + platform - 100.0
-        stiffnesses.append([mass * (PRINTED_SPEED / n) ** 2 for n in (0.1, 1.0)])
-        ours = [float(theory.ratios(p, speed=1.0).n_x) for p in several]
-        speeds.append([PRINTED_RATIOS[case].n_x / n for case, n in enumerate(ours, start=1)])
-        orbit = synchronous_orbit(session, several[0])
-        amplitudes.append(orbit_value(orbit, "platform_amplitude"))
-    return {"stiffnesses": stiffnesses, "speeds": speeds, "amplitudes": amplitudes}
-
-
 def both_cases(session: Session, placement: str = "absolute", model: str | None = None) -> str:
     """Return the orbits of cases 1 and 2 in words."""
     one, two = (
@@ -951,18 +890,3 @@ def small_parameter(session: Session) -> Numbers:
         "other": other,
         "kind": kind_of(synchronous_orbit(session, light)),
     }
-
-
-def limits_of_synphase(session: Session, angle: str) -> Numbers:
-    """Return where orbits leave synphase at n_x > 1: by the theory, and with the dampers.
-
-    The n_phi of resonance at n_x = 7 and 2, and that at which the phase passes pi/2, from the sign
-    of the cosine; n_x and n_phi of folds.
-    """
-    n_x, folds = fold_curve(session, angle)
-    n_phi, antiphase = np.linspace(0.1, 7, 690_001), []
-    for x in (n_x[-1], n_x[0]):
-        alpha = theory.stable_phase_difference(theory.Ratios(x, n_phi, beta=BETAS[angle]))
-        antiphase.append(n_phi[np.cos(alpha) < 0])
-    resonance = [own[0] for own in antiphase]
-    return {"resonance": resonance, "turn": antiphase[0][-1], "n_x": n_x, "folds": folds}
