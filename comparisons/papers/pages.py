@@ -45,7 +45,9 @@ LINK = re.compile(r"\[\[(\w+)\]\]")
 def write_pages(result: Findings, out: Path) -> None:
     """Write a page for each paper and one that leads to them, as Markdown and as HTML."""
     pages = {scene: scene_page(result, scene) for scene in result.scenes}
-    for name, text in (pages | {"index": index_page(result)}).items():
+    papers = {scene: get_scene(scene).paper for scene in result.scenes}
+    pages["index"] = render_markdown("papers.md", FILTERS, **counted(result), papers=papers)
+    for name, text in pages.items():
         write_or_collect(out / f"{name}.md", markdown(text).encode())
         write_or_collect(out / f"{name}.html", html(text).encode())
     write_or_collect(out / "summary.md", summary(result).encode())
@@ -97,12 +99,6 @@ def html(text: str) -> str:
 def anchor(heading: str) -> str:
     """Return the name that links give a heading, as GitHub does."""
     return re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
-
-
-def index_page(result: Findings) -> str:
-    """Return the page that leads to the others."""
-    papers = {scene: get_scene(scene).paper for scene in result.scenes}
-    return render_markdown("papers.md", FILTERS, **counted(result), papers=papers)
 
 
 def summary(result: Findings) -> str:

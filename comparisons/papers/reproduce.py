@@ -98,11 +98,6 @@ class Folder:
         """Add an entry, in the place of an earlier one of the same figure or row."""
         self.entries[entry.scene, entry.name] = entry
 
-    def forget_maps(self, scene: str) -> None:
-        """Remove the maps of a scene, so that they are computed again."""
-        for path in self.work.glob(f"{scene}_*"):
-            path.unlink()
-
     @property
     def contents(self) -> Findings:
         """All entries, in the order of the papers."""
@@ -231,7 +226,8 @@ def reproduce(request: ReproduceRequest) -> Findings:
     sessions = {scene: for_scene(session, scene) for scene in papers}
     is_part = request.resume or request.rows or request.figure is not None
     for scene in () if is_part else papers:
-        folder.forget_maps(scene)
+        for path in folder.work.glob(f"{scene}_*"):  # its maps are computed again
+            path.unlink()
     for done, (scene, item) in enumerate(items):
         request.progress(done, len(names), names[done])
         if not (request.resume and folder.has(scene, item)):

@@ -33,18 +33,16 @@ from ....reference.hula_hoop.equations import (
     drive,
     energy,
 )
-from ....reference.scene import Array, Case
+from ....reference.scene import Array
 from ....reference.solve.rk8 import rk8_steps
 from ...checks.boundary import engine_point
 from ...checks.truth import random_states
 from ...engines.registry import REFERENCE
 from ...engines.run import contained
-from ...engines.setup import Setup
 from ...maps.request import Axis
 from ...maps.store import Map
 from ...queries.orbit import OrbitReport, find
-from ...queries.query import choose_engine, choose_method
-from ...queries.request import MethodQuery, Query
+from ...queries.request import MethodQuery
 from ...queries.simulate import Simulation, simulate
 from ...scenes.hula_hoop.floquet import EXACT
 from ...scenes.hula_hoop.motion import OPTIONS, strongest
@@ -196,18 +194,13 @@ def changed(plate: bool) -> dict[str, float]:
 
 
 def stability_map(
-    session: Session, plate: bool, engine: str = REFERENCE, model: str | None = None
+    session: Session,
+    plate: bool,
+    engine: str = REFERENCE,
+    model: str | None = None,
+    quantity: str = "floquet",
 ) -> Map:
     """Return the stability of the rotation of figs. 4 (point mass) and 6 (plate)."""
-    return _map(session, "floquet", plate, engine, model)
-
-
-def motion_map(session: Session, plate: bool, engine: str = REFERENCE) -> Map:
-    """Return the motion from rest of figs. 5 (point mass) and 7 (plate)."""
-    return _map(session, "class", plate, engine, None)
-
-
-def _map(session: Session, quantity: str, plate: bool, engine: str, model: str | None) -> Map:
     return session.map(
         SCENE,
         quantity,
@@ -217,6 +210,11 @@ def _map(session: Session, quantity: str, plate: bool, engine: str, model: str |
         parameters=changed(plate),
         refine=engine != REFERENCE and not session.full,
     )
+
+
+def motion_map(session: Session, plate: bool, engine: str = REFERENCE) -> Map:
+    """Return the motion from rest of figs. 5 (point mass) and 7 (plate)."""
+    return stability_map(session, plate, engine, quantity="class")
 
 
 def parameters_on(plate: bool, x: Array, y: Array) -> HulaHoop:
@@ -397,13 +395,12 @@ def equations_of_motion(session: Session, who: str) -> Numbers:
         row = next(row for row in read_paper(SCENE).rows if row.name == "lagrange")
         assert row.equations is not None
         return {"error": row.equations()["(7), (8)"], "count": len(BODIES["I_m"])}
-    case, scene = Query(SCENE).case, get_scene(SCENE)
-    times, points = random_states(scene_equations(case), case, scene.coordinates)
-    derivative = scene.right_hand_side(case.parameters)
+    setup, scene = MethodQuery(SCENE, engine=who).model_setup(), get_scene(SCENE)
+    times, points = random_states(scene_equations(setup.case), setup.case, scene.coordinates)
+    derivative = scene.right_hand_side(setup.case.parameters)
     truth = np.array([derivative(t, x)[2:] for t, x in zip(times, points, strict=True)])
-    engine, model = choose_engine(who, case, None)
     with contained():
-        own = engine.bind(case, model).accelerations(times, points)
+        own = setup.bound.accelerations(times, points)
     return {"error": float(np.abs(own - truth).max() / np.abs(truth).max())}
 
 
@@ -611,9 +608,7 @@ def distances(session: Session, who: str, plate: bool) -> Numbers:
         return numbers
     off = []
     for one in points:
-        case = Case(SCENE, "point", one.parameters)
-        engine, model = choose_engine(who, case, None)
-        setup = Setup(engine, case, model, choose_method(engine, case, model, None))
+        setup = MethodQuery(SCENE, engine=who, parameters=one.parameters.as_dict()).setup()
         z = one.solution[1].z
         off.append(one.unit * abs(engine_point(setup, one, STEPS, z).z[-1] - z[-1]))
     return {"off": max(off)}

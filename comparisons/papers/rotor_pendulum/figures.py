@@ -131,7 +131,12 @@ def figure_3(session: Session, betas: Mapping[str, float] = BETAS) -> Any:
         title = "Orbits"
         for side, engine in zip((-OFFSET, OFFSET), session.engines, strict=False):
             own = phase_map(session, beta, engine)
-            draw_engine(orbits, own, engine, side)
+            x, y = np.meshgrid(own.x.values + side, own.y.values)
+            phase, its = stable_phases(own), look(engine)
+            style = {"marker": its.marker, "edgecolors": its.colour, "linewidths": 0.8}
+            orbits.scatter(x, y, s=13, c=phase, plotnonfinite=False, **style, **PHASE)
+            none = np.isnan(phase)
+            orbits.scatter(x[none], y[none], marker="x", s=6, color=its.colour, linewidths=0.7)
             title += f", {engine} to {np.nanmax(difference(own, true)):.1g} rad"
         angle = rf"$\beta$ = {name.replace('pi', 'π')}"
         label(by_theory, "", "$n_\\varphi$", f"({letter}) The theory, {angle}")
@@ -151,11 +156,15 @@ def figure_3(session: Session, betas: Mapping[str, float] = BETAS) -> Any:
     )
     bar.ax.set_xticklabels(["$-\\pi$", "$-\\pi/2$", "0", "$\\pi/2$", "$\\pi$"])
     bar.ax.tick_params(labelsize=8)
-    style: Mapping[str, Any] = {"linestyle": "none", "markerfacecolor": "none", "markersize": 4.0}
+    open_marker: Mapping[str, Any] = {
+        "linestyle": "none", "markerfacecolor": "none", "markersize": 4.0
+    }  # fmt: skip
     handles = [Line2D([], [], **how) for how in (RESONANCE, TURN, FOLD)]
     for engine in session.engines:
         its, words = look(engine), f"{engine}; cross: none"
-        handles.append(Line2D([], [], marker=its.marker, color=its.colour, label=words, **style))
+        handles.append(
+            Line2D([], [], marker=its.marker, color=its.colour, label=words, **open_marker)
+        )
     outside_legend(figure, handles, 3)
     return figure
 
@@ -171,16 +180,6 @@ def draw_theory_curves(panel: Any, beta: float) -> None:
     inside = (square > 0) & (square < RANGE[1] ** 2)
     panel.plot(n_x, np.sqrt(np.where(inside, square, np.nan)), **RESONANCE)
     panel.axhline(1 / np.cos(beta), **TURN)
-
-
-def draw_engine(panel: Any, own: Map, engine: str, side: float) -> None:
-    """Mark an engine's points over the orbits, filled by its phase; a cross: none."""
-    x, y = np.meshgrid(own.x.values + side, own.y.values)
-    phase, its = stable_phases(own), look(engine)
-    style = {"marker": its.marker, "s": 13, "edgecolors": its.colour, "linewidths": 0.8}
-    panel.scatter(x, y, c=phase, plotnonfinite=False, **style, **PHASE)
-    none = np.isnan(phase)
-    panel.scatter(x[none], y[none], marker="x", s=6, color=its.colour, linewidths=0.7)
 
 
 def difference(own: Map, true: Map) -> Array:

@@ -369,18 +369,6 @@ REGIONS = {"before": (0.1, 0.9), "at": (0.9, 1.1), "after": (1.1, 7.0)}
 """Ranges of a frequency ratio, as section 3 divides it."""
 
 
-def peaks(session: Session) -> Numbers:
-    """Return medians of |mu_1| ... |mu_4| where both ratios are in a region, and least rise."""
-    fine = theory.Ratios(*np.meshgrid(*[np.linspace(*RANGE, 1381) + 1e-4] * 2))
-    mu = theory.coupling_coefficients(fine)
-    typical = {}
-    for name, (low, high) in REGIONS.items():
-        here = (fine.n_x > low) & (fine.n_x < high) & (fine.n_phi > low) & (fine.n_phi < high)
-        typical[name] = np.array([np.median(abs(one[here])) for one in mu])
-    rise = min(np.min(typical["at"] / typical[name]) for name in ("before", "after"))
-    return {**typical, "rise": rise}
-
-
 # Section 4: synchronisation and stability
 
 

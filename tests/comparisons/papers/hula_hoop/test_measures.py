@@ -17,7 +17,7 @@ from mbcheck.comparisons.papers.hula_hoop import measures
 from mbcheck.comparisons.papers.hula_hoop.figures import motion_figure
 from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED, REPRODUCED, VERDICTS
 from mbcheck.comparisons.papers.session import Session
-from mbcheck.comparisons.queries.query import choose_engine
+from mbcheck.comparisons.queries import query
 from mbcheck.comparisons.scenes.hula_hoop.motion import MOTION_VARIABLES, MOTIONS
 from mbcheck.reference.hula_hoop.equations import SEMICIRCLE
 
@@ -60,7 +60,8 @@ def test_a_wrong_engine_fails_the_equations(monkeypatch: pytest.MonkeyPatch) -> 
         engine, model = choose_engine(*args)
         return Wrong(engine), model
 
-    monkeypatch.setattr(measures, "choose_engine", choose_wrong)
+    choose_engine = query.choose_engine
+    monkeypatch.setattr(query, "choose_engine", choose_wrong)
     assessment = assess(BY_NAME["equations_of_motion"], Session(engines=("mujoco",)))
     assert assessment.verdict == NOT_REPRODUCED
 
