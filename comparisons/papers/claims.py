@@ -11,9 +11,8 @@ docs/architecture.md says where to change what; a row and its keys::
     reproduced_if = ["value rounds to printed", "drift < 1e-6, everyone, ours"]
 
 A measure is a function of the folder's ``measures.py``, with arguments after ``call``, if any; or
-a table of formulas. A row takes the keys that it does not have from the row that ``like`` names,
-and so do its tables.
-A row is slow if engines are measured too, and a reading if it has numbers.
+a table of formulas. A row, and each table in it, takes the keys that it does not have from the row
+that ``like`` names. A row is slow if engines are measured too, and a reading if it has numbers.
 """
 
 from __future__ import annotations
@@ -105,9 +104,7 @@ class PaperData:
         return [*self.figures, *self.rows]
 
 
-REFUSALS = (
-    LookupError, ValueError, TypeError, AttributeError, ImportError, SyntaxError,
-)  # fmt: skip
+REFUSALS = (LookupError, ValueError, TypeError, AttributeError, ImportError, SyntaxError)
 """Errors that a mistake in a paper's file causes."""
 
 

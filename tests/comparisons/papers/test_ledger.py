@@ -149,7 +149,8 @@ def test_printed_number_is_a_number_with_unit_and_tolerance() -> None:
 def test_formulas_use_those_before_them_names_of_measures_and_who_computes() -> None:
     keys = {"numbers": {"a": "NATURAL", "value": "a - NATURAL + 1"}, "each": {"last": "who[-1]"}}
     row = read_row("hula_hoop", "a", {"section": "1", "claim": "a claim", **keys}, {})
-    assert row.numbers is not None and row.each is not None
+    assert row.numbers is not None
+    assert row.each is not None
     assert row.numbers(Session())["value"] == 1
     assert row.each(Session(), "mujoco") == {"last": "o"}
     wrong = read_row("hula_hoop", "a", {"section": "1", "claim": "a", "numbers": {"a": "ab"}}, {})
