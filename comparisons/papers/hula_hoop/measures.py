@@ -501,11 +501,6 @@ def errors_of_solutions(session: Session) -> Numbers:
     return {"left": left[0], "left_with_phase": left[1], **numbers}
 
 
-def multipliers(session: Session) -> Numbers:
-    """Return the largest multipliers of approximate solutions, and with (55) as printed."""
-    return {name: float(multiplier(name, EXAMPLE)) for name in FORMULAS}
-
-
 TRANSIENT, PASSING, LASTING = 100, 4, 20
 """Periods of the force that count as transient, and that hula-hoop motion takes in it at least."""
 
@@ -541,12 +536,6 @@ def transients(session: Session, plate: bool = False) -> Numbers:
             there |= locked & one_way & (np.abs(f_u - 2) < OPTIONS.near)
         shares[name] = float(np.mean(there))
     return {**shares, "count": len(hertz)}
-
-
-def transients_of_both(session: Session) -> Numbers:
-    """Return these shares in figure 5, and as lists in figures 5 and 7."""
-    first, second = (transients(session, plate) for plate in PLATES)
-    return {**first, "both": [[one["passing"], one["lasting"]] for one in (first, second)]}
 
 
 # The end of region II

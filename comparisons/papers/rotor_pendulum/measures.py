@@ -660,14 +660,6 @@ def fluctuations(session: Session, who: str = REFERENCE) -> Numbers:
     return {"first": first, "second": second, "ratio": second / first}
 
 
-def swing_and_fluctuation(session: Session, who: str) -> Numbers:
-    """Return the rod's amplitude [rad] and the fluctuation of rotor 2 [rad/s] in cases 1 and 2."""
-    both = [from_rest(session, case, who).half_ranges[[3, 6]] for case in (1, 2)]
-    swings, speeds = np.transpose(both)
-    ratios = {"swing_ratio": swings[1] / swings[0], "speed_ratio": speeds[1] / speeds[0]}
-    return {"swings": swings, "speeds": speeds, **ratios}
-
-
 def slip(session: Session, who: str) -> Numbers:
     """Return the slip of the rotors in case 3.
 
