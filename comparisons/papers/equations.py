@@ -175,9 +175,9 @@ class Formulas:
     def __call__(self, session: Any, who: str = REFERENCE) -> dict[str, Any]:
         """Return the numbers by name."""
         numbers: dict[str, Any] = {}
-        given = {"session": session, "who": who}
-        scope = vars(self.module) | given
-        names = getattr(self.module, "Names", lambda **given: given)(**given)
+        arguments = {"session": session, "who": who}
+        scope = vars(self.module) | arguments
+        names = getattr(self.module, "Names", lambda **names: names)(**arguments)
         known: Any = ChainMap(scope, vars(builtins), names)
         for name, text in self.texts.items():
             scope[name] = numbers[name] = eval(text, scope, known)

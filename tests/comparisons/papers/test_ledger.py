@@ -153,7 +153,8 @@ def test_formulas_use_those_before_them_names_of_measures_and_who_computes() -> 
     assert row.each is not None
     assert row.numbers(Session())["value"] == 1
     assert row.each(Session(), "mujoco") == {"last": "o"}
-    wrong = read_row("hula_hoop", "a", {"section": "1", "claim": "a", "numbers": {"a": "ab"}}, {})
+    keys = {"numbers": {"a": "ab"}}
+    wrong = read_row("rotor_pendulum", "a", {"section": "1", "claim": "a claim", **keys}, {})
     assert attempt(lambda: assess(wrong, Session()))[1] == "NameError: name 'ab' is not defined"
 
 
