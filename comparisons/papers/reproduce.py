@@ -87,9 +87,9 @@ class Folder:
             for own in paper.items:
                 if own.name != item.name:
                     continue
-                if isinstance(own, PaperFigure):
+                if isinstance(own, PaperFigure) and isinstance(item, FigureEntry):
                     self.add(FigureEntry.of(item.scene, own, item.error, **how))
-                else:
+                elif isinstance(own, LedgerRow):
                     parts = {one.name: getattr(item, one.name) for one in fields(Assessment)}
                     whole = assess(own, Session()) if own.is_text else Assessment(**parts)
                     self.add(RowEntry.of(item.scene, own, whole, **how))
@@ -110,7 +110,7 @@ class Folder:
         there = [self.entries[key] for key in keys if key in self.entries]
         figures = [item for item in there if isinstance(item, FigureEntry)]
         rows = [item for item in there if isinstance(item, RowEntry)]
-        used = list(dict.fromkeys(item.run for item in (*figures, *rows)))
+        used = list(dict.fromkeys([item.run for item in figures] + [item.run for item in rows]))
         made = self.runs[0]
         return Findings(
             made.versions,
