@@ -50,7 +50,7 @@ SINGLE = 1e-6
 CCD = ("ccd_iterations", "ccd_tolerance")
 """Options of the routine of collisions between convex shapes."""
 
-NEVER_SAVED = re.compile(r"\b(euler|axisangle|xyaxes|zaxis|fromto|dampratio|include)\b")
+NEVER_SAVED = re.compile(r"\b(euler|axisangle|xyaxes|zaxis|fromto|dampratio)\s*=|<include\b")
 """Words of MJCF that MuJoCo never writes, since it computes other attributes from them."""
 
 MEASURED = 60
@@ -113,6 +113,8 @@ class Difference:
         Edits that give A's model the values of B.
     share : float
         The largest difference of its numbers, in the largest of them; infinite of words.
+    written : float
+        The same, of positions in no less than a meter: a sum of written numbers may be next to 0.
     """
 
     element: str
@@ -122,6 +124,7 @@ class Difference:
     effect: float | None = None
     edits: Sequence[Edit] = field(default=(), metadata=HIDDEN)
     share: float = field(default=math.inf, metadata=HIDDEN)
+    written: float = field(default=math.inf, metadata=HIDDEN)
 
     @property
     def id(self) -> str:
@@ -365,7 +368,11 @@ def differences_of(one: Compiled, other: Compiled, match: Match) -> Iterator[Dif
                 share = min(share, EQUAL) if single and share <= SINGLE else share
                 edits = list(edits_of(one, other, pair))
                 cells = distinct(*printed_values(one, other, pair), 6)
-                yield Difference(mine.label, name, *cells, edits=edits, share=share)
+                least = 1.0 if name.endswith("pos") else 0.0
+                written = min(share, difference_share(before, after, least))
+                yield Difference(
+                    mine.label, name, *cells, edits=edits, share=share, written=written
+                )
     for element, word in [(e, "lost") for e in match.gone] + [(e, "new") for e in match.new]:
         if element.kind == "geom" and touches_nothing(element.attributes):
             continue  # drawn only
@@ -463,7 +470,9 @@ def rounded(first: Reading, second: Reading, differences: Sequence[Difference]) 
     If MuJoCo has saved one of the files, so are those that vanish once it writes the other.
     """
     pairs = list[tuple[Compiled, Compiled]]()
-    if first.text != second.text and any(EQUAL < one.share <= WRITTEN for one in differences):
+    if first.text != second.text and any(
+        one.share > EQUAL and one.written <= WRITTEN for one in differences
+    ):
         if is_saved_by_mujoco(second.text):
             pairs.append((first.written(), second.model))
         if is_saved_by_mujoco(first.text):
@@ -476,7 +485,7 @@ def rounded(first: Reading, second: Reading, differences: Sequence[Difference]) 
         one
         for one in differences
         if one.share <= EQUAL
-        or (one.share <= WRITTEN and any(one.id not in still for still in left))
+        or (one.written <= WRITTEN and any(one.id not in still for still in left))
     ]
 
 

@@ -102,7 +102,7 @@ def edited(model: Any, edits: Sequence[tuple[str, Any, Any]], derive: bool) -> A
         for joint in np.flatnonzero(copied.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE)):
             body, place = copied.jnt_bodyid[joint], copied.jnt_qposadr[joint]
             pose = np.hstack([copied.body_pos[body], copied.body_quat[body]])
-            copied.qpos0[place : place + 7] = pose
+            copied.qpos0[place : place + 7] = copied.qpos_spring[place : place + 7] = pose
         mujoco.mj_setConst(copied, mujoco.MjData(copied))
         return edited(copied, edits, False)  # some of which that has written anew
     return copied
