@@ -457,7 +457,7 @@ def shortened(before: Sequence[Any], after: Sequence[Any]) -> tuple[Sequence[Any
 
 def is_saved_by_mujoco(text: str) -> bool:
     """Return True if a file is written as MuJoCo writes it: radians, numbers of six digits."""
-    text = re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)
+    text = re.sub(r"<!--.*?-->|<config\b[^>]*>", "", text, flags=re.DOTALL)
     if not re.search(r'angle\s*=\s*"radian"', text) or NEVER_SAVED.search(text):
         return False
     numbers = re.findall(r"(?<![\w.+-])[-+]?\d*\.\d+(?:[eE][-+]?\d+)?(?![\w.])", text)
