@@ -16,11 +16,13 @@ from mbcheck.comparisons.papers.session import Session
 from mbcheck.comparisons.papers.speed_regulator import measures
 from mbcheck.comparisons.papers.speed_regulator.figures import turns_apart
 from mbcheck.comparisons.queries.frequencies import frequencies
+from mbcheck.comparisons.scenes.quantity import Points
 from mbcheck.comparisons.scenes.speed_regulator.limit_cycles import REGIMES, theory_regimes
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import NoOrbitError
 from mbcheck.reference.speed_regulator.theory import least_torque, rotation
 
+PLACES = np.array([[0, 0], [1, 0]])
 BY_NAME = {row.name: row for row in read_paper("speed_regulator").rows}
 
 
@@ -44,7 +46,8 @@ def test_turns_of_a_run() -> None:
     run = measures.recorded_motion(Session(), "frictionless")
     speeds = measures.turn_speeds(run)
     assert np.all(np.diff(speeds) > 0)
-    assert measures.turn_speeds(run, 1)[3] == pytest.approx(speeds[3], rel=1e-3)
+    two = 2 / (1 / speeds[2] + 1 / speeds[3])
+    assert measures.turn_speeds(run, 2)[1] == pytest.approx(two, rel=1e-12)
     y, rate = measures.last_turn(run)
     assert y[0] == pytest.approx(y[-1], abs=1e-3)
     assert abs(rate[0] - rate[-1]) > 1e-4  # it gets faster
@@ -64,8 +67,10 @@ def test_rotations_begin_at_the_least_torque() -> None:
     sets = {p: None for group in measures.VARIANTS.values() for p in group}
     for p in sets:
         torque = least_torque(p).torque * np.array([0.998, 1.002])
-        values = {name: np.repeat(getattr(p, name), 2) for name in p.names()}
-        at = measures.points(REFERENCE, **(values | {"torque": torque}))
+        both = p.replace(**{name: np.repeat(getattr(p, name), 2) for name in p.names()})
+        at = Points(
+            get_scene(measures.SCENE), both.replace(torque=torque), PLACES, {}, REFERENCE, ""
+        )
         assert (theory_regimes(at) == REGIMES.index("rest")).tolist() == [True, False], p
 
 
