@@ -66,9 +66,6 @@ MASSES = (0.0, 0.4, 0.8, 1.2)
 SPEED = 7.0
 """Speed of figure 3 [rad/s], at which two assumed modes have the printed maximum for 0.8 kg."""
 
-FASTEST = 12.0
-"""Dimensionless speed up to which figure 2 goes."""
-
 MASS_AXIS = ("mass", MASSES[0], MASSES[-1], len(MASSES))
 
 BEAM = RotatingBeam(hub_radius=8.0, angular_speed=SPEED, ramp_time=0.0)
@@ -76,13 +73,10 @@ BEAM = RotatingBeam(hub_radius=8.0, angular_speed=SPEED, ramp_time=0.0)
 
 PRINTED_MAXIMA = {0.4: 0.442, 0.8: 0.429, 1.2: 0.42}
 
-RODS, SPIN_UP_RODS, MANY_RODS = 16, 24, 32
-"""Segments of the engines' models, those of figure 4, and those with ``--full``."""
 
-
-def segments(session: Session) -> int:
-    """Return the number of an engine's rods or elements."""
-    return MANY_RODS if session.full else RODS
+def segments(session: Session, least: int = 16) -> int:
+    """Return the number of an engine's rods or elements, 32 with ``--full``."""
+    return 32 if session.full else least
 
 
 def frequency_map(
@@ -96,14 +90,14 @@ def frequency_map(
 
 def by_speed(session: Session, engine: str = REFERENCE) -> Map:
     """Return frequencies over speed (columns) and mass at the tip (rows, `MASSES`)."""
-    x = ("nondimensional_speed", 0.0, FASTEST, 49 if session.full else 25)
+    x = ("nondimensional_speed", 0.0, 12.0, 49 if session.full else 25)
     return frequency_map(session, x, MASS_AXIS, engine)
 
 
 def by_ratio(session: Session, engine: str = REFERENCE) -> Map:
     """Return frequencies over mass ratio at the tip (columns) and speed (rows)."""
     x = ("mass_ratio", 0.0, 2.0, 41 if session.full else 17)
-    return frequency_map(session, x, ("nondimensional_speed", 0.0, FASTEST, 4), engine)
+    return frequency_map(session, x, ("nondimensional_speed", 0.0, 12.0, 4), engine)
 
 
 def by_place(session: Session, engine: str = REFERENCE, model: str | None = None) -> Map:
@@ -171,7 +165,7 @@ def simulate_beam(p: RotatingBeam, who: str, horizon: float) -> Response | str:
 @once
 def runs(session: Session, figure: int, who: str) -> dict[float, Response | str]:
     """Return the motions of figure 4 or 5 by the reference or an engine, by mass."""
-    count = max(segments(session), SPIN_UP_RODS if figure == 4 else 0)
+    count = segments(session, 24 if figure == 4 else 16)
     horizon = HORIZONS[figure] * (2 if session.full else 1)
     beams = [CASES[figure].replace(mass=mass, segments=count) for mass in MASSES]
     run = partial(simulate_beam, who=who, horizon=horizon)

@@ -261,10 +261,10 @@ def halved_slope(session: Session) -> Numbers:
     c, scene = coefficients(EXAMPLE), get_scene(SCENE)
 
     def over_angle(phi: float, values: Array) -> list[float]:
-        """Return speed and time over the angle; -J' phi'^2/J is what a turned speed leaves."""
+        """Return the slopes of speed and time over the angle, with half of J' in the first."""
         speeds = values[0] * np.array([1, -1, 0])
         rate, back, still = scene.accelerations(0.0, [np.full(3, phi)], [speeds], c)[0]
-        rate -= (rate + back - 2 * still) / 4
+        rate -= (rate + back - 2 * still) / 4  # the bracket is -J' phi'^2/J
         return [rate / values[0], 1 / values[0]]
 
     def turn(speed: float) -> Array:
