@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -568,41 +568,15 @@ def braking_error(session: Session, who: str) -> Numbers | str:
 
 # Readings
 
-SMALL = EXAMPLE.replace(crank_radius=0.1, rod_length=0.5, spring_rest=-0.5, torque=0.0512)
 
-VARIANTS = {
-    "missing_parameters": (
-        EXAMPLE,
-        EXAMPLE.replace(flywheel_inertia=8.0),
-        EXAMPLE.replace(flywheel_inertia=0.5),
-        EXAMPLE.replace(rod_mass=2.0, slider_mass=4.0),
-        EXAMPLE.replace(stiffness=8.0),
-        EXAMPLE.replace(stiffness=128.0),
-        SMALL,
-        SMALL.replace(stiffness=200.0),
-    ),
-    "spring_reference": tuple(
-        EXAMPLE.replace(spring_rest=place) for place in (-1.25, -1.5, -math.sqrt(1.5), 0.0)
-    ),
-    "braking_of_figure_6": (
-        damped(4.0, torque=0.04),
-        damped(2.0, torque=0.0),
-        damped(14.0),
-        damped(8.0),
-        damped(4.0),
-    ),
-}
-"""Parameters that a reading tries, in the order of its candidates."""
-
-
-def variants(session: Session, of: str) -> Numbers:
-    """Return the results of a reading's parameters in words; ``average``, M_m/(c l^2) [1/s].
+def variants(session: Session, sets: Sequence[Mapping[str, float]]) -> Numbers:
+    """Return the results of changed parameters in words; ``average``, our M_m/(c l^2) [1/s].
 
     The mean speed and the least torque of a rotation, and the equilibria [rad]. And the limits of
     M_m/(c l^2) by (21) for speeds that round to 5.07 rad/s.
     """
     words, rests = [], []
-    for p in VARIANTS[of]:
+    for p in (EXAMPLE.replace(**changes) for changes in sets):
         least = least_torque(p).torque
         turns = f"{rotation(p).mean_speed:.4f} rad/s" if p.torque > least else "no rotation"
         words.append(f"{turns}; least torque of a rotation {least:.4f} N m")
