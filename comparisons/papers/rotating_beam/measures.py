@@ -377,9 +377,9 @@ def axial_ratio(session: Session) -> Numbers:
 def softening(session: Session, who: str) -> Numbers:
     """Return the relative decrease of the first frequency by stretching, most mass at the tip."""
     p = BEAM.replace(mass=LOADS[-1], segments=segments(session))
-    query = {"engine": who, "model": "extensible" if who == REFERENCE else None, "count": 1}
-    soft = frequencies(SCENE.name, parameters=p.as_dict(), **query).modes[0].omega * UNIT
-    return {"gap": 1 - soft / first_frequency(numbers(p))}
+    model = "extensible" if who == REFERENCE else None
+    soft = frequencies(SCENE.name, engine=who, model=model, parameters=p.as_dict(), count=1)
+    return {"gap": 1 - soft.modes[0].omega * UNIT / first_frequency(numbers(p))}
 
 
 def curves_of_figure_2(session: Session, who: str) -> Numbers:

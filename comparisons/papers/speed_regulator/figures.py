@@ -54,7 +54,7 @@ def figure_3(session: Session) -> Any:
     figure, axes = new_figure(2, 1, height=2.7, sharex=True)
     upper, lower = axes[:, 0]
     torque, truth = fine.x.values, fine.variables["mean_speed"]
-    formula = np.array([printed_mean_speed(damped(c, torque=torque)) for c in DAMPINGS])
+    formula = np.array([printed_mean_speed(damped(c).replace(torque=torque)) for c in DAMPINGS])
     for c, speed, line in zip(DAMPINGS, truth, formula, strict=True):
         broad(upper, torque, speed, label=REFERENCE)
         upper.plot(torque, line, **FORMULA_LINE)
@@ -111,7 +111,7 @@ def speeds_over_time(session: Session, names: Sequence[str], title: str) -> tupl
     return figure, upper
 
 
-Curve = tuple[Array, Array]
+Curve = tuple[Array, Array] | Array
 """Values on the axes of a panel."""
 
 

@@ -215,7 +215,8 @@ def reactions(session: Session, who: str) -> Numbers | str:
     if not set(names) <= set(bound.reaction_names):
         return "does not tell"
     states = np.array([[phi, SPEED] for phi in (0.3, 1.9, 4.4)])
-    exact = outputs(*states.T[:, None], coefficients(EXAMPLE))
+    phi, speed = states.T[:, None]
+    exact = outputs(phi, speed, coefficients(EXAMPLE))
     own = call_engine(lambda: bound.reactions(np.zeros(len(states)), states))
     tables = (np.array([values[name] for name in names]) for values in (own, exact))
     return {"error": largest_difference(*tables)}
@@ -336,7 +337,7 @@ def own_rotations(session: Session, who: str) -> Numbers:
     Changes of these, and damper times speed; errors of (21), and its change by the exact average;
     the least torques of a rotation [N m].
     """
-    speeds, sets = own_speeds(session, who), damped(np.array(DAMPINGS))
+    speeds, sets = own_speeds(session, who), EXAMPLE.replace(damping=np.array(DAMPINGS))
     formula = printed_mean_speed(sets)
     errors = formula / speeds - 1
     return {
