@@ -10,10 +10,11 @@ import json
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from mbcheck.comparisons.checks.rules.cautions import RULES as CAUTIONS
 from mbcheck.comparisons.checks.table import KINDS
-from mbcheck.comparisons.cli.explain import glossary, text_of
+from mbcheck.comparisons.cli.explain import glossary, texts_of
 from mbcheck.comparisons.documents import DOCUMENTS, schema
 from mbcheck.comparisons.reports.text import markdown_table
 from mbcheck.comparisons.reports.words import Markdown
@@ -25,6 +26,14 @@ ROOT = Path(__file__).resolve().parents[1]
 
 BLOCK = re.compile(r"(<!-- (fields|table) of ([\w ]+) -->\n).*?(<!-- end -->)", re.DOTALL)
 """The marks of a table, with the sort of table and its name."""
+
+
+def row(key: str, entry: Any) -> str:
+    """Return the text of an entry: of each of its terms, if they have different ones."""
+    texts = texts_of(key, entry)
+    several = len({*texts.values()}) > 1
+    words = (f"`{term}`: {text}" if several else text for term, text in texts.items())
+    return " ".join(dict.fromkeys(words))
 
 
 def table(name: str) -> str:
@@ -39,18 +48,18 @@ def table(name: str) -> str:
         heads = ["Rule", "It finds"]
         rows = [[f"`{key}`", rule.meaning] for key, rule in CAUTIONS.items()]
     elif name in ("quantities of kinds", "columns"):
-        begin = {"columns": "column of "}.get(name, "quantity of the check ")
+        begin = "quantity" if "kinds" in name else ("column", "title")
         groups = glossary()["names"].items()
         heads = ["Kind" if "kinds" in name else "Verb", "Name", "Meaning"]
         rows = [
-            [f"`{group.removeprefix(begin)}`", f"`{key}`", text]
+            [f"`{group.rpartition(' ')[2]}`", f"`{key}`", row(key, text)]
             for group, entries in groups
             if group.startswith(begin)
             for key, text in entries.items()
         ]
     else:
         heads = ["Term", "Meaning"]
-        rows = [[f"`{key}`", text_of(entry)] for key, entry in glossary()[name].items()]
+        rows = [[f"`{key}`", row(key, entry)] for key, entry in glossary()[name].items()]
     return markdown_table(heads, [[Markdown(cell) for cell in row] for row in rows])
 
 

@@ -17,7 +17,7 @@ class Thresholds:
         Opening of a loop in a state of the file, relative to the size of the model, or in rad.
     gravity_share : float
         Largest share of its weight, at its size, that a joint feels where gravity moves nothing.
-    max_gyration, min_gyration : float
+    max_gyration, usual_gyration, min_gyration : float
         Radii of gyration that bodies have, relative to the reach of their geoms.
     max_centre_offset : float
         Distance of a centre of mass from the middle of the geoms, relative to their reach.
@@ -95,6 +95,7 @@ class Thresholds:
     open_loop: float = 1e-6
     gravity_share: float = 1e-12
     max_gyration: float = 2.0
+    usual_gyration: float = 0.5
     min_gyration: float = 0.01
     max_centre_offset: float = 2.0
     max_density: float = 25_000.0

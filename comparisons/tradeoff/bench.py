@@ -549,8 +549,8 @@ def converge(bench: Bench, start: Start, late: bool = False) -> Converged | str:
 def refined(bench: Bench, start: Start) -> Converged | str:
     """Compute the converged run from a start, or return the reason why there is none.
 
-    Its step is refined where the motion is smooth and it is too long; where no time is left for
-    that, the reason states the time needed.
+    The longest step serves if it is known far better than the target needs. Shorter ones are
+    refined where the motion is smooth; where no time is left, the reason states the time needed.
 
     Raises
     ------
@@ -573,6 +573,10 @@ def refined(bench: Bench, start: Start) -> Converged | str:
             truth = converged_by(bench, start, setting)
             if not np.any(truth.size):
                 return f"nothing moves by {BENCH.still:g} m or rad: the motion is small"
+            if finer == 1:
+                if truth.count(BENCH.enough * target) == bench.count:
+                    return truth
+                break
             best = max(best or truth, truth, key=lambda one: one.count(target))
             known_long = truth.count(target) >= min(BENCH.min_periods, bench.count)
             if truth.run.failed is None and known_long:

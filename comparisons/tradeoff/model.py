@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
 from pathlib import Path
@@ -211,9 +211,16 @@ class ModelTradeoff:
                 bench.store.write()
 
     def runs(self, bench: Bench) -> Iterator[tuple[int, int, str]]:
-        """Run all settings for which there is time, see `work`; converged runs have half of it."""
-        settings, starts = list(bench.settings()), list(bench.starts(BENCH.tried_draws))
-        total, half = len(starts) + len(settings), monotonic() + self.request.budget / 2
+        """Run all settings for which there is time, see `work`; converged runs have half of it.
+
+        Settings are tried in the order of their work; those that cannot be the choice are left out.
+        """
+        half, starts = monotonic() + self.request.budget / 2, list(bench.starts(BENCH.tried_draws))
+        others = [*bench.starts(BENCH.proof_draws), *bench.other_starts()]
+        settings = sorted(
+            bench.settings(), key=lambda one: (one != bench.file, work_per_second(one))
+        )
+        before, total = len(starts) + len(settings), len(starts) + len(settings) + len(others)
         for i, start in enumerate(starts):
             yield i, total, f"converged run, {start.name}"
             truth = converge(bench, start, late=monotonic() > half)
@@ -222,23 +229,44 @@ class ModelTradeoff:
             else:
                 self.unknown.append(f"{start.name}: {truth}")
                 self.complete = self.complete and truth != TIME_UP
-        good: list[Setting] = []
         try:
-            for i, setting in enumerate(settings if self.truths else ()):
-                yield len(starts) + i, total, setting.name
-                if sum(map(setting.alike, good)) < 2:
-                    trial = self.tried(bench, setting)
-                    good += [setting] if trial.error < BENCH.enough * self.request.target else []
+            while self.truths and (left := [one for one in settings if self.may_be_chosen(one)]):
+                yield before - len(left), total, left[0].name
+                self.tried(bench, left[0])
+                settings.remove(left[0])
             solves = np.any(bench.loaded.model.eq_active0) or any(not x.smooth for x in self.truths)
             if self.trials and solves and self.choice is None:
                 best = setting_of(min(self.trials, key=lambda row: row.error))
                 for count in BENCH.iterations:
-                    yield total, total, best.name
+                    yield before, total, best.name
                     self.tried(bench, best._replace(iterations=count))
         except TimeUpError:
             self.complete = False
-        yield total, total, "the choice, from other starts"
-        self.prove(bench)
+        if self.choice is not None:
+            bench.deadline = max(bench.deadline, monotonic() + self.request.budget / 4)
+            truths = list[Converged]()
+            for i, start in enumerate(others):
+                yield before + i, total, f"the choice, from {start.name}"
+                truth = converge(bench, start)
+                if isinstance(truth, Converged):
+                    truths.append(truth)
+                else:
+                    self.unproved.append(f"{start.name}: {truth}")
+            self.prove(bench, truths)
+
+    def may_be_chosen(self, setting: Setting) -> bool:
+        """Return True if a setting that was not tried may become the choice, or reject it.
+
+        It may not if two longer steps are far better than the target, or, once a step of the same
+        integrator was tried, if it takes more work than the choice.
+        """
+        choice, enough = self.choice, BENCH.enough * self.request.target
+        alike = [row for row in self.trials if setting_of(row).alike(setting)]
+        if sum(row.error < enough for row in alike) > 1:
+            return False
+        if choice is None or not alike or setting_of(choice).alike(setting):
+            return True
+        return work_per_second(setting) <= work_of(choice)
 
     def tried(self, bench: Bench, setting: Setting) -> Trial:
         """Run a setting, and add it to the trials."""
@@ -267,18 +295,11 @@ class ModelTradeoff:
             every.append(point)
         return worst_of(every)
 
-    def prove(self, bench: Bench) -> None:
+    def prove(self, bench: Bench, truths: Sequence[Converged]) -> None:
         """Run the choice from other starts and with other controls.
 
         A setting that misses the target there is dropped, and the next shorter step is tried.
         """
-        if self.choice is None:
-            return
-        bench.deadline = max(bench.deadline, monotonic() + self.request.budget / 4)
-        starts = [*bench.starts(BENCH.proof_draws), *bench.other_starts()]
-        others = [(start, converge(bench, start)) for start in starts]
-        truths = [one for _, one in others if isinstance(one, Converged)]
-        self.unproved = [f"{a.name}: {b}" for a, b in others if not isinstance(b, Converged)]
         try:
             while (choice := self.choice) is not None:
                 setting = setting_of(choice)
@@ -423,7 +444,7 @@ class ModelTradeoff:
             words = (
                 "no run converges" if self.complete else f"no answer within {request.budget:g} s"
             )
-            return f"{words}: " + "; ".join(self.unknown)
+            return f"{words}: " + "; ".join(by_reason(self.unknown))
         over = f"over {self.compared:.3g} s"
         if min(self.counts) < max(len(one.error) for one in self.truths):
             over += f" of {request.horizon:.3g} s"
@@ -462,7 +483,7 @@ class ModelTradeoff:
     def notes(self) -> list[str]:
         """Cautions, and omissions."""
         target = self.request.target
-        notes = [f"left out: {one}" for one in self.unknown if self.truths]
+        notes = [f"left out: {one}" for one in by_reason(self.unknown) if self.truths]
         notes += [
             f"{truth.start.name}: {truth.reason(target)}; compared over {n * self.period:.3g} s"
             for truth, n in zip(self.truths, self.counts, strict=True)
@@ -483,7 +504,8 @@ class ModelTradeoff:
             notes.append(
                 "there was no time to try the choice from other starts and with other controls"
             )
-        notes += [f"the choice was not tried from {one}" for one in self.unproved if self.choice]
+        unproved = by_reason(self.unproved) if self.choice else ()
+        notes += [f"the choice was not tried from {one}" for one in unproved]
         notes += [words for one in self.series if not one.settings for words in disagreements(one)]
         if not self.complete:
             notes.append(
@@ -493,12 +515,25 @@ class ModelTradeoff:
         return notes
 
 
+def by_reason(starts: Iterable[str]) -> Iterator[str]:
+    """Yield the starts that share a reason in one text each: ``start, start: reason``."""
+    names = dict[str, list[str]]()
+    for name, _, reason in (one.partition(": ") for one in starts):
+        names.setdefault(reason, []).append(name)
+    yield from (f"{'; '.join(listed)}: {reason}" for reason, listed in names.items())
+
+
 def setting_of(row: Trial) -> Setting:
     """Return the setting of a run."""
     options, step = row.series.settings, row.point.step
     iterations = int(options["iterations"]) if "iterations" in options else None
     closure = BENCH.closure_steps * step if "closure_steps" in options else None
     return Setting(row.series.method, step, iterations, closure)
+
+
+def work_per_second(setting: Setting) -> float:
+    """Return the evaluations of forces of a setting in a simulated second [1/s]."""
+    return EVALUATIONS.get(setting.integrator, 1) / setting.step
 
 
 def work_of(row: Trial) -> float:
@@ -516,9 +551,7 @@ def point_of(bench: Bench, setting: Setting, truth: Converged, count: int) -> Po
     while len(runs) < BENCH.repeats and (not runs or monotonic() - began < BENCH.brief):
         runs.append(bench.run(truth.start, setting))
     run, n = runs[0], min(count, len(runs[0].positions))
-    steps = 1 / setting.step
-    work = steps * EVALUATIONS.get(setting.integrator, 1)
-    cost = Cost.of([one.seconds for one in runs], steps, work)
+    cost = Cost.of([one.seconds for one in runs], 1 / setting.step, work_per_second(setting))
     if run.failed is not None and not truth.run.failed:
         reason = f"{truth.start.name}, before t = {run.failed:.3g} s"
         return Point(setting.step, None, cost=cost, label=FAILED, reason=reason)
