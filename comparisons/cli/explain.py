@@ -50,10 +50,10 @@ def texts_of(key: str, entry: Any) -> dict[str, str]:
 def by_sort() -> dict[str, dict[str, str]]:
     """Return the text of each term, by the sort of term, quantity and column."""
     terms = dict(glossary())
-    sorts = {**terms, **terms.pop("names")}
+    names = terms.pop("names")
     return {
         sort: {term: text for row in rows.items() for term, text in texts_of(*row).items()}
-        for sort, rows in sorts.items()
+        for sort, rows in {**terms, **names}.items()
     }
 
 

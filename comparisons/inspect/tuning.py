@@ -277,8 +277,9 @@ class EffortLimits:
         States from which a short run starts.
     run_tries : int
         Values of an edit that are tried in runs, once modes are stable.
-    far_starts : int
-        Runs with a displaced joint that try a remedy.
+    far_starts, fine_runs : int
+        Runs with a displaced joint that try a remedy, and those of them, with the longest motions,
+        that are compared with a run of a shorter step.
     compiled_bytes : float
         Bytes of text and models that are compiled to find repeated defaults.
     values : int
@@ -305,6 +306,7 @@ class EffortLimits:
     runs: int = 2
     run_tries: int = 6
     far_starts: int = 24
+    fine_runs: int = 6
     compiled_bytes: float = 4e7
     values: int = 40
     single_attributes: int = 200

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from ..reports.files import Destination
 from ..reports.sections import Section, print_sections
@@ -255,4 +256,17 @@ def write(
             ]
             markdown_file.write(markdown(result, links))
     if not to_stdout(json_file, markdown_file):
-        print_sections(console(), sections(result))
+        print_sections(console(), map(with_headings, sections(result)))
+
+
+def with_headings(section: Section) -> Section:
+    """Return a table of scenes with its first two columns as headings above their rows."""
+    if not section.title:
+        return section
+    groups = dict[str, list[Sequence[object]]]()
+    for first, second, *rest in section.rows:
+        groups.setdefault(f"{first} {second}", []).append(rest)
+    rows = [
+        row for name, rest in groups.items() for row in ([name, *[""] * (len(rest[0]) - 1)], *rest)
+    ]
+    return replace(section, heads=section.heads[2:], rows=rows)

@@ -455,9 +455,7 @@ def unused_asset(s: InspectedModel) -> Iterator[Hit]:
             m.light_texid,
         ],
     }
-    for (name, ids), count in zip(
-        used.items(), (m.nmat, m.nmesh, m.nhfield, m.ntex), strict=True
-    ):
+    for (name, ids), count in zip(used.items(), (m.nmat, m.nmesh, m.nhfield, m.ntex), strict=True):
         idle = ~np.isin(np.arange(count), np.concatenate(ids))
         elements = [s.loaded.places.get((name, i)) for i in range(count)]
         shared = [one is not None and one.file != s.files[0] for one in elements]  # with others

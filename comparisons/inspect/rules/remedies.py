@@ -52,9 +52,9 @@ def fault_in_runs(
     few = states[: EFFORT.runs]
     if not all(stays_finite(tried, state) for state in few):
         return FAILS
-    own = float(tried.model.opt.timestep)
-    recommended = (THRESHOLDS.recommended_step * one.limit for one in s.limits_of_file)
-    shorter = min(NUMERICS.shorter_step * own, *recommended, own)
+    shorter = NUMERICS.shorter_step * float(tried.model.opt.timestep)
+    if integrator(tried) != s.options.integrator:  # else its step is below its limit
+        shorter = min([shorter, *(THRESHOLDS.recommended_step * x.limit for x in s.limits_of_file)])
     return SPINS if any(keeps_spinning(tried, state, shorter) for state in few[:1]) else ""
 
 
@@ -68,6 +68,10 @@ def stays_finite(loaded: Loaded, state: State) -> bool:
     return step is None and bool(driven or not keeps_growing(energies))
 
 
+Lasting = tuple[float, float, State]
+"""Share of the kinetic energy that a run keeps, this energy [J], and the start of the run."""
+
+
 def keeps_spinning(loaded: Loaded, state: State, shorter: float) -> bool:
     """Return True if a run with a servo's joint displaced fails, or keeps a motion due to its step.
 
@@ -75,17 +79,20 @@ def keeps_spinning(loaded: Loaded, state: State, shorter: float) -> bool:
     step, and never come to rest. Displacements would tear closed loops: there, none is tried.
     """
     driven = np.any(moments(loaded, state)[servos(loaded)], axis=0) & (loaded.model.neq == 0)
-    horizon, least = min(NUMERICS.far_time, NUMERICS.run_steps * shorter), NUMERICS.lasting_energy
+    horizon, lasting = min(NUMERICS.far_time, NUMERICS.run_steps * shorter), list[Lasting]()
     for start in far_starts(loaded, state, driven, NUMERICS.far_starts):
         step, energies = short_run(loaded, start, horizon)
         peak, last = kinetic(energies)
         if step is not None:
             return True
-        if last > least * peak:
-            fine = with_option(loaded, "timestep", shorter)
-            peak, expected = kinetic(short_run(fine, start, horizon)[1])
-            if last > NUMERICS.lasting_ratio * expected + least * peak:
-                return True
+        if last > NUMERICS.lasting_energy * peak:
+            lasting.append((last / peak, last, start))
+    lasting.sort(key=lambda one: -one[0])
+    for _, last, start in lasting[: EFFORT.fine_runs]:
+        fine = with_option(loaded, "timestep", shorter)
+        peak, expected = kinetic(short_run(fine, start, horizon)[1])
+        if last > NUMERICS.lasting_ratio * expected + NUMERICS.lasting_energy * peak:
+            return True
     return False
 
 

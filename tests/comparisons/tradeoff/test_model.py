@@ -14,7 +14,7 @@ import pytest
 
 from mbcheck.comparisons.inspect.inspection import inspect
 from mbcheck.comparisons.inspect.mujoco.model import load
-from mbcheck.comparisons.tradeoff.bench import Bench
+from mbcheck.comparisons.tradeoff.bench import Bench, Converged, converge
 from mbcheck.comparisons.tradeoff.model import ModelTradeoff, setting_of
 from mbcheck.comparisons.tradeoff.request import TradeoffRequest
 from mbcheck.comparisons.tradeoff.table import Cost, Trial
@@ -79,6 +79,35 @@ def test_the_recommended_setting_meets_its_target_with_other_controls(tmp_path: 
     other = advised(file, horizon=0.25, seed=7)
     (again,) = [one for one in other.trials if setting_of(one) == setting_of(choice)]
     assert again.error <= 0.01
+
+
+@pytest.mark.parametrize("changes", [{}, {"kp": "2000", "damping": "2"}])
+def test_what_is_not_run_would_not_be_chosen(changes: dict[str, str], tmp_path: Path) -> None:
+    """All settings left out are run after the choice, and each integrator has one before."""
+    file = written(tmp_path, **changes)
+    advice, bench = advised(file, horizon=0.25), Bench(load(file), asked(file, horizon=0.25))
+    choice, known = advice.choice, {setting_of(one) for one in advice.trials}
+    left = [one for one in bench.settings() if one not in known]
+    assert choice is not None
+    assert len(left) > len(known) / 2
+    assert not any(map(advice.may_be_chosen, left))
+    for setting in left:
+        advice.tried(bench, setting)
+    assert advice.choice is not None
+    assert setting_of(advice.choice) == setting_of(choice)
+
+
+def test_a_smooth_motion_converges_at_an_eighth_of_the_step(tmp_path: Path) -> None:
+    """Its bound holds against a run with a 64th."""
+    file = written(tmp_path)
+    bench = Bench(load(file), asked(file, horizon=0.25))
+    start = next(bench.starts((1,)))
+    truth = converge(bench, start)
+    assert isinstance(truth, Converged)
+    assert truth.setting == bench.file._replace(integrator="RK4", step=0.002 / 8)
+    finer = bench.run(start, truth.setting._replace(step=0.002 / 64), sharp=True)
+    assert np.all(bench.apart(finer, truth.run, truth.size) <= truth.error + 1e-12)
+    assert float(np.max(truth.error)) <= BENCH.known_share * BENCH.enough * 0.01
 
 
 LIMITED = """<mujoco><option timestep="0.01" gravity="0 0 0"/><worldbody><body>
