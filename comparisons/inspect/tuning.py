@@ -247,7 +247,7 @@ class Numerics:
     energy_roundoff: float = 1e-12
     perturbation: float = 1e-6
     far_starts: tuple[float, ...] = tuple(map(float, np.linspace(0.1, 1.2, 12)))
-    far_time: float = 1.0
+    far_time: float = 0.5
     shorter_step: float = 0.25
     lasting_ratio: float = 4.0
     lasting_energy: float = 0.01

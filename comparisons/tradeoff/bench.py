@@ -32,6 +32,9 @@ and takes 30 times as long for the same digits."""
 AFTERWARDS = ("mj_fwdPosition", "mj_fwdVelocity", "mj_energyPos", "mj_energyVel")
 """Functions that update sites, constraints and energies to the state at the end of a step."""
 
+EVALUATIONS = {"RK4": 4}
+"""Evaluations of the forces in a step, for integrators with more than one."""
+
 TIME_UP = "the time was up before its converged run"
 """Reason why a start has no converged run, if there is no other."""
 
@@ -59,6 +62,11 @@ class Setting(NamedTuple):
         words += [f"closures of {1e3 * self.closure:.4g} ms"] if self.closure else []
         words += [f"{self.iterations} iterations"] if self.iterations else []
         return ", ".join(words)
+
+    @property
+    def work(self) -> float:
+        """Evaluations of forces in a simulated second [1/s]."""
+        return EVALUATIONS.get(self.integrator, 1) / self.step
 
     def alike(self, other: Setting) -> bool:
         """Return True if another setting differs in the step alone, and in its consequences."""
@@ -262,21 +270,21 @@ class Bench:
         moved = level + BENCH.control_share * (high - low) / 2 * waves
         return np.where(limited, np.clip(moved, low, high), level)
 
-    def settings(self) -> Iterator[Setting]:
-        """Yield the settings to try: the file's own, then each integrator, long steps first.
+    def settings(self) -> list[Setting]:
+        """Return the settings to try: the file's own, then those with less work first.
 
         If closures count as exact, settings with closures as hard as each step permits are added.
         """
         file, longest, steps = self.file, int(np.log2(BENCH.longest)), BENCH.closure_steps
         softest = np.max(time_constants(self.loaded.model), initial=0.0)
-        yield file
+        every = list[Setting]()
         for name in integrators(self.loaded):
             for power in range(longest, -int(np.log2(BENCH.finest)) - 1, -1):
                 one = Setting(name, file.step * 2.0**power)
-                if one != file:
-                    yield one
+                every.append(one)
                 if self.request.exact and steps * one.step < softest:
-                    yield one._replace(closure=steps * one.step)
+                    every.append(one._replace(closure=steps * one.step))
+        return sorted(every, key=lambda one: (one != file, one.work))
 
     def compiled(self, setting: Setting, sharp: bool) -> Any:
         """Return a copy of the model with a setting; it does not reset itself."""

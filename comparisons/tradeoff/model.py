@@ -35,9 +35,6 @@ from .table import (
 )
 from .tuning import BENCH
 
-EVALUATIONS = {"RK4": 4}
-"""Evaluations of the forces in a step, for integrators with more than one."""
-
 CHEAPEST = ("Euler", *THRESHOLDS.preferred_integrators)
 """Integrators by the cost of a step apart from the forces, the cheapest first."""
 
@@ -217,10 +214,8 @@ class ModelTradeoff:
         """
         half, starts = monotonic() + self.request.budget / 2, list(bench.starts(BENCH.tried_draws))
         others = [*bench.starts(BENCH.proof_draws), *bench.other_starts()]
-        settings = sorted(
-            bench.settings(), key=lambda one: (one != bench.file, work_per_second(one))
-        )
-        before, total = len(starts) + len(settings), len(starts) + len(settings) + len(others)
+        before = len(starts) + len(bench.settings())
+        total = before + len(others)
         for i, start in enumerate(starts):
             yield i, total, f"converged run, {start.name}"
             truth = converge(bench, start, late=monotonic() > half)
@@ -230,10 +225,9 @@ class ModelTradeoff:
                 self.unknown.append(f"{start.name}: {truth}")
                 self.complete = self.complete and truth != TIME_UP
         try:
-            while self.truths and (left := [one for one in settings if self.may_be_chosen(one)]):
-                yield before - len(left), total, left[0].name
-                self.tried(bench, left[0])
-                settings.remove(left[0])
+            while self.truths and (setting := self.next_setting(bench)):
+                yield len(starts) + len(self.trials), total, setting.name
+                self.tried(bench, setting)
             solves = np.any(bench.loaded.model.eq_active0) or any(not x.smooth for x in self.truths)
             if self.trials and solves and self.choice is None:
                 best = setting_of(min(self.trials, key=lambda row: row.error))
@@ -254,19 +248,22 @@ class ModelTradeoff:
                     self.unproved.append(f"{start.name}: {truth}")
             self.prove(bench, truths)
 
-    def may_be_chosen(self, setting: Setting) -> bool:
-        """Return True if a setting that was not tried may become the choice, or reject it.
+    def next_setting(self, bench: Bench) -> Setting | None:
+        """Return the setting of least work that may become the choice, or reject it; None if none.
 
         It may not if two longer steps are far better than the target, or, once a step of the same
         integrator was tried, if it takes more work than the choice.
         """
         choice, enough = self.choice, BENCH.enough * self.request.target
-        alike = [row for row in self.trials if setting_of(row).alike(setting)]
-        if sum(row.error < enough for row in alike) > 1:
-            return False
-        if choice is None or not alike or setting_of(choice).alike(setting):
-            return True
-        return work_per_second(setting) <= work_of(choice)
+        known = {setting_of(row): row.error for row in self.trials}
+        for one in bench.settings():
+            alike = [other for other in known if other.alike(one)]
+            good = [other for other in alike if known[other] < enough and other not in self.missed]
+            rival = choice and not setting_of(choice).alike(one)
+            beaten = alike and rival and one.work > setting_of(choice).work
+            if one not in known and len(good) < 2 and not beaten:
+                return one
+        return None
 
     def tried(self, bench: Bench, setting: Setting) -> Trial:
         """Run a setting, and add it to the trials."""
@@ -298,7 +295,7 @@ class ModelTradeoff:
     def prove(self, bench: Bench, truths: Sequence[Converged]) -> None:
         """Run the choice from other starts and with other controls.
 
-        A setting that misses the target there is dropped, and the next shorter step is tried.
+        A setting that misses the target there is dropped, and others are tried.
         """
         try:
             while (choice := self.choice) is not None:
@@ -309,11 +306,8 @@ class ModelTradeoff:
                     self.elsewhere = error
                     return
                 self.missed[setting] = error
-                known = {setting_of(trial) for trial in self.trials}
-                for one in bench.settings():
-                    if one.alike(setting) and one.step < setting.step and one not in known:
-                        self.tried(bench, one)
-                        break
+                while other := self.next_setting(bench):
+                    self.tried(bench, other)
         except TimeUpError:
             pass
 
@@ -351,7 +345,9 @@ class ModelTradeoff:
         """
         rows = steady(self.series, self.request.target, BENCH.margin)
         return cheapest(
-            (row for row in rows if setting_of(row) not in self.missed), work_of, self.preference
+            (row for row in rows if setting_of(row) not in self.missed),
+            lambda row: setting_of(row).work,
+            self.preference,
         )
 
     def preference(self, row: Trial) -> tuple[float, ...]:
@@ -467,7 +463,7 @@ class ModelTradeoff:
         words = f"{setting_of(choice).name}: error {error} {over}"
         if choice.point is own.point:
             return f"{words}, the file's own setting"
-        fewer = work_of(own) / work_of(choice)
+        fewer = setting_of(own).work / setting_of(choice).work
         count = f"{fewer:.2g} times fewer" if fewer > 1 else f"{1 / fewer:.2g} times as many"
         count = "as many" if fewer == 1 else count
         link = "than" if fewer > 1 else "as"
@@ -531,17 +527,6 @@ def setting_of(row: Trial) -> Setting:
     return Setting(row.series.method, step, iterations, closure)
 
 
-def work_per_second(setting: Setting) -> float:
-    """Return the evaluations of forces of a setting in a simulated second [1/s]."""
-    return EVALUATIONS.get(setting.integrator, 1) / setting.step
-
-
-def work_of(row: Trial) -> float:
-    """Return the evaluations of forces in a simulated second [1/s]."""
-    assert row.point.cost is not None
-    return row.point.cost.rhs_evaluations or 0.0
-
-
 def point_of(bench: Bench, setting: Setting, truth: Converged, count: int) -> Point:
     """Return error and cost of a setting from a start, compared over so many periods.
 
@@ -551,7 +536,7 @@ def point_of(bench: Bench, setting: Setting, truth: Converged, count: int) -> Po
     while len(runs) < BENCH.repeats and (not runs or monotonic() - began < BENCH.brief):
         runs.append(bench.run(truth.start, setting))
     run, n = runs[0], min(count, len(runs[0].positions))
-    cost = Cost.of([one.seconds for one in runs], 1 / setting.step, work_per_second(setting))
+    cost = Cost.of([one.seconds for one in runs], 1 / setting.step, setting.work)
     if run.failed is not None and not truth.run.failed:
         reason = f"{truth.start.name}, before t = {run.failed:.3g} s"
         return Point(setting.step, None, cost=cost, label=FAILED, reason=reason)
