@@ -447,8 +447,8 @@ class ModelTradeoff:
         if own is None:
             return f"no setting was tried within {request.budget:g} s: raise --budget"
         if choice is None:
-            rows = {setting_of(row): row.error for row in self.trials}
-            errors = {one: max(error, self.missed.get(one, 0.0)) for one, error in rows.items()}
+            every = ((setting_of(row), row.error) for row in self.trials)
+            errors = {one: max(error, self.missed.get(one, 0.0)) for one, error in every}
             best = min(errors, key=lambda setting: errors[setting])
             if errors[best] == inf:
                 return f"no run reached its end {over}"
