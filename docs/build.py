@@ -28,12 +28,10 @@ BLOCK = re.compile(r"(<!-- (fields|table) of ([\w ]+) -->\n).*?(<!-- end -->)", 
 """The marks of a table, with the sort of table and its name."""
 
 
-def row(key: str, entry: Any) -> str:
-    """Return the text of an entry: of each of its terms, if they have different ones."""
+def different_texts(key: str, entry: Any) -> dict[str, str]:
+    """Return the text of each term of an entry; of all of them if they share it."""
     texts = texts_of(key, entry)
-    several = len({*texts.values()}) > 1
-    words = (f"`{term}`: {text}" if several else text for term, text in texts.items())
-    return " ".join(dict.fromkeys(words))
+    return texts if len({*texts.values()}) > 1 else {key: next(iter(texts.values()))}
 
 
 def table(name: str) -> str:
@@ -52,14 +50,19 @@ def table(name: str) -> str:
         groups = glossary()["names"].items()
         heads = ["Kind" if "kinds" in name else "Verb", "Name", "Meaning"]
         rows = [
-            [f"`{group.rpartition(' ')[2]}`", f"`{key}`", row(key, text)]
+            [f"`{group.rpartition(' ')[2]}`", f"`{term}`", text]
             for group, entries in groups
             if group.startswith(begin)
-            for key, text in entries.items()
+            for key, entry in entries.items()
+            for term, text in different_texts(key, entry).items()
         ]
     else:
         heads = ["Term", "Meaning"]
-        rows = [[f"`{key}`", row(key, entry)] for key, entry in glossary()[name].items()]
+        rows = []
+        for key, entry in glossary()[name].items():
+            texts = different_texts(key, entry)
+            words = [f"`{term}`: {text}" * (len(texts) > 1) or text for term, text in texts.items()]
+            rows.append([f"`{key}`", " ".join(words)])
     return markdown_table(heads, [[Markdown(cell) for cell in row] for row in rows])
 
 
