@@ -569,32 +569,29 @@ def refined(bench: Bench, start: Start) -> Converged | str:
     constants = time_constants(bench.loaded.model)
     closure = float(np.min(constants)) / BENCH.hard_closure if exact and len(constants) else None
     best: Converged | None = None
-    took = 0.0
+    took, least = 0.0, min(BENCH.min_periods, bench.count)
     for finer in BENCH.finer:
-        step, began = bench.file.step / BENCH.converged / finer, monotonic()
+        step, began, trial = bench.file.step / BENCH.converged / finer, monotonic(), finer == 1
         need = BENCH.refinement_work * took
         if best and began + need > bench.deadline:
             words = f"steps of {1e3 * step:.2g} ms take about {need:.0f} s: raise --budget"
             return f"{best.reason(target)}; {words}"
-        for name in BENCH.sharpest:
-            setting = Setting(name, step, closure=closure)
-            truth = converged_by(bench, start, setting)
+        for name in BENCH.sharpest[: 1 if trial else None]:
+            truth = converged_by(bench, start, Setting(name, step, closure=closure))
             if not np.any(truth.size):
                 return f"nothing moves by {BENCH.still:g} m or rad: the motion is small"
-            if finer == 1:
-                if truth.count(BENCH.enough * target) == bench.count:
-                    return truth
-                break
-            best = max(best or truth, truth, key=lambda one: one.count(target))
-            known_long = truth.count(target) >= min(BENCH.min_periods, bench.count)
-            if truth.run.failed is None and known_long:
+            best = max(truth, best or truth, key=lambda one: one.count(target))
+            if truth.run.failed is not None:
+                continue
+            if trial and truth.count(BENCH.enough * target) == bench.count:
                 return truth
-            if truth.run.failed is None and (truth.grows(target) or not truth.smooth):
+            if not trial and truth.count(target) >= least:
+                return truth
+            if not trial and (truth.grows(target) or not truth.smooth):
                 return truth.reason(target)  # no other step helps
         took = monotonic() - began
     assert best is not None
-    enough = best.count(target) >= min(BENCH.min_periods, bench.count)
-    return best if enough else best.reason(target)
+    return best if best.count(target) >= least else best.reason(target)
 
 
 def converged_by(bench: Bench, start: Start, setting: Setting) -> Converged:

@@ -464,15 +464,14 @@ class ModelTradeoff:
         if choice.point is own.point:
             return f"{words}, the file's own setting"
         fewer = setting_of(own).work / setting_of(choice).work
-        count = f"{fewer:.2g} times fewer" if fewer > 1 else f"{1 / fewer:.2g} times as many"
-        count = "as many" if fewer == 1 else count
-        link = "than" if fewer > 1 else "as"
+        times = f"{1 / fewer:.2g} times " if fewer < 1 else ""
+        count = f"{fewer:.2g} times fewer" if fewer > 1 else f"{times}as many"
         mine = "which loses its state" if own.error == inf else f"error {percent(own.error)}"
         if BENCH.margin * request.target < own.error <= request.target:
             mine += ": no margin for other motions"
         return (
-            f"{words}, {count} evaluations of forces {link} the file's setting "
-            f"({setting_of(own).name}, {mine})"
+            f"{words}, {count} evaluations of forces {'than' if fewer > 1 else 'as'} the file's "
+            f"setting ({setting_of(own).name}, {mine})"
         )
 
     @property

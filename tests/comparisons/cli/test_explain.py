@@ -134,7 +134,7 @@ def test_every_head_of_a_table_is_explained(
     line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pytest.importorskip("mujoco")
-    heads, files = list[str](), {name: tmp_path / name for name in ("a", "b", "run")}
+    heads, files = list[str](), {name: tmp_path / f"{name}.xml" for name in ("a", "b", "run")}
     for name, damping in (("a", 1), ("b", 2)):
         files[name].write_text(LOOP.format(damping))
     if "{run}" in line:

@@ -211,7 +211,7 @@ LYING = ('pos="0 0 -0.5" mass="1"', 'pos="-0.5 0 0" mass="1"')
     ("servo", "rule", "words"),
     [
         (WEAK.format(900, 'forcerange="-4 4"'), "saturated_actuator", "swing needs 4.905 Nm"),
-        (WEAK.format(10, ""), "control_not_holding", "one yields by about -0.49 rad"),
+        (WEAK.format(10, ""), "control_not_holding", "one yields by about -0.491 rad"),
         (WEAK.format(900, 'forcerange="-6 6"'), None, ""),
     ],
 )

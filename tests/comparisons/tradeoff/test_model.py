@@ -89,7 +89,7 @@ def test_what_is_not_run_would_not_be_chosen(changes: dict[str, str], tmp_path: 
     choice, known = advice.choice, {setting_of(one) for one in advice.trials}
     left = [one for one in bench.settings() if one not in known]
     assert choice is not None
-    assert len(left) > len(bench.settings()) / 4
+    assert left
     assert advice.next_setting(bench) is None
     for setting in left:
         advice.tried(bench, setting)
