@@ -557,8 +557,8 @@ def converge(bench: Bench, start: Start, late: bool = False) -> Converged | str:
 def refined(bench: Bench, start: Start) -> Converged | str:
     """Compute the converged run from a start, or return the reason why there is none.
 
-    The longest step serves if it is known far better than the target needs. Shorter ones are
-    refined where the motion is smooth; where no time is left, the reason states the time needed.
+    The longest step serves if the run is clearly known to its end. Shorter ones are refined where the
+    motion is smooth; where no time is left, the reason states the time needed.
 
     Raises
     ------
@@ -583,7 +583,7 @@ def refined(bench: Bench, start: Start) -> Converged | str:
             best = max(truth, best or truth, key=lambda one: one.count(target))
             if truth.run.failed is not None:
                 continue
-            if trial and truth.count(BENCH.enough * target) == bench.count:
+            if trial and truth.count(BENCH.margin * target) == bench.count:
                 return truth
             if not trial and truth.count(target) >= least:
                 return truth
