@@ -557,8 +557,8 @@ def converge(bench: Bench, start: Start, late: bool = False) -> Converged | str:
 def refined(bench: Bench, start: Start) -> Converged | str:
     """Compute the converged run from a start, or return the reason why there is none.
 
-    The longest step serves if the run is clearly known to its end. Shorter ones are refined where the
-    motion is smooth; where no time is left, the reason states the time needed.
+    The longest step serves if the run is clearly known to its end. Shorter ones are refined where
+    the motion is smooth; where no time is left, the reason states the time needed.
 
     Raises
     ------
