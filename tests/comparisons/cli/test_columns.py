@@ -74,7 +74,7 @@ class Terminal(io.StringIO):
 
 
 def test_an_error_is_wrapped_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
-    line = "list nothing"
+    line = "list zzzzzz"
     assert len(refusal(line)) > WIDTH
     monkeypatch.setattr("sys.stderr", screen := Terminal())
     monkeypatch.setenv("COLUMNS", str(WIDTH))
