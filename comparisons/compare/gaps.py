@@ -167,7 +167,7 @@ def array_gaps(
         name, kind = QUANTITIES[key]
         limit = np.broadcast_to(tolerance, a[key].shape)
         if limit.size:
-            lost = np.isnan(a[key]) & np.isnan(b[key])
+            lost = ~np.isfinite(a[key]) & ~np.isfinite(b[key])  # a step that overflows
             ratio = np.where(lost, 0.0, abs(a[key] - b[key]) / np.maximum(limit, TINY))
             ratio = np.where(np.isnan(ratio), np.inf, ratio)
             at = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
