@@ -19,8 +19,6 @@ from ..documents.fields import HIDDEN, documented
 from ..documents.waivers import Waiver, waivers_of
 from ..reports.item import ReportItem
 from .elements import (
-    ENUMERATIONS,
-    FLAGS,
     REFERENCES,
     SWITCHES,
     Attribute,
@@ -36,7 +34,7 @@ from .engine import EngineReading
 from .explain import find_edits, guesses
 from .gaps import Gap, acceleration_roundoff, distinct, gaps_between
 from .reading import Edit, Operand, Reading
-from .states import Side, labels_of_rows, sides_of, states_of, translated
+from .states import Side, sides_of, states_of, translated
 
 EQUAL = 1e-9
 """Share by which numbers of two files may differ in rounding."""
@@ -76,15 +74,8 @@ NEUTRAL: Mapping[str, Mapping[str, float]] = {
 }  # fmt: skip
 """Kind of element -> values of its fields with which it does nothing."""
 
-TYPES = {
-    **{name: enumeration for name, enumeration in ENUMERATIONS.items() if name.startswith("opt.")},
-    **{f"actuator_{name}type": f"mjt{name.title()}" for name in ("gain", "bias", "dyn")},
-    **FLAGS,
-}
-"""Fields of types and flags that can be edited -> their enumeration."""
-
-FIXED = {*ENUMERATIONS, *REFERENCES}
-"""Fields of types and of numbers of elements, which are not edited otherwise."""
+TYPES = ("actuator_gaintype", "actuator_biastype", "actuator_dyntype")
+"""Fields of types that can be edited in a compiled model; others cannot."""
 
 RETARGETED = ("actuator_trnid", "eq_obj1id", "eq_obj2id")
 """References to elements that can be edited in a compiled model."""
@@ -310,15 +301,15 @@ def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelCo
     sides = sides_of(one, other, match)
     trial, gaps, left, idle = None, list[Gap](), list[Gap](), list[Difference]()
     if not isinstance(sides, str):
-        trial = EditTrial(first, second, match, sides, [e for d in rounding for e in d.edits])
-        gaps = trial.gaps(())
+        trial = EditTrial(first, second, match, sides, edits_in(rounding))
+        gaps = trial.gaps()
         if gaps and isinstance(second, EngineReading):
-            differences += trial.read_differently([e for d in differences for e in d.edits])
-        idle = [d for d in differences if why_idle(one, other, d) and trial.moves_nothing(d.edits)]
-        differences = [d for d in differences if d not in idle]
+            differences += trial.read_differently(edits_in(differences))
+        left = trial.left(edits_in(differences), gaps) if gaps else []
         differences = [*map(trial.measured, differences[:MEASURED]), *differences[MEASURED:]]
         differences.sort(key=lambda d: -1.0 if d.effect is None else d.effect, reverse=True)
-        left = trial.left([e for d in (*differences, *idle) for e in d.edits], gaps) if gaps else []
+        idle = [d for d in differences if d.effect == 0 and why_idle(one, other, d)]
+        differences = [d for d in differences if d not in idle]
     physical = [
         {*m.fields, *(key for key in m.answer if key.startswith("opt."))} for m in (one, other)
     ]
@@ -337,6 +328,11 @@ def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelCo
         rounded=sum(d.share > EQUAL for d in rounding),
         not_compared=sorted(physical[0] ^ physical[1]),
     )
+
+
+def edits_in(differences: Sequence[Difference]) -> list[Edit]:
+    """Return all edits of some differences."""
+    return [edit for one in differences for edit in one.edits]
 
 
 def why_idle(one: Compiled, other: Compiled, difference: Difference) -> str:
@@ -389,22 +385,22 @@ def edits_of(one: Compiled, other: Compiled, pair: Sequence[Attribute]) -> Itera
     """Yield edits that give A's element the values of B's, as far as a compiled model allows."""
     values = pair[1].values
     for name, rows in pair[0].rows.items():
-        theirs = pair[1].rows.get(name, ())
-        listed = None if rows is None else rows.tolist()
-        if name in TYPES:
-            numbers = one.numbers(TYPES[name])  # which another release may have changed
-            if name != "actuator_dyntype" or min(one.field("actuator_actadr")[rows]) >= 0:
-                yield name, listed, sum(numbers.get(word, 0) for word in values)
-        elif listed is None:
+        theirs = pair[1].rows.get(name) or ()
+        if rows is None:
             yield name, None, other.field(name).tolist()
-        elif name in RETARGETED and len(theirs):
+        elif name in TYPES:
+            if name != "actuator_dyntype" or one.field("actuator_actadr")[rows[0]] >= 0:
+                yield name, rows, values
+        elif name in RETARGETED and theirs:
             targets = np.full_like(one.field(name)[rows], -1)
             targets.flat[: len(values)] = [number_of(one, label) for label in values]
-            yield name, listed, targets.tolist()
-        elif not (name in FIXED or name.startswith("sensor_") or len(theirs) != len(rows)):
+            yield name, rows, targets.tolist()
+        elif name in REFERENCES or name.startswith("sensor_") or len(theirs) != len(rows):
+            continue
+        elif one.field(name).dtype.kind != "U":
             for own in (name, WITH.get(name, ""), SWITCHES.get(name, "")):
                 if own in one.answer:
-                    yield own, listed, other.field(own)[theirs].tolist()
+                    yield own, rows, other.field(own)[theirs].tolist()
 
 
 def number_of(model: Compiled, label: str) -> int:
@@ -488,7 +484,7 @@ class EditTrial:
     ----------
     first, second : Reading
     match : Match
-    rows : StateRows
+    sides : tuple of Side
     always : sequence of Edit
         Edits of A that are always made: attributes that differ by the digits of a text.
     """
@@ -508,59 +504,49 @@ class EditTrial:
             self.states = {name: {**one, "act": rest} for name, one in self.states.items()}
         self.eps = max(first.eps, second.eps)
         self.elements = [pair[0] for pair in match.pairs]
-        self.labels = labels_of_rows(sides[0])
         theirs = [translated(state, *sides) for state in self.states.values()]
         self.other = [sides[1].in_order(one) for one in second.at(theirs)]
         self.own = self.answers(())
+        self.accelerations = np.array([one["qacc"] for one in self.own])
+        self.masses = np.array([one["mass"] for one in self.own])
 
     def answers(self, edits: Sequence[Edit], brief: bool = False) -> list[dict[str, Any]]:
         """Return the answers of A after edits; in brief its accelerations alone."""
         answers = self.first.at(list(self.states.values()), [*self.always, *edits], brief)
-        if brief:
-            return [{"qacc": one["qacc"][self.sides[0].rows["qvel"]]} for one in answers]
         return [self.sides[0].in_order(one) for one in answers]
 
-    def gaps(self, edits: Sequence[Edit]) -> list[Gap]:
+    def edited(self, edits: Sequence[Edit]) -> Any:
+        """Return the accelerations of A after edits (states, n)."""
+        return np.array([one["qacc"] for one in self.answers(edits, brief=True)])
+
+    def gaps(self, edits: Sequence[Edit] = ()) -> list[Gap]:
         """Return the gaps between A, with edits, and B."""
         own = self.answers(edits) if edits else self.own
-        return gaps_between(own, self.other, list(self.states), self.labels, self.eps)
-
-    def moves_nothing(self, edits: Sequence[Edit]) -> bool:
-        """Return True if edits of A change no quantity beyond round-off."""
-        changed = self.answers(edits)
-        return not gaps_between(self.own, changed, list(self.states), self.labels, self.eps)
-
-    @cached_property
-    def force_scale(self) -> Any:
-        """Largest force of each joint (n,) at the states, and no less than a share of all."""
-        forces = np.array([one["mass"] @ one["qacc"] for one in self.own])
-        size = abs(forces).max(axis=0)
-        return np.maximum(size, MIN_FORCE * size.max(initial=0.0) or 1.0)
+        labels = self.sides[0].row_labels
+        return gaps_between(own, self.other, list(self.states), labels, self.eps)
 
     def force_gap(self, edits: Sequence[Edit]) -> Any:
         """Return the differences of accelerations as forces, relative to each joint's largest."""
-        apart = [
-            mine["mass"] @ (theirs["qacc"] - edited["qacc"])
-            for mine, theirs, edited in zip(
-                self.own, self.other, self.answers(edits, brief=True), strict=True
-            )
-        ]
-        return np.ravel(np.array(apart) / self.force_scale)
+        theirs = np.array([one["qacc"] for one in self.other])
+        forces, apart = (
+            np.einsum("sij,sj->si", self.masses, one)
+            for one in (self.accelerations, theirs - self.edited(edits))
+        )
+        size = abs(forces).max(axis=0)
+        scale = np.maximum(size, MIN_FORCE * size.max(initial=0.0) or 1.0)
+        return np.ravel(apart / scale)
 
-    def read_differently(self, before: Sequence[Edit]) -> list[Difference]:
-        """Return the attributes that an engine lost or scaled, after edits that are known."""
+    def read_differently(self, before: Sequence[Edit]) -> Iterator[Difference]:
+        """Yield the attributes that an engine lost or scaled, after edits that are known."""
         picks = find_edits(
             lambda edits: self.force_gap([*before, *edits]),
             lambda edits: not self.gaps([*before, *edits]),
             list(guesses(self.first.model, self.elements)),
         )
-        differences = []
         for one, factor in picks:
-            before, after = one.cells(factor)
-            cells = distinct(*shortened(before, after), 6) if before else ("", str(after[0]))
-            edits = [one.edit(factor)]
-            differences.append(Difference(one.element, one.attribute, *cells, None, edits))
-        return differences
+            values, read = one.cells(factor)
+            cells = distinct(*shortened(values, read), 6) if values else ("", str(read[0]))
+            yield Difference(one.element, one.attribute, *cells, edits=[one.edit(factor)])
 
     def left(self, edits: Sequence[Edit], gaps: list[Gap]) -> list[Gap]:
         """Return the gaps that edits leave; all of them if the edits cannot be made."""
@@ -569,21 +555,22 @@ class EditTrial:
         except MbcheckError:
             return gaps
 
-    @cached_property
-    def roundoff(self) -> Any:
-        """Round-off of each acceleration at each state (states, n)."""
-        return np.array([acceleration_roundoff(one, self.eps) for one in self.own])
-
     def measured(self, difference: Difference) -> Difference:
         """Return a difference with its effect on accelerations."""
         if not difference.edits:
             return difference
         try:
-            changed = self.answers(difference.edits, brief=True)
+            apart = abs(self.edited(difference.edits) - self.accelerations)
         except MbcheckError:
             return difference
-        own, edited = (np.array([one["qacc"] for one in every]) for every in (self.own, changed))
-        apart = abs(edited - own)
-        scale = np.maximum(abs(own).max(axis=0, initial=0.0), self.roundoff)
-        effect = np.max(np.where(apart > self.roundoff, apart / scale, 0.0), initial=0.0)
+        least = self.roundoff
+        scale = np.maximum(abs(self.accelerations).max(axis=0, initial=0.0), least)
+        effect = np.max(np.where(apart > least, apart / scale, 0.0), initial=0.0)
         return replace(difference, effect=float(effect) if math.isfinite(effect) else None)
+
+    @cached_property
+    def roundoff(self) -> Any:
+        """Round-off of each acceleration at each state (states, n)."""
+        return np.array(
+            [acceleration_roundoff(one, self.eps) + 4 * one["qacc_floor"] for one in self.own]
+        )

@@ -24,7 +24,6 @@ from ..engines.validation import numbers
 from .elements import Compiled, levels
 from .gaps import OPERATIONS
 from .reading import MUJOCO, Answer, Edit, Operand, Reading, State
-from .states import control_of
 
 TRIED_STATES = 4
 """Number of states at which an engine's conventions are tried."""
@@ -142,7 +141,7 @@ class EngineReading(Reading):
         super().__init__(replace(operand, reader=MUJOCO), sys.executable)
         if self.engine.precision == "float32":
             self.eps = float(np.finfo(np.float32).eps)
-        kinds = tuple(self.model.types("jnt_type"))
+        kinds = tuple(self.model.field("jnt_type").tolist())
         self.layout = layout_of(kinds)
         self.system = System(
             case=Case(Path(operand.file).stem, "file", None),
@@ -170,9 +169,10 @@ class EngineReading(Reading):
         """
         q, v = (np.array(state[name], dtype=float) for name in ("qpos", "qvel"))
         turn, drift = convention.velocity_map(self.layout, q, v)
+        names = self.model.names["actuator"]
         terms = tuple(
-            Term("actuator", name, {}, amplitude=state["ctrl"][control_of(self.model, i)])
-            for i, name in enumerate(self.model.names["actuator"])
+            Term("actuator", name, {}, amplitude=state["ctrl"][rows.start])
+            for name, rows in zip(names, self.model.columns("key_ctrl"), strict=True)
         )
         arguments: list[Any] = [
             replace(self.system, terms=terms),
