@@ -101,6 +101,10 @@ class Difference:
     effect : float or None
         by how much the acceleration of a joint changes with this edit of A alone, relative to its
         largest at the states; 0 if by no more than round-off, null if it cannot be tried
+    seen : str
+        if the effect is 0, a quantity that this edit changes all the same, and the state
+    unit : str
+        Unit of its values where files have another: angles are in radians.
     edits : list of Edit
         Edits that give A's model the values of B.
     share : float
@@ -114,6 +118,8 @@ class Difference:
     before: str
     after: str
     effect: float | None = None
+    seen: str = ""
+    unit: str = field(default="", metadata=HIDDEN)
     edits: Sequence[Edit] = field(default=(), metadata=HIDDEN)
     share: float = field(default=math.inf, metadata=HIDDEN)
     written: float = field(default=0.0, metadata=HIDDEN)
@@ -133,8 +139,12 @@ class Difference:
         """The difference in words."""
         if not self.attribute:
             return f"{self.element} {'lost' if self.after == 'lost' else 'is new'}"
+        before, after = (
+            f"{words} {self.unit}" if self.unit and words[-1:].isdigit() else words
+            for words in (self.before, self.after)
+        )
         dropped = self.after in ("none", "no limit") or set(self.after.split()) == {"0"}
-        words = (self.attribute, self.before, "dropped" if dropped else f"read as {self.after}")
+        words = (self.attribute, before, "dropped" if dropped else f"read as {after}")
         return f"{self.element}: {' '.join(filter(None, words))}"
 
 
@@ -174,6 +184,8 @@ class ModelComparison:
         reasons of waivers, by element and attribute
     unused_waivers : sequence of str
         waivers of this model that waive nothing
+    idle_waivers : sequence of str
+        waivers that waive nothing here, and may concern other models
     """
 
     a: str
@@ -191,6 +203,7 @@ class ModelComparison:
     not_compared: Sequence[str]
     waived: Mapping[str, str] = field(default_factory=dict)
     unused_waivers: Sequence[str] = ()
+    idle_waivers: Sequence[str] = ()
 
     @property
     @documented
@@ -269,18 +282,27 @@ def compare(a: str, b: str, install: bool = False, waivers: str | None = None) -
 
 def with_waivers(result: ModelComparison, waivers: Sequence[Waiver]) -> ModelComparison:
     """Return a comparison whose findings are waived, and waivers that waive nothing."""
-    waived, used = dict[str, str](), set[Waiver]()
+    waived, idle = dict[str, str](), list(waivers)
     for one in result.findings:
-        waiver = next((w for w in waivers if w.covers(RULE, one.id)), None)
+        waiver = next((w for w in waivers if w.covers(RULE, *names_in_waivers(one))), None)
         if waiver:
             waived[one.id] = waiver.reason
-            used.add(waiver)
-    unused = [
-        f"{one.file}, line {one.line}: {one.pattern or 'all'} is alike, remove the waiver"
-        for one in waivers
-        if one.required and one not in used
-    ]
-    return replace(result, waived=waived, unused_waivers=unused)
+            idle = [other for other in idle if other is not waiver]
+    words = {w: f"{w.file}, line {w.line}: {w.pattern or 'all'}" for w in idle}
+    return replace(
+        result,
+        waived=waived,
+        unused_waivers=[f"{words[w]} is alike, remove the waiver" for w in idle if w.required],
+        idle_waivers=[f"{words[w]} waives nothing here" for w in idle if not w.required],
+    )
+
+
+def names_in_waivers(one: Difference | Gap) -> list[str]:
+    """Return the names of a finding: its id, its element as here and as `inspect` spells it."""
+    kind, _, name = one.element.partition(" ")
+    elements = [one.element, f"{kind}:{name}", name]
+    ending = f" {one.attribute}" if isinstance(one, Difference) else ""
+    return [one.id, *elements, *(element + ending for element in elements)]
 
 
 def opened(operand: Operand, install: bool) -> Reading:
@@ -308,7 +330,7 @@ def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelCo
         left = trial.left(edits_in(differences), gaps) if gaps else []
         differences = [*map(trial.measured, differences[:MEASURED]), *differences[MEASURED:]]
         differences.sort(key=lambda d: -1.0 if d.effect is None else d.effect, reverse=True)
-        idle = [d for d in differences if d.effect == 0 and why_idle(one, other, d)]
+        idle = [d for d in differences if (d.effect, d.seen) == (0, "") and why_idle(one, other, d)]
         differences = [d for d in differences if d not in idle]
     physical = [
         {*m.fields, *(key for key in m.answer if key.startswith("opt."))} for m in (one, other)
@@ -366,19 +388,49 @@ def differences_of(one: Compiled, other: Compiled, match: Match) -> Iterator[Dif
             single = any(one.answer[key].dtype == np.float32 for key in fields)
             before, after = (attribute.values for attribute in pair)
             share = difference_share(before, after, 1.0 if mine.kind == "key" else 0.0)
+            if name == "kv":  # which the compiler computes from kp where a file has dampratio
+                ratios = damping_ratio(one, mine), damping_ratio(other, theirs)
+                share = min(share, abs(ratios[1] - ratios[0]) / ratios[0] if all(ratios) else 1.0)
+                if share <= EQUAL and mine.attribute("kp").values != theirs.attribute("kp").values:
+                    continue  # the edit of kp has both
             if share:
                 share = min(share, EQUAL) if single and share <= SINGLE else share
-                edits = list(edits_of(one, other, pair))
-                cells = distinct(*printed_values(one, other, pair), 6)
-                written = written_share([*before, *after])
                 yield Difference(
-                    mine.label, name, *cells, edits=edits, share=share, written=written
+                    mine.label,
+                    name,
+                    *distinct(*printed_values(one, other, pair), 6),
+                    unit=unit_of(mine, name),
+                    edits=list(edits_of(one, other, pair)),
+                    share=share,
+                    written=written_share([*before, *after]),
                 )
     for element, word in [(e, "lost") for e in match.gone] + [(e, "new") for e in match.new]:
         if element.kind == "geom" and touches_nothing(element.attributes):
             continue  # drawn only
         edits = list(neutral(one, element)) if word == "lost" else []
         yield Difference(element.label, "", "", word, edits=edits)
+
+
+def unit_of(element: ModelElement, attribute: str) -> str:
+    """Return the unit of an angle of a joint, which files give in degrees or radians."""
+    kinds = element.attribute("type").values
+    is_angle = element.kind == "joint" and attribute in ("range", "ref", "springref")
+    return "rad" if is_angle and kinds[0] in ("hinge", "ball") else ""
+
+
+def damping_ratio(model: Compiled, element: ModelElement) -> float:
+    """Return ``dampratio`` of a servo on a joint, gear kv / (2 sqrt(kp M)); zero of others.
+
+    M is the joint's diagonal entry of the mass matrix as the file opens. Source: MuJoCo's XML
+    reference, actuator/position.
+    """
+    row = element.number
+    if "kp" not in element.attributes or model.field("actuator_trntype")[row] != "joint":
+        return 0.0
+    kp, kv = (element.attributes[name].values[0] for name in ("kp", "kv"))
+    joint, gear = (model.field(f"actuator_{name}")[row, 0] for name in ("trnid", "gear"))
+    mass = model.field("dof_M0")[model.field("jnt_dofadr")[joint]]
+    return float(abs(gear) * kv / (2 * math.sqrt(kp * mass))) if kp * mass > 0 else 0.0
 
 
 def edits_of(one: Compiled, other: Compiled, pair: Sequence[Attribute]) -> Iterator[Edit]:
@@ -444,7 +496,8 @@ def shortened(before: Sequence[Any], after: Sequence[Any]) -> tuple[Sequence[Any
     """Return the values that differ where there are many, else all up to the last that differs."""
     if len(before) != len(after):
         return before[:MAX_VALUES], after[:MAX_VALUES]
-    size = EQUAL * max((abs(v) for v in (*before, *after) if isinstance(v, float)), default=0.0)
+    floats = [abs(v) for v in (*before, *after) if isinstance(v, float) and math.isfinite(v)]
+    size = EQUAL * max(floats, default=0.0)
     before, after = (
         [0.0 if isinstance(v, float) and abs(v) <= size else v for v in values]
         for values in (before, after)
@@ -521,9 +574,12 @@ class EditTrial:
 
     def gaps(self, edits: Sequence[Edit] = ()) -> list[Gap]:
         """Return the gaps between A, with edits, and B."""
-        own = self.answers(edits) if edits else self.own
-        labels = self.sides[0].row_labels
-        return gaps_between(own, self.other, list(self.states), labels, self.eps)
+        return self.gaps_of(self.other, self.answers(edits) if edits else self.own)
+
+    def gaps_of(self, answers: Any, own: Any = None) -> list[Gap]:
+        """Return the gaps between answers and those of A, or others."""
+        labels, states = self.sides[0].row_labels, list(self.states)
+        return gaps_between(own or self.own, answers, states, labels, self.eps)
 
     def force_gap(self, edits: Sequence[Edit]) -> Any:
         """Return the differences of accelerations as forces, relative to each joint's largest."""
@@ -543,10 +599,13 @@ class EditTrial:
             lambda edits: not self.gaps([*before, *edits]),
             list(guesses(self.first.model, self.elements)),
         )
+        elements = {one.label: one for one in self.elements}
         for one, factor in picks:
             values, read = one.cells(factor)
             cells = distinct(*shortened(values, read), 6) if values else ("", str(read[0]))
-            yield Difference(one.element, one.attribute, *cells, edits=[one.edit(factor)])
+            unit = unit_of(elements.get(one.element, self.elements[0]), one.attribute)
+            edits = [one.edit(factor)]
+            yield Difference(one.element, one.attribute, *cells, unit=unit, edits=edits)
 
     def left(self, edits: Sequence[Edit], gaps: list[Gap]) -> list[Gap]:
         """Return the gaps that edits leave; all of them if the edits cannot be made."""
@@ -566,6 +625,10 @@ class EditTrial:
         least = self.roundoff
         scale = np.maximum(abs(self.accelerations).max(axis=0, initial=0.0), least)
         effect = np.max(np.where(apart > least, apart / scale, 0.0), initial=0.0)
+        if effect == 0.0:
+            other = self.gaps_of(self.answers(difference.edits))
+            seen = f"{other[0].quantity}, {other[0].state}" if other else ""
+            return replace(difference, effect=0.0, seen=seen)
         return replace(difference, effect=float(effect) if math.isfinite(effect) else None)
 
     @cached_property

@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
 from typing import Any
@@ -427,8 +427,9 @@ class Match:
 def match_elements(one: Compiled, other: Compiled) -> Match:
     """Return the pairs of corresponding elements of two models.
 
-    They are matched by name; those without a partner of their name by their place (their parent, or
-    the elements to which they refer) and by the number of equal attributes.
+    They are matched by name; those without a partner of their name so that as many as possible are
+    at the same place (their parent, or the elements to which they refer), and that as few
+    attributes as possible differ.
     """
     labels = {kind: list(listed) for kind, listed in other.labels.items()}
     contents = contents_of(one), contents_of(other)
@@ -442,15 +443,14 @@ def match_elements(one: Compiled, other: Compiled) -> Match:
             for i, name in enumerate(names)
             if name and others.count(name) == names.count(name) == 1
         }
-        rename(labels, one, kind, partners)
         mine = one.elements(kind, one.labels)
         for numbers in levels(one) if kind == "body" else [range(len(mine))]:
-            theirs = other.elements(kind, labels)
-            for rest in leftover_groups(mine, theirs, numbers, partners):
-                partners |= dict(
-                    assigned(mine, theirs, *rest, contents if kind == "body" else None)
-                )
             rename(labels, one, kind, partners)
+            theirs = other.elements(kind, labels)
+            left = [mine[i] for i in numbers if i not in partners]
+            right = [each for each in theirs if each.number not in partners.values()]
+            partners |= dict(assigned(left, right, contents))
+        rename(labels, one, kind, partners)
         theirs = other.elements(kind, labels)
         pairs += [(mine[i], theirs[j]) for i, j in sorted(partners.items())]
         gone += [element for element in mine if element.number not in partners]
@@ -474,46 +474,34 @@ def levels(model: Compiled) -> list[list[int]]:
     return [[i for i, own in enumerate(depth) if own == d] for d in range(max(depth) + 1)]
 
 
-def leftover_groups(
-    mine: Sequence[ModelElement],
-    theirs: Sequence[ModelElement],
-    numbers: Sequence[int],
-    partners: Mapping[int, int],
-) -> Iterator[tuple[list[int], list[int]]]:
-    """Yield the numbers of those without a partner that stand at the same place, then of all."""
-    for by_place in (True, False):
-        taken = set(partners.values())
-        places: dict[Any, tuple[list[int], list[int]]] = {}
-        for i in numbers:
-            if i not in partners:
-                places.setdefault(place_of(mine[i]) if by_place else (), ([], []))[0].append(i)
-        for j, element in enumerate(theirs):
-            if j not in taken:
-                places.setdefault(place_of(element) if by_place else (), ([], []))[1].append(j)
-        yield from ((a, b) for a, b in places.values() if a and b)
+PLACE = ("parent", "body", "type", "transmission", "target", "first element", "geoms", "objid")
+"""Attributes that say where an element is."""
+
+ELSEWHERE = 1e3
+"""Number of differing attributes for which another place counts."""
 
 
-def place_of(element: ModelElement) -> tuple[str, ...]:
-    """Return where an element stands: its type, its body, or what it refers to."""
-    names = ("parent", "body", "type", "transmission", "target", "first element", "geoms", "objid")
-    return tuple(
-        str(value)
-        for name in names
-        if name in element.attributes
-        for value in element.attributes[name].values
-    )
+def spelled(element: ModelElement) -> set[str]:
+    """Return the attributes of an element as words, numbers in five digits of the largest."""
+    words = set()
+    for name, one in element.attributes.items():
+        values = list(one.values)
+        if not any(isinstance(value, str) for value in values):
+            numbers = np.array(values, dtype=float)
+            size = abs(numbers[np.isfinite(numbers)]).max(initial=0.0)
+            values = [f"{size:.4e}", *(np.round(numbers / (size or 1.0), 5) + 0.0).tolist()]
+        words.add(f"{element.kind} {name} {values}")
+    return words
 
 
 def contents_of(model: Compiled) -> list[Counter[str]]:
-    """Return the attributes, in five digits, of all joints and geoms on each body and below it."""
+    """Return the attributes, as words, of all joints and geoms on each body and below it."""
     contents = [Counter[str]() for _ in model.labels["body"]]
     for kind in ("joint", "geom"):
         owners = model.field(KINDS[kind]).tolist()
         for element in model.elements(kind, model.labels):
-            for name, one in element.attributes.items():
-                if not set(one.rows) & set(REFERENCES):
-                    words = (f"{v:.4e}" if isinstance(v, float) else str(v) for v in one.values)
-                    contents[owners[element.number]][f"{kind} {name} {' '.join(words)}"] += 1
+            own = {n: a for n, a in element.attributes.items() if not {*a.rows} & {*REFERENCES}}
+            contents[owners[element.number]].update(spelled(replace(element, attributes=own)))
     for i, parent in reversed(list(enumerate(model.field("body_parentid").tolist()))):
         if i:
             contents[parent] += contents[i]
@@ -521,34 +509,28 @@ def contents_of(model: Compiled) -> list[Counter[str]]:
 
 
 def assigned(
-    mine: Sequence[ModelElement],
-    theirs: Sequence[ModelElement],
-    left: list[int],
-    right: list[int],
-    contents: tuple[Sequence[Counter[str]], Sequence[Counter[str]]] | None,
+    left: Sequence[ModelElement],
+    right: Sequence[ModelElement],
+    contents: tuple[Sequence[Counter[str]], Sequence[Counter[str]]],
 ) -> Iterator[tuple[int, int]]:
     """Yield pairs of numbers so that as few attributes as possible differ, in order if equal.
 
     The share of differing ``contents`` counts as one attribute of bodies.
     """
-    costs = np.zeros((len(left), len(right)))
-    for (a, i), (b, j) in product(enumerate(left), enumerate(right)):
-        costs[a, b] = difference_count(mine[i], theirs[j]) + 1e-6 * abs(a - b)
-        if contents:
-            both = contents[0][i], contents[1][j]
-            shared, every = (both[0] & both[1]).total(), (both[0] | both[1]).total()
-            costs[a, b] += 1 - shared / every if every else 0.0
-    for a, b in zip(*linear_sum_assignment(costs), strict=True):
-        yield left[a], right[b]
-
-
-def difference_count(one: ModelElement, other: ModelElement) -> float:
-    """Return the number of attributes that differ, in six digits."""
-    shares = (
-        difference_share(one.attribute(name).values, other.attribute(name).values)
-        for name in names_of_both(one, other)
+    words, places = (
+        [[each(element) for element in side] for side in (left, right)]
+        for each in (spelled, lambda one: [one.attribute(name).values for name in PLACE])
     )
-    return float(sum(share > 1e-5 for share in shares))
+    costs = np.zeros((len(left), len(right)))
+    for a, b in product(range(len(left)), range(len(right))):
+        costs[a, b] = len(words[0][a] ^ words[1][b]) / 2 + 1e-6 * abs(a - b)
+        costs[a, b] += ELSEWHERE * (places[0][a] != places[1][b])
+        if left[a].kind == "body":
+            both = contents[0][left[a].number], contents[1][right[b].number]
+            every = (both[0] | both[1]).total()
+            costs[a, b] += 1 - (both[0] & both[1]).total() / every if every else 0.0
+    for a, b in zip(*linear_sum_assignment(costs), strict=True):
+        yield left[a].number, right[b].number
 
 
 def difference_share(one: Values, other: Values, least: float = 0.0) -> float:

@@ -127,7 +127,7 @@ def sections(result: ModelComparison) -> Iterator[Section]:
         rows = [
             [
                 one.sentence + waived_words(result, one),
-                "-" if one.effect is None else number(one.effect, 2),
+                "-" if one.effect is None else number(one.effect, 2) + seen_words(one),
             ]
             for one in result.differences
         ]
@@ -138,6 +138,11 @@ def sections(result: ModelComparison) -> Iterator[Section]:
         places = [(g.quantity, g.element, *distinct([g.a], [g.b], 4), g.state) for g in result.gaps]
         yield Section(title, ("quantity", "element", "A", "B", "state"), places)
     yield Section(lines=list(conclusion(result)))
+
+
+def seen_words(one: Difference) -> str:
+    """Return in words where a difference without effect on accelerations is seen."""
+    return f" (seen: {one.seen})" if one.seen else ""
 
 
 def waived_words(result: ModelComparison, one: Difference | Gap) -> str:
@@ -164,5 +169,5 @@ def conclusion(result: ModelComparison) -> Iterator[str]:
         yield f"{result.rounded} attributes differ only by the six digits of a text."
     if result.not_compared:
         yield f"Fields of one release alone, not compared: {', '.join(result.not_compared)}."
-    yield from result.unused_waivers
+    yield from (*result.unused_waivers, *result.idle_waivers)
     yield verdict(result).capitalize() + "."

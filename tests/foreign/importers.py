@@ -130,60 +130,6 @@ class Dart(Importer):
         return np.concatenate(found)
 
 
-class Mjx(Importer):
-    """MuJoCo's algorithms in JAX, in 64 bits."""
-
-    name, distribution = "mjx_importer", "mujoco-mjx"
-
-    def read(self, system: mbcheck.System) -> Any:
-        import jax
-        import mujoco
-        from mujoco import mjx
-
-        jax.config.update("jax_enable_x64", True)
-        model = mujoco.MjModel.from_xml_path(system.path)
-        try:
-            return model, mjx.put_model(model), jax.jit(mjx.forward)
-        except (NotImplementedError, AttributeError) as error:
-            raise mbcheck.Unsupported(f"MJX: {' '.join(str(error).split())[:150]}") from error
-
-    def accelerations(self, system: mbcheck.System, time: float, q: Any, v: Any) -> Any:
-        import mujoco
-        from mujoco import mjx
-
-        model, on_device, forward = self.loaded(system)
-        data = mujoco.MjData(model)
-        data.qpos, data.qvel, data.ctrl = q, v, system.controls(time)
-        return np.array(forward(on_device, mjx.put_data(model, data)).qacc)
-
-
-class Warp(Importer):
-    """MuJoCo's algorithms in Warp, in 32 bits."""
-
-    name, distribution, precision = "mujoco_warp_importer", "mujoco-warp", "float32"
-
-    def read(self, system: mbcheck.System) -> Any:
-        import mujoco
-        import mujoco_warp
-
-        model = mujoco.MjModel.from_xml_path(system.path)
-        try:
-            return model, mujoco_warp.put_model(model)
-        except (NotImplementedError, AttributeError) as error:
-            raise mbcheck.Unsupported(f"Warp: {' '.join(str(error).split())[:150]}") from error
-
-    def accelerations(self, system: mbcheck.System, time: float, q: Any, v: Any) -> Any:
-        import mujoco
-        import mujoco_warp
-
-        model, on_device = self.loaded(system)
-        data = mujoco.MjData(model)
-        data.qpos, data.qvel, data.ctrl = q, v, system.controls(time)
-        there = mujoco_warp.put_data(model, data)
-        mujoco_warp.forward(on_device, there)
-        return there.qacc.numpy()[0].astype(float)
-
-
 def written_by_newton(path: Path, folder: Path) -> Path:
     """Return a file as Newton reads it and hands it to MuJoCo."""
     import newton
@@ -197,7 +143,11 @@ def written_by_newton(path: Path, folder: Path) -> Path:
     return copy
 
 
-IMPORTERS: Mapping[str, type[Importer]] = {
-    "Pinocchio": Pinocchio, "Drake": Drake, "DART": Dart, "MJX": Mjx, "MuJoCo Warp": Warp,
-}  # fmt: skip
-"""Engine -> its importer."""
+IMPORTERS: Mapping[str, str] = {
+    "Pinocchio": f"{__name__}:Pinocchio",
+    "Drake": f"{__name__}:Drake",
+    "DART": f"{__name__}:Dart",
+    "MJX": "mbcheck.examples.mjx_engine:MjxEngine",
+    "MuJoCo Warp": "mbcheck.examples.mujoco_warp_engine:MujocoWarpEngine",
+}
+"""Engine -> the class that reads a file by its importer."""

@@ -41,9 +41,7 @@ def assets(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(("engine", "model"), NAMED)
 def test_what_an_importer_loses_is_named(assets: Path, engine: str, model: str) -> None:
     path = assets / f"{model}.xml"
-    result = compare(
-        str(path), f"{path}@{IMPORTERS[engine].__module__}:{IMPORTERS[engine].__name__}"
-    )
+    result = compare(str(path), f"{path}@{IMPORTERS[engine]}")
     assert {one.sentence for one in result.differences} == NAMED[engine, model]
     assert result.closed is (True if result.gaps else None)
 

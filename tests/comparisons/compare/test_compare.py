@@ -350,6 +350,41 @@ def test_effects_are_relative_to_each_joint(tmp_path: Path) -> None:
     assert still.effect == 0
 
 
+def test_a_change_that_only_a_step_shows_has_no_effect_and_says_so(tmp_path: Path) -> None:
+    other = SMALL.replace("<worldbody>", '<option timestep=".004"/><worldbody>')
+    (one,) = texts_compared(SMALL, other, tmp_path).differences
+    assert (one.id, one.effect) == ("option timestep", 0)
+    assert one.seen.startswith("step of Euler, ")
+    files = [str(tmp_path / f"{name}.xml") for name in ("one", "other")]
+    assert f"0 (seen: {one.seen})" in " ".join(invoke("compare", *files).stdout.split())
+
+
+SERVO = """<mujoco><worldbody><body><joint name="j" range="-40 40" springref="20" stiffness="3"/>
+<geom size=".1" pos=".2 0 0" mass="1"/></body></worldbody><actuator>
+<position name="p" joint="j" kp="10" dampratio=".7" gear="3"/></actuator></mujoco>"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "named"),
+    [
+        ('kp="10"', 'kp="20"', {"actuator p: kp 10 read as 20"}),
+        ('mass="1"', 'mass="2"', {"body 1 of body world: mass 1 read as 2"}),
+        ('dampratio=".7"', 'dampratio=".8"', {"actuator p: kv 1.08444 read as 1.23936"}),
+        ('springref="20"', "", {"joint j: springref 0.349066 rad dropped"}),
+        (' range="-40 40"', "", {"joint j: range -0.698132 0.698132 rad dropped"}),
+        ('stiffness="3"', 'stiffness="inf"', {"joint j: stiffness 3 read as inf"}),
+    ],
+)
+def test_what_follows_from_a_ratio_is_no_difference_and_angles_have_a_unit(
+    old: str, new: str, named: set[str], tmp_path: Path
+) -> None:
+    """`kv` follows from `kp` and the mass where a file gives `dampratio`; its edit is not lost."""
+    found = texts_compared(SERVO, SERVO.replace(old, new), tmp_path)
+    sentences = {one.sentence for one in found.differences}
+    assert {one for one in sentences if " inertia " not in one} == named
+    assert found.closed or "inf" in new
+
+
 def test_numbers_of_a_table_differ(tmp_path: Path) -> None:
     (tmp_path / "one.xml").write_text(SMALL)
     (tmp_path / "other.xml").write_text(SMALL.replace('damping="1"', 'damping="1.0000001"'))
