@@ -182,7 +182,7 @@ class Attribute:
     """
 
     values: Values
-    rows: Mapping[str, list[int] | None] = field(default_factory=dict)
+    rows: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -517,18 +517,15 @@ def assigned(
 
     The share of differing ``contents`` counts as one attribute of bodies.
     """
-    words, places = (
-        [[each(element) for element in side] for side in (left, right)]
-        for each in (spelled, lambda one: [one.attribute(name).values for name in PLACE])
-    )
+    words, others = ([spelled(element) for element in side] for side in (left, right))
     costs = np.zeros((len(left), len(right)))
-    for a, b in product(range(len(left)), range(len(right))):
-        costs[a, b] = len(words[0][a] ^ words[1][b]) / 2 + 1e-6 * abs(a - b)
-        costs[a, b] += ELSEWHERE * (places[0][a] != places[1][b])
-        if left[a].kind == "body":
-            both = contents[0][left[a].number], contents[1][right[b].number]
-            every = (both[0] | both[1]).total()
-            costs[a, b] += 1 - (both[0] & both[1]).total() / every if every else 0.0
+    for (a, one), (b, other) in product(enumerate(left), enumerate(right)):
+        apart = any(one.attribute(name).values != other.attribute(name).values for name in PLACE)
+        costs[a, b] = len(words[a] ^ others[b]) / 2 + ELSEWHERE * apart + 1e-6 * abs(a - b)
+        if one.kind == "body":
+            mine, theirs = contents[0][one.number], contents[1][other.number]
+            every = (mine | theirs).total()
+            costs[a, b] += 1 - (mine & theirs).total() / every if every else 0.0
     for a, b in zip(*linear_sum_assignment(costs), strict=True):
         yield left[a].number, right[b].number
 

@@ -247,7 +247,8 @@ def tolerances(a: Mapping[str, Any], b: Mapping[str, Any], eps: float) -> Iterat
         for key in common
     }
     force = sum(size.get(key, 0.0) for key in FORCES)
-    condition = norm = 1.0
+    condition: Any = 1.0
+    norm: Any = 1.0
     if len(mass):
         finite = np.all(np.isfinite(mass))
         condition = np.linalg.cond(mass) if finite else np.inf

@@ -95,7 +95,8 @@ def compiled(model: Any) -> Answer:
 def words_of(field: str) -> Mapping[int, str]:
     """Return the words of an enumeration by their numbers."""
     members = getattr(mujoco, ENUMERATIONS[field]).__members__.items()
-    return {int(number): name.partition("_")[2].lower() for name, number in members}
+    words = {int(number): name.partition("_")[2].lower() for name, number in members if "_" in name}
+    return words  # counts of members, such as mjNDISABLE, may be equal to one of them
 
 
 def in_words(field: str, values: Any) -> Any:
@@ -104,7 +105,7 @@ def in_words(field: str, values: Any) -> Any:
         return values
     words = words_of(field)
     if field.endswith("flags"):
-        return np.array([word for bit, word in words.items() if word and values & bit], dtype=str)
+        return np.array([word for bit, word in words.items() if values & bit], dtype=str)
     named = [words.get(int(one), f"number {one}") for one in values.flat]
     return np.array(named, dtype=str).reshape(values.shape)
 
