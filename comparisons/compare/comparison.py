@@ -46,6 +46,10 @@ from several of them may differ."""
 SINGLE = 1e-6
 """The same of fields that MuJoCo keeps in numbers of 32 bits."""
 
+GEOMETRY, COMPUTED, POWER = ("size", "pos", "quat"), ("mass", "inertia", "inertial pos"), 5.0
+"""Attributes of geoms that a writer rounds, those of bodies that a compiler computes from them, and
+the power of a length with which inertia grows: each digit that is lost counts so many times."""
+
 CCD = ("ccd_iterations", "ccd_tolerance")
 """Options of the routine of collisions between convex shapes."""
 
@@ -379,6 +383,7 @@ def why_idle(one: Compiled, other: Compiled, difference: Difference) -> str:
 def differences_of(one: Compiled, other: Compiled, match: Match) -> Iterator[Difference]:
     """Yield the attributes that differ, were it in the last digit."""
     common = set(one.answer) & set(other.answer)
+    geoms = rounded_geoms(match)
     for mine, theirs in match.pairs:
         for name in names_of_both(mine, theirs):
             pair = [side.attribute(name) for side in (mine, theirs)]
@@ -395,6 +400,7 @@ def differences_of(one: Compiled, other: Compiled, match: Match) -> Iterator[Dif
                     continue  # the edit of kp has both
             if share:
                 share = min(share, EQUAL) if single and share <= SINGLE else share
+                of_geoms = POWER * geoms.get(mine.label, 0.0) if name in COMPUTED else 0.0
                 yield Difference(
                     mine.label,
                     name,
@@ -402,13 +408,26 @@ def differences_of(one: Compiled, other: Compiled, match: Match) -> Iterator[Dif
                     unit=unit_of(mine, name),
                     edits=list(edits_of(one, other, pair)),
                     share=share,
-                    written=written_share([*before, *after]),
+                    written=max(written_share([*before, *after]), of_geoms),
                 )
     for element, word in [(e, "lost") for e in match.gone] + [(e, "new") for e in match.new]:
         if element.kind == "geom" and touches_nothing(element.attributes):
             continue  # drawn only
         edits = list(neutral(one, element)) if word == "lost" else []
         yield Difference(element.label, "", "", word, edits=edits)
+
+
+def rounded_geoms(match: Match) -> dict[str, float]:
+    """Return the largest share by which six digits changed a geom on a body, by its label."""
+    shares: dict[str, float] = {}
+    for mine, theirs in match.pairs:
+        for name in GEOMETRY if mine.kind == "geom" else ():
+            before, after = (side.attribute(name).values for side in (mine, theirs))
+            share = difference_share(before, after)
+            if share <= written_share([*before, *after]):
+                (body,) = mine.attribute("body").values
+                shares[body] = max(share, shares.get(body, 0.0))
+    return shares
 
 
 def unit_of(element: ModelElement, attribute: str) -> str:

@@ -290,6 +290,26 @@ def test_rounding_by_the_writer_is_no_difference_and_a_change_above_it_is(
         assert (element, attribute) in {(one.element, one.attribute) for one in found.differences}
 
 
+FOOT = """<mujoco><compiler angle="radian"/><worldbody><body name="thigh"><joint name="hip"/><geom
+name="bone" type="capsule" size=".06 .1822257" pos="-5.0684e-08 -.202473 0"/><body name="foot">
+<joint name="ankle"/><geom type="capsule" size=".03 .0543914" pos="-.0269999975006 -.02 -.01"/><geom
+type="capsule" size=".03 .0543914" pos=".0270000024994 -.02 -.01"/></body></body></worldbody>
+</mujoco>"""
+
+
+def test_what_is_computed_from_rounded_geoms_is_no_difference() -> None:
+    """As of a public humanoid: inertia has the fifth power of a length, six digits are too few."""
+    spec = mujoco.MjSpec.from_string(FOOT)
+    spec.compile()
+    one, text = compiled(FOOT), spec.to_xml()
+    assert {d.attribute for d in differences(one, compiled(text))} >= {"inertia", "inertial pos"}
+    assert differences(one, compiled(text), is_copy=True) == []
+    assert "0.182226" in text
+    longer = compiled(text.replace("0.182226", "0.18223"))
+    found = {d.id for d in differences(one, longer, is_copy=True)}
+    assert found >= {"geom bone size", "body thigh inertia", "body thigh mass"}
+
+
 def last_digit(text: str, attribute: str, units: int) -> tuple[str, str]:
     """Return an attribute, and the same with more units of the last digit of its last number."""
     (words,) = set(re.findall(rf' {attribute}="([^"]*)"', text))
