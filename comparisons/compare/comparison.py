@@ -39,21 +39,16 @@ from .states import Side, sides_of, states_of, translated
 EQUAL = 1e-9
 """Share by which numbers of two files may differ in rounding."""
 
-DIGITS, UNITS = 6, 3.0
-"""Digits of the numbers that MuJoCo writes, and units of the last one by which quantities computed
-from several of them may differ."""
+WRITTEN = 1e-3
+"""The same of a file and its copy by MuJoCo, which writes six digits; a larger one is a loss."""
 
 SINGLE = 1e-6
 """The same of fields that MuJoCo keeps in numbers of 32 bits."""
 
-GEOMETRY, COMPUTED, POWER = ("size", "pos", "quat"), ("mass", "inertia", "inertial pos"), 5.0
-"""Attributes of geoms that a writer rounds, those of bodies that a compiler computes from them, and
-the power of a length with which inertia grows: each digit that is lost counts so many times."""
-
 CCD = ("ccd_iterations", "ccd_tolerance")
 """Options of the routine of collisions between convex shapes."""
 
-NEVER_SAVED = re.compile(r"\b(euler|axisangle|xyaxes|zaxis|fromto|dampratio|include)\b")
+NEVER_SAVED = re.compile(r"\b(euler|axisangle|xyaxes|zaxis|fromto|dampratio)\s*=|<include\b")
 """Words of MJCF that MuJoCo never writes, since it computes other attributes from them."""
 
 MEASURED = 60
@@ -114,7 +109,7 @@ class Difference:
     share : float
         The largest difference of its numbers, in the largest of them; infinite of words.
     written : float
-        The share that six digits of a writer explain; 0 if no number has more.
+        The same, of positions in no less than a meter: a sum of written numbers may be next to 0.
     """
 
     element: str
@@ -126,11 +121,7 @@ class Difference:
     unit: str = field(default="", metadata=HIDDEN)
     edits: Sequence[Edit] = field(default=(), metadata=HIDDEN)
     share: float = field(default=math.inf, metadata=HIDDEN)
-    written: float = field(default=0.0, metadata=HIDDEN)
-
-    def is_rounding(self, of_copy: bool) -> bool:
-        """Return True if rounding explains it; of a copy, also that to six written digits."""
-        return self.share <= (max(EQUAL, self.written) if of_copy else EQUAL)
+    written: float = field(default=math.inf, metadata=HIDDEN)
 
     @property
     def id(self) -> str:
@@ -320,10 +311,9 @@ def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelCo
     """Return the differences of two readings."""
     one, other = first.model, second.model
     match = match_elements(one, other)
-    is_copy = first.text != second.text and any(map(is_saved_by_mujoco, (first.text, second.text)))
-    differences, rounding = list[Difference](), list[Difference]()
-    for each in differences_of(one, other, match):
-        (rounding if each.is_rounding(is_copy) else differences).append(each)
+    every = list(differences_of(one, other, match))
+    rounding = rounded(first, second, every)
+    differences = [each for each in every if each not in rounding]
     sides = sides_of(one, other, match)
     trial, gaps, left, idle = None, list[Gap](), list[Gap](), list[Difference]()
     if not isinstance(sides, str):
@@ -383,7 +373,6 @@ def why_idle(one: Compiled, other: Compiled, difference: Difference) -> str:
 def differences_of(one: Compiled, other: Compiled, match: Match) -> Iterator[Difference]:
     """Yield the attributes that differ, were it in the last digit."""
     common = set(one.answer) & set(other.answer)
-    geoms = rounded_geoms(match)
     for mine, theirs in match.pairs:
         for name in names_of_both(mine, theirs):
             pair = [side.attribute(name) for side in (mine, theirs)]
@@ -400,7 +389,7 @@ def differences_of(one: Compiled, other: Compiled, match: Match) -> Iterator[Dif
                     continue  # the edit of kp has both
             if share:
                 share = min(share, EQUAL) if single and share <= SINGLE else share
-                of_geoms = POWER * geoms.get(mine.label, 0.0) if name in COMPUTED else 0.0
+                least = 1.0 if name.endswith("pos") else 0.0
                 yield Difference(
                     mine.label,
                     name,
@@ -408,26 +397,13 @@ def differences_of(one: Compiled, other: Compiled, match: Match) -> Iterator[Dif
                     unit=unit_of(mine, name),
                     edits=list(edits_of(one, other, pair)),
                     share=share,
-                    written=max(written_share([*before, *after]), of_geoms),
+                    written=min(share, difference_share(before, after, least)),
                 )
     for element, word in [(e, "lost") for e in match.gone] + [(e, "new") for e in match.new]:
         if element.kind == "geom" and touches_nothing(element.attributes):
             continue  # drawn only
         edits = list(neutral(one, element)) if word == "lost" else []
         yield Difference(element.label, "", "", word, edits=edits)
-
-
-def rounded_geoms(match: Match) -> dict[str, float]:
-    """Return the largest share by which six digits changed a geom on a body, by its label."""
-    shares: dict[str, float] = {}
-    for mine, theirs in match.pairs:
-        for name in GEOMETRY if mine.kind == "geom" else ():
-            before, after = (side.attribute(name).values for side in (mine, theirs))
-            share = difference_share(before, after)
-            if share <= written_share([*before, *after]):
-                (body,) = mine.attribute("body").values
-                shares[body] = max(share, shares.get(body, 0.0))
-    return shares
 
 
 def unit_of(element: ModelElement, attribute: str) -> str:
@@ -530,20 +506,36 @@ def shortened(before: Sequence[Any], after: Sequence[Any]) -> tuple[Sequence[Any
 
 def is_saved_by_mujoco(text: str) -> bool:
     """Return True if a file is written as MuJoCo writes it: radians, numbers of six digits."""
-    text = re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)
+    text = re.sub(r"<!--.*?-->|<config\b[^>]*>", "", text, flags=re.DOTALL)
     if not re.search(r'angle\s*=\s*"radian"', text) or NEVER_SAVED.search(text):
         return False
-    numbers = re.findall(r"(?<![\w.+-])[-+]?\d*\.?\d+(?:[eE][-+]?\d+)?(?![\w.])", text)
-    return all(one in (f"{float(one):.6g}", f"{float(one):.0f}") for one in numbers)
+    numbers = re.findall(r"(?<![\w.+-])[-+]?\d*\.\d+(?:[eE][-+]?\d+)?(?![\w.])", text)
+    return all(one == f"{float(one):.6g}" for one in numbers)
 
 
-def written_share(values: Sequence[Any]) -> float:
-    """Return the share of the largest value that six digits explain; 0 if none has more."""
-    numbers = [float(one) for one in values if isinstance(one, int | float) and math.isfinite(one)]
-    size = max(map(abs, numbers), default=0.0)
-    if all(math.isclose(float(f"{one:.{DIGITS}g}"), one, rel_tol=EQUAL) for one in numbers):
-        return 0.0
-    return UNITS * float(10.0 ** (math.floor(math.log10(size)) + 1 - DIGITS)) / size
+def rounded(first: Reading, second: Reading, differences: Sequence[Difference]) -> list[Difference]:
+    """Return the differences that rounding explains.
+
+    If MuJoCo has saved one of the files, so are those that vanish once it writes the other.
+    """
+    pairs = list[tuple[Compiled, Compiled]]()
+    if first.text != second.text and any(
+        one.share > EQUAL and one.written <= WRITTEN for one in differences
+    ):
+        if is_saved_by_mujoco(second.text):
+            pairs.append((first.written(), second.model))
+        if is_saved_by_mujoco(first.text):
+            pairs.append((first.model, second.written()))
+    left = [
+        {d.id for d in differences_of(one, other, match_elements(one, other)) if d.share > EQUAL}
+        for one, other in pairs
+    ]
+    return [
+        one
+        for one in differences
+        if one.share <= EQUAL
+        or (one.written <= WRITTEN and any(one.id not in still for still in left))
+    ]
 
 
 # What they do --------------------------------------------------------------------------------

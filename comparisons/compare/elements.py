@@ -164,7 +164,7 @@ NOT_PHYSICAL = re.compile(
     r"|^(mesh|hfield)_(?!vert$|data$|size$)|_(iquat|group|rgba|matid|castshadow|user|width|flatskin"
     r"|texcoord|objtype|reftype|rootid|weldid|treeid|treenum|actuatorid|sameframe|simple|simplenum"
     r"|subtreemass|invweight0|M0|Madr|acc0|length0|aabb|rbound|needstage|datatype|ctrlspec|plugin"
-    r"|lengthrange)$|limited$|^pair_signature$|(adr|num)$"
+    r")$|limited$|^pair_signature$|(adr|num)$"
 )
 """Fields that are drawn, that index others, or that follow from the rest."""
 

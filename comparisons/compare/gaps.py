@@ -161,10 +161,9 @@ def largest(
     """Return the largest difference of two arrays over its tolerance, and where it is."""
     limit = np.broadcast_to(tolerance, a.shape)
     with np.errstate(invalid="ignore"):
-        ratio = np.where(a == b, 0.0, abs(a - b) / np.maximum(limit, TINY))
-    ratio = np.where(
-        np.isnan(a) & np.isnan(b), 0.0, np.nan_to_num(ratio, nan=np.inf, posinf=np.inf)
-    )
+        ratio = abs(a - b) / np.maximum(limit, TINY)
+    lost = ~np.isfinite(a) & ~np.isfinite(b)  # in a step that overflows
+    ratio = np.where(lost, 0.0, np.nan_to_num(ratio, nan=np.inf, posinf=np.inf))
     at = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
     values = (float(values[at]) for values in (a, b, limit))
     return float(ratio[at]), Gap(quantity, labels[int(at[0])], state, *values)

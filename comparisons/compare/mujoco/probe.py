@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import copy
 import json
+import os
 import sys
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
@@ -92,6 +93,15 @@ def compiled(model: Any) -> Answer:
     return answer
 
 
+def written(file: str) -> Any:
+    """Return the model that MuJoCo reads from what it writes of a file."""
+    spec = mujoco.MjSpec.from_file(file)
+    spec.compile()
+    again = mujoco.MjSpec.from_string(spec.to_xml())
+    again.modelfiledir = os.path.dirname(file)
+    return again.compile()
+
+
 def words_of(field: str) -> Mapping[int, str]:
     """Return the words of an enumeration by their numbers."""
     members = getattr(mujoco, ENUMERATIONS[field]).__members__.items()
@@ -125,6 +135,10 @@ def edited(model: Any, edits: Sequence[tuple[str, Any, Any]], derive: bool) -> A
         else:
             old[slice(None) if row is None else row] = value
     if derive:
+        for joint in np.flatnonzero(copied.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE)):
+            body, place = copied.jnt_bodyid[joint], copied.jnt_qposadr[joint]
+            pose = np.hstack([copied.body_pos[body], copied.body_quat[body]])
+            copied.qpos0[place : place + 7] = copied.qpos_spring[place : place + 7] = pose
         mujoco.mj_setConst(copied, mujoco.MjData(copied))
         return edited(copied, edits, False)  # some of which that has written anew
     return copied
@@ -257,6 +271,8 @@ def main() -> None:
             if "file" in request:
                 model = mujoco.MjModel.from_xml_path(request["file"])
                 answer = compiled(model)
+            elif "written" in request:
+                answer = compiled(written(request["written"]))
             elif "touching" in request:
                 answer = touching(model, request["touching"])
             else:
