@@ -107,10 +107,10 @@ WRITTEN = {
 <geom type="capsule" fromto="0 0 0 0 0 -.3" size=".049"/><geom size=".0273" pos=".011 .07 -.3111"/>
 <geom type="box" size=".1 .033 .0271" euler="10 20 30"/></body></body></worldbody></mujoco>""",
     "thigh and foot of a public humanoid": """<mujoco><compiler angle="radian"/>
-<worldbody><body name="thigh"><joint name="hip"/><geom name="bone" type="capsule" size=".06 .1822257"
-pos="-5.0684e-08 -.202473 0"/><body name="foot"><joint name="ankle"/><geom type="capsule" size=".03 .0543914" pos="-.0269999975006 -.02 -.01"/><geom
-type="capsule" size=".03 .0543914" pos=".0270000024994 -.02 -.01"/></body></body></worldbody>
-</mujoco>""",
+<worldbody><body name="thigh"><joint name="hip"/><geom type="capsule" size=".06 .1822257"
+pos="-5.0684e-08 -.202473 0"/><body name="foot"><joint name="ankle"/><geom type="capsule"
+size=".03 .0543914" pos="-.0269999975006 -.02 -.01"/><geom type="capsule" size=".03 .0543914"
+pos=".0270000024994 -.02 -.01"/></body></body></worldbody></mujoco>""",
     "muscle": """<mujoco><worldbody><site name="hook" pos="0 0 .2"/><body name="load" pos="0 0 .1">
 <geom size=".01" mass="1"/><site name="end"/><joint type="slide" axis="0 0 1"/></body></worldbody>
 <tendon><spatial name="t" limited="true" range=".075 .105"><site site="hook"/><site site="end"/>
@@ -127,8 +127,8 @@ type="capsule" size=".03 .0543914" pos=".0270000024994 -.02 -.01"/></body></body
 @pytest.mark.parametrize("order", [1, -1])
 def test_a_copy_that_mujoco_saved_is_no_difference(name: str, order: int, tmp_path: Path) -> None:
     (tmp_path / "written.xml").write_text(WRITTEN[name])
-    texts = [WRITTEN[name], saved(tmp_path / "written.xml")][::order]
-    assert texts_compared(*texts, tmp_path).findings == []
+    one, other = [WRITTEN[name], saved(tmp_path / "written.xml")][::order]
+    assert texts_compared(one, other, tmp_path).findings == []
 
 
 def test_a_lost_range_of_lengths_of_a_muscle_is_named(tmp_path: Path) -> None:
