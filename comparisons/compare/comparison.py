@@ -271,7 +271,12 @@ def compare(a: str, b: str, install: bool = False, waivers: str | None = None) -
         )
     allowed = waivers_of(Path(waivers), operands[0].file, (RULE,)) if waivers else ()
     with ExitStack() as stack:
-        first, second = (stack.enter_context(opened(one, install)) for one in operands)
+        first, second = (
+            stack.enter_context(
+                EngineReading(one) if one.is_engine else Reading(one, one.python(install))
+            )
+            for one in operands
+        )
         return with_waivers(compared(first, second, (a, b)), allowed)
 
 
@@ -298,13 +303,6 @@ def names_in_waivers(one: Difference | Gap) -> list[str]:
     elements = [one.element, f"{kind}:{name}", name]
     ending = f" {one.attribute}" if isinstance(one, Difference) else ""
     return [one.id, *elements, *(element + ending for element in elements)]
-
-
-def opened(operand: Operand, install: bool) -> Reading:
-    """Return a file as its reader reads it."""
-    if operand.is_engine:
-        return EngineReading(operand)
-    return Reading(operand, operand.python(install))
 
 
 def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelComparison:

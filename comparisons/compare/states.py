@@ -8,14 +8,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .elements import COLUMNS, SWITCHES, Compiled, Match
+from .elements import SWITCHES, Compiled, Match
 from .gaps import CONTACT, GEOMETRY, QUANTITIES, row_numbers
 from .reading import Reading, State
 
 SEED = 1
 
-PARTS = ("qpos", "qvel", "act", "ctrl")
-"""Parts of a state."""
+PARTS = {"qpos": "joint", "qvel": "joint", "act": "actuator", "ctrl": "actuator"}
+"""Part of a state -> the kind of the elements to which its rows belong."""
 
 ANGLE, LENGTH = 1.0, 0.3
 """Half of the range in which joints without limits are put [rad, m]."""
@@ -78,7 +78,7 @@ class Side:
         labels = {kind: list(one.values()) for kind, one in self.labels.items()}
         owners = dict[str, list[str]]()
         for part, rows in self.rows.items():
-            names, columns = self.model.labels[kind_of(part)], self.model.columns(f"key_{part}")
+            names, columns = self.model.labels[PARTS[part]], self.model.columns(f"key_{part}")
             owner = {row: n for n, span in zip(names, columns, strict=True) for row in span}
             owners[part] = [owner[row] for row in rows]
         step = [*owners["qpos"], *owners["qvel"], *owners["act"]]
@@ -135,11 +135,6 @@ def numbered(rows: Sequence[tuple[str, str, Row]]) -> dict[tuple[str, str, int],
     return found
 
 
-def kind_of(part: str) -> str:
-    """Return the kind of the elements of a part of a state."""
-    return COLUMNS[f"key_{part}"][0]
-
-
 def sides_of(one: Compiled, other: Compiled, match: Match) -> tuple[Side, Side] | str:
     """Return the sides of two models, or why no state of A is one of B."""
     apart = [e.label for e in (*match.gone, *match.new) if e.kind == "joint"]
@@ -159,7 +154,7 @@ def sides_of(one: Compiled, other: Compiled, match: Match) -> tuple[Side, Side] 
             side.labels[element.kind][element.number] = pair[0].label
     for part in PARTS:
         columns = [
-            [side.model.columns(f"key_{part}")[i] for i in side.labels[kind_of(part)]]
+            [side.model.columns(f"key_{part}")[i] for i in side.labels[PARTS[part]]]
             for side in sides
         ]
         for spans in zip(*columns, strict=True):

@@ -124,12 +124,13 @@ def sections(result: ModelComparison) -> Iterator[Section]:
     if result.renamed:
         yield Section("Renamed or reordered, compared all the same", lines=result.renamed)
     if result.differences:
+        seen = [f" (seen: {one.seen})" if one.seen else "" for one in result.differences]
         rows = [
             [
                 one.sentence + waived_words(result, one),
-                "-" if one.effect is None else number(one.effect, 2) + seen_words(one),
+                "-" if one.effect is None else number(one.effect, 2) + also,
             ]
-            for one in result.differences
+            for one, also in zip(result.differences, seen, strict=True)
         ]
         heads = ("difference", "effect on accelerations")
         yield Section("Read differently", heads, rows)
@@ -138,11 +139,6 @@ def sections(result: ModelComparison) -> Iterator[Section]:
         places = [(g.quantity, g.element, *distinct([g.a], [g.b], 4), g.state) for g in result.gaps]
         yield Section(title, ("quantity", "element", "A", "B", "state"), places)
     yield Section(lines=list(conclusion(result)))
-
-
-def seen_words(one: Difference) -> str:
-    """Return in words where a difference without effect on accelerations is seen."""
-    return f" (seen: {one.seen})" if one.seen else ""
 
 
 def waived_words(result: ModelComparison, one: Difference | Gap) -> str:
