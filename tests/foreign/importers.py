@@ -19,15 +19,15 @@ class Pinocchio(mbcheck.Engine):
 
     def __init__(self) -> None:
         self.version = version("pin")
-        self.models: dict[str, Any] = {}
+        self.known: dict[str, Any] = {}
 
     def accelerations(self, system: mbcheck.System, time: float, q: Any, v: Any) -> Any:
         """Return accelerations (n,) of the file, read once."""
         import pinocchio
 
-        if system.path not in self.models:
-            self.models[system.path] = pinocchio.buildModelFromMJCF(Path(system.path))
-        model = self.models[system.path]
+        if system.path not in self.known:
+            self.known[system.path] = pinocchio.buildModelFromMJCF(Path(system.path))
+        model = self.known[system.path]
         if (model.nq, model.nv) != system.layout.size:
             raise mbcheck.Unsupported(
                 f"Pinocchio reads {model.nq} positions and {model.nv} velocities; the file has "
