@@ -202,6 +202,13 @@ class Reading:
         with np.load(Path(self.folder.name) / "answer.npz", allow_pickle=False) as answer:
             return dict(answer)
 
+    def written(self) -> Compiled:
+        """Return the model that MuJoCo reads from what it writes; this one if it cannot."""
+        try:
+            return Compiled(self.ask(written=os.path.abspath(self.operand.file)))
+        except UsageError:
+            return self.model
+
     def at(
         self, states: Sequence[State], edits: Sequence[Edit] = (), brief: bool = False
     ) -> list[Answer]:
