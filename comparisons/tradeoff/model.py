@@ -259,8 +259,8 @@ class ModelTradeoff:
         for one in bench.settings():
             alike = [other for other in known if other.alike(one)]
             good = [other for other in alike if known[other] < enough and other not in self.missed]
-            rival = choice and not setting_of(choice).alike(one)
-            beaten = alike and rival and one.work > setting_of(choice).work
+            best = choice and setting_of(choice)
+            beaten = alike and best and not best.alike(one) and one.work > best.work
             if one not in known and len(good) < 2 and not beaten:
                 return one
         return None

@@ -452,8 +452,8 @@ def control_not_holding(s: InspectedModel) -> Iterator[Hit]:
     """Find states that their own controls do not keep.
 
     A servo moves its joint to the position of its control, however weak it is: its force counts
-    without limits. Where a joint falls, a servo counts at its full force, and without a load. In
-    the state as opened controls are 0, and count where that is the position of the joint.
+    without limits. Where a joint falls, a servo counts at its full force, and without a load. As
+    opened, controls are 0: only joints at the position 0 are judged.
     """
     said = set[int]()
     for state in rests(s):
