@@ -3,7 +3,6 @@
 docs/architecture.md says where to change what; a row and its keys::
 
     [rows.case_1_speed]
-    kind = "number"
     section = "5.2, case 1"
     claim = "Synchronous speed."
     verdict = "reproduced"
@@ -11,9 +10,9 @@ docs/architecture.md says where to change what; a row and its keys::
     each = {call = "speed_of", case = "case_1"}
     reproduced_if = ["value rounds to printed", "drift < 1e-6, everyone, ours"]
 
-A measure is a function of the folder's ``measures.py``, with arguments after ``call``, if any.
-Without a ``kind`` a row with candidates is a reading, one with an erratum a misprint, and any other
-a claim; it is slow if engines are measured too.
+A measure is a function of the folder's ``measures.py``, with arguments after ``call``, if any; or
+a table of formulas. A row, and each table in it, takes the keys that it does not have from the row
+that ``like`` names. A row is slow if engines are measured too, and a reading if it has numbers.
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ import msgspec
 
 from ...reference import SCENES
 from ...reference.errors import MbcheckError, UnknownNameError
-from .equations import Identities, join_lines, sides
+from .equations import Formulas, Identities, join_lines, sides
 from .ledger import (
     CORRECTED,
     DEPENDS,
@@ -56,6 +55,9 @@ CONDITIONS = {
     "depends_if": DEPENDS,
 }
 """Key of a row -> the verdict that it has if all these conditions hold, in order of preference."""
+
+IMPLIED_KINDS = {"candidates": "reading", "erratum": "misprint", "printed": "number"}
+"""Key of a row -> the kind that it has if it does not name one; any other is a claim."""
 
 DEFAULTS: Mapping[str, Mapping[str, Any]] = {
     "number": {"reference": "{value:.5g} {unit}", "verdict": REPRODUCED},
@@ -96,8 +98,13 @@ class PaperData:
     verdict: str = ""
     names: str = ""
 
+    @property
+    def items(self) -> list[PaperFigure | LedgerRow]:
+        """The figures, and then the rows."""
+        return [*self.figures, *self.rows]
 
-REFUSALS = (LookupError, ValueError, TypeError, AttributeError, ImportError)
+
+REFUSALS = (LookupError, ValueError, TypeError, AttributeError, ImportError, SyntaxError)
 """Errors that a mistake in a paper's file causes."""
 
 
@@ -126,6 +133,12 @@ def read_paper(scene: str) -> PaperData:
             for number, one in data["figures"].items()
         ]
         causes = [{"name": name, **one} for name, one in data["causes"].items()]
+        for name, row in data["rows"].items():
+            model = data["rows"][row.pop("like")] if "like" in row else {}
+            data["rows"][name] = model | {
+                key: model.get(key, {}) | one if isinstance(one, dict) else one
+                for key, one in row.items()
+            }
         rows = [read_row(scene, name, row, shared) for name, row in data["rows"].items()]
         others = {**data, "figures": figures, "causes": causes, "rows": ()}
         return replace(converted(scene, others, PaperData), rows=tuple(rows))
@@ -143,11 +156,10 @@ def read_row(
 ) -> LedgerRow:
     """Return a row of a paper from its table in the file."""
     try:
-        implied = (
-            "reading" if "candidates" in data else "misprint" if "erratum" in data else "claim"
-        )
-        kind = data.get("kind", implied)
-        own = {"kind": kind, "name": name, "slow": "each" in data}
+        implied = (kind for key, kind in IMPLIED_KINDS.items() if key in data)
+        kind = data.get("kind", next(implied, "claim"))
+        is_slow = "each" in data or {"numbers", "candidates"} <= data.keys()
+        own = {"kind": kind, "name": name, "slow": is_slow}
         row = {**own, **DEFAULTS.get(kind, {}), **data}
         if not CONDITIONS.keys() & data.keys() and row["verdict"] != NOT_TESTABLE:
             row |= DEFAULT_CONDITIONS.get(kind, {})
@@ -234,12 +246,17 @@ def check_keys(data: Mapping[str, Any], kind: Any) -> None:
 def measure(scene: str, named: str | Mapping[str, Any]) -> Any:
     """Return the object of this name in the measures of a scene, its arguments filled in.
 
-    ``second_order``, or ``{call = "share_of_class", name = "blue_o"}``; another module is named
-    before a point, ``figures.figure_2``; an argument may be a function, ``{call = "peak"}``.
+    ``second_order``, or ``{call = "distances", plate = true}``; another module is named before a
+    point, ``figures.figure_2``; an argument may be a function, ``{call = "peak"}``. A table without
+    ``call`` has formulas, ``{value = "share_of(blue_o_5)"}``.
     """
     if isinstance(named, str):
         module, _, name = named.rpartition(".")
         return getattr(import_module(f"{__package__}.{scene}.{module or 'measures'}"), name)
+    if "call" not in named:
+        for text in named.values():
+            compile(text, text, "eval")
+        return Formulas(named, import_module(f"{__package__}.{scene}.measures"))
     function = measure(scene, named["call"])
     arguments = {name: argument(scene, value) for name, value in named.items() if name != "call"}
     return partial(function, **arguments) if arguments else function

@@ -11,12 +11,15 @@ own text; the right-hand side is the equation, corrected. A line ``printed`` has
 as printed, and a name before a colon is the one that a row gives it. Names are symbols, or have a
 definition, a text of the same form. Beside the usual functions there are ``J(n, u)``, a Bessel
 function; ``d(f, x, n)``, a derivative; ``at(f, x, value)``; ``linear(f, x)``, the expansion about
-x = 0 up to the first order; and ``mean(f, x)``, the mean over a turn of x.
+x = 0 up to the first order; ``mean(f, x)``, the mean over a turn of x; and ``sum(f, n, first,
+last)``.
 """
 
 from __future__ import annotations
 
+import builtins
 import re
+from collections import ChainMap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -25,6 +28,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..engines.registry import REFERENCE
+
+FUNCTIONS = ("sin", "cos", "sqrt", "pi", "sinh", "cosh", "factorial")
 DIGITS = 30
 POINTS = 4
 """Number of random points at which equations are compared that name none."""
@@ -150,6 +156,34 @@ class Identities:
             return float(max(abs(apart(*values)) for values in every))
 
 
+@dataclass(frozen=True)
+class Formulas:
+    """Numbers of a row by formulas in Python, each of which may use those before it.
+
+    Attributes
+    ----------
+    texts : mapping of str to str
+        Name of a number -> formula.
+    module : module
+        The measures of the paper, whose names formulas may use, as well as ``session`` and ``who``,
+        the engine or the reference. Its class ``Names``, if any, finds more of them.
+    """
+
+    texts: Mapping[str, str]
+    module: Any
+
+    def __call__(self, session: Any, who: str = REFERENCE) -> dict[str, Any]:
+        """Return the numbers by name."""
+        numbers: dict[str, Any] = {}
+        arguments = {"session": session, "who": who}
+        scope = vars(self.module) | arguments
+        names = getattr(self.module, "Names", lambda **names: names)(**arguments)
+        known: Any = ChainMap(scope, vars(builtins), names)
+        for name, text in self.texts.items():
+            scope[name] = numbers[name] = eval(text, scope, known)
+        return numbers
+
+
 def vocabulary() -> dict[str, Any]:
     """Return the functions that expressions may have, by name."""
     import sympy
@@ -159,6 +193,7 @@ def vocabulary() -> dict[str, Any]:
         "d": sympy.diff,
         "at": lambda f, x, value: f.subs(x, value),
         "linear": lambda f, x: f.subs(x, 0) + x * sympy.diff(f, x).subs(x, 0),
+        "sum": lambda f, n, first, last: sympy.Sum(f, (n, first, last)),
         "mean": lambda f, x: sympy.Integral(f, (x, 0, 2 * sympy.pi)) / (2 * sympy.pi),
-        **{name: getattr(sympy, name) for name in ("sin", "cos", "sqrt", "pi", "sinh", "cosh")},
+        **{name: getattr(sympy, name) for name in FUNCTIONS},
     }

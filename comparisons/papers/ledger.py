@@ -58,6 +58,11 @@ class PaperFigure:
     caption: str
     draw: Callable[[Session], Any]
 
+    @property
+    def name(self) -> str:
+        """Name among the figures and rows of the paper."""
+        return f"figure {self.number}"
+
 
 def half_unit(printed: str) -> float:
     """Return half a unit of the last digit of a printed number, which rounding may hide.

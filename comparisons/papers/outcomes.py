@@ -68,9 +68,14 @@ class FigureEntry:
     seconds: float
 
     @property
+    def name(self) -> str:
+        """Name among the figures and rows of the paper."""
+        return f"figure {self.number}"
+
+    @property
     def failure(self) -> str:
         """The reason why it could not be drawn, with its name; empty if it was."""
-        return f"figure {self.number} of {self.scene}: {self.error}" if self.error else ""
+        return f"{self.name} of {self.scene}: {self.error}" if self.error else ""
 
     @classmethod
     def of(cls, scene: str, figure: PaperFigure, error: str | None, **how: Any) -> FigureEntry:

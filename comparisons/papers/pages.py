@@ -25,6 +25,7 @@ from ..reports.text import markdown_table
 from ..reports.words import Markdown, code, number, plain, with_unit
 from .assess import fill
 from .claims import read_paper
+from .equations import Formulas
 from .formulas import Formula, typeset
 from .ledger import ERROR, VERDICTS, RowThreshold
 from .outcomes import FigureEntry, Findings, RowEntry
@@ -44,7 +45,9 @@ LINK = re.compile(r"\[\[(\w+)\]\]")
 def write_pages(result: Findings, out: Path) -> None:
     """Write a page for each paper and one that leads to them, as Markdown and as HTML."""
     pages = {scene: scene_page(result, scene) for scene in result.scenes}
-    for name, text in (pages | {"index": index_page(result)}).items():
+    papers = {scene: get_scene(scene).paper for scene in result.scenes}
+    pages["index"] = render_markdown("papers.md", FILTERS, **counted(result), papers=papers)
+    for name, text in pages.items():
         write_or_collect(out / f"{name}.md", markdown(text).encode())
         write_or_collect(out / f"{name}.html", html(text).encode())
     write_or_collect(out / "summary.md", summary(result).encode())
@@ -96,12 +99,6 @@ def html(text: str) -> str:
 def anchor(heading: str) -> str:
     """Return the name that links give a heading, as GitHub does."""
     return re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
-
-
-def index_page(result: Findings) -> str:
-    """Return the page that leads to the others."""
-    papers = {scene: get_scene(scene).paper for scene in result.scenes}
-    return render_markdown("papers.md", FILTERS, **counted(result), papers=papers)
 
 
 def summary(result: Findings) -> str:
@@ -200,11 +197,17 @@ def values(row: RowEntry) -> str:
     return "; ".join([*printed, *(f"{name} {plain(own)}" for name, own in ours.items() if own)])
 
 
-def functions_of(entry: RowEntry) -> list[str]:
-    """Return the names of the functions that compute a row's numbers, besides its equations."""
+def measures_of(entry: RowEntry) -> Markdown:
+    """Return the functions and formulas that compute a row's numbers, besides its equations."""
     rows = [row for row in read_paper(entry.scene).rows if row.name == entry.name]
     calls = [call for row in rows for call in (row.numbers, row.each) if call]
-    return [getattr(call, "func", call).__name__ for call in calls]
+    names = [
+        [f"{name} = {text}" for name, text in call.texts.items()]
+        if isinstance(call, Formulas)
+        else [getattr(call, "func", call).__name__]
+        for call in calls
+    ]
+    return Markdown(" and ".join(", ".join(map(code, one)) for one in names))
 
 
 def threshold(item: RowThreshold) -> str:
@@ -227,7 +230,7 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "links": row_links,
     "values": values,
     "threshold": threshold,
-    "functions": functions_of,
+    "measures": measures_of,
     "number": number,
     "with_unit": with_unit,
     "formula": formula,

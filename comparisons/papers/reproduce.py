@@ -50,13 +50,13 @@ class Folder:
         The document, the folder of pictures, and that of maps.
     runs : list of Made
         How things were made; the first is how this run makes what it adds.
-    entries : dict by (scene, number of a figure or name of a row)
+    entries : dict by (scene, name of a figure or row)
     """
 
     def __init__(self, out: Path, made: Made) -> None:
         self.file, self.figures, self.work = out / FINDINGS, out / FIGURES, out / WORK
         self.runs = [made]
-        self.entries: dict[tuple[str, int | str], FigureEntry | RowEntry] = {}
+        self.entries: dict[tuple[str, str], FigureEntry | RowEntry] = {}
         try:
             for path in (self.figures, self.work):
                 path.mkdir(parents=True, exist_ok=True)
@@ -84,26 +84,19 @@ class Folder:
         for item in document.entries:
             paper = read_paper(item.scene) if item.scene in SCENES else PaperData()
             how = {"run": self.runs.index(document.runs[item.run]), "seconds": item.seconds}
-            if isinstance(item, FigureEntry):
-                for figure in paper.figures:
-                    if figure.number == item.number:
-                        self.add(FigureEntry.of(item.scene, figure, item.error, **how))
-                continue
-            for row in paper.rows:
-                if row.name == item.name:
+            for own in paper.items:
+                if own.name != item.name:
+                    continue
+                if isinstance(own, PaperFigure) and isinstance(item, FigureEntry):
+                    self.add(FigureEntry.of(item.scene, own, item.error, **how))
+                elif isinstance(own, LedgerRow):
                     parts = {one.name: getattr(item, one.name) for one in fields(Assessment)}
-                    whole = assess(row, Session()) if row.is_text else Assessment(**parts)
-                    self.add(RowEntry.of(item.scene, row, whole, **how))
+                    whole = assess(own, Session()) if own.is_text else Assessment(**parts)
+                    self.add(RowEntry.of(item.scene, own, whole, **how))
 
     def add(self, entry: FigureEntry | RowEntry) -> None:
         """Add an entry, in the place of an earlier one of the same figure or row."""
-        key = entry.number if isinstance(entry, FigureEntry) else entry.name
-        self.entries[entry.scene, key] = entry
-
-    def forget_maps(self, scene: str) -> None:
-        """Remove the maps of a scene, so that they are computed again."""
-        for path in self.work.glob(f"{scene}_*"):
-            path.unlink()
+        self.entries[entry.scene, entry.name] = entry
 
     @property
     def contents(self) -> Findings:
@@ -113,10 +106,7 @@ class Folder:
 
     def selection(self, papers: Papers) -> Findings:
         """Return the entries of some figures and rows."""
-        keys: list[tuple[str, int | str]] = []
-        for scene, paper in papers.items():
-            keys += [(scene, one.number) for one in paper.figures]
-            keys += [(scene, row.name) for row in paper.rows]
+        keys = [(scene, item.name) for scene, paper in papers.items() for item in paper.items]
         there = [self.entries[key] for key in keys if key in self.entries]
         figures = [item for item in there if isinstance(item, FigureEntry)]
         rows = [item for item in there if isinstance(item, RowEntry)]
@@ -141,8 +131,7 @@ class Folder:
 
     def has(self, scene: str, item: PaperFigure | LedgerRow) -> bool:
         """Return True if an item is finished that would be made in the same way again."""
-        name = item.number if isinstance(item, PaperFigure) else item.name
-        entry = self.entries.get((scene, name))
+        entry = self.entries.get((scene, item.name))
         if entry is None or entry.failure or self.runs[entry.run].way != self.runs[0].way:
             return False
         paths = self.pictures(scene, item) if isinstance(item, PaperFigure) else []
@@ -225,13 +214,9 @@ def reproduce(request: ReproduceRequest) -> Findings:
     papers = selected(request.scenes or scenes_with_ledger(), request.figure, request.rows)
     made = Made(versions(available()), request.full, date.today().isoformat(), own_commit())
     folder = Folder(Path(request.out), made)
-    items: list[tuple[str, PaperFigure | LedgerRow]] = []
-    items += [(scene, one) for scene, paper in papers.items() for one in paper.figures]
-    items += [(scene, row) for scene, paper in papers.items() for row in paper.rows]
-    names = [
-        f"{scene} figure {one.number}" if isinstance(one, PaperFigure) else f"{scene} {one.name}"
-        for scene, one in items
-    ]
+    items = [(scene, item) for scene, paper in papers.items() for item in paper.items]
+    items.sort(key=lambda one: isinstance(one[1], LedgerRow))  # figures come before rows
+    names = [f"{scene} {item.name}" for scene, item in items]
     done = 0
 
     def report(words: str) -> None:
@@ -241,7 +226,8 @@ def reproduce(request: ReproduceRequest) -> Findings:
     sessions = {scene: for_scene(session, scene) for scene in papers}
     is_part = request.resume or request.rows or request.figure is not None
     for scene in () if is_part else papers:
-        folder.forget_maps(scene)
+        for path in folder.work.glob(f"{scene}_*"):  # its maps are computed again
+            path.unlink()
     for done, (scene, item) in enumerate(items):
         request.progress(done, len(names), names[done])
         if not (request.resume and folder.has(scene, item)):

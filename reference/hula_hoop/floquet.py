@@ -69,7 +69,7 @@ def monodromy_matrix(solution: ApproximateSolution, p: HulaHoop, as_printed: boo
     steps = int(np.ceil(16 + 12 * np.max(rate / c.alpha)))
 
     def derivative(tau: Any, x: Array) -> Array:
-        return _perturbation_rate(x, variational_coefficients(solution, p, tau), c, as_printed)
+        return perturbation_rate(x, variational_coefficients(solution, p, tau), c, as_printed)
 
     return np.asarray(rk8_steps(derivative, matrix, 0.0, 2 * np.pi / c.alpha, steps))
 
@@ -102,7 +102,7 @@ def floquet_multipliers(
     return np.moveaxis(np.take_along_axis(multipliers, order, axis=-1), -1, 0)
 
 
-def _perturbation_rate(
+def perturbation_rate(
     x: Array, coefficients: tuple[Any, ...], c: Nondimensional, as_printed: bool
 ) -> Array:
     """Right-hand side of (62) for x = (q~, theta~, q~', theta~')."""

@@ -7,8 +7,8 @@ values are random.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import replace
+from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from math import factorial
 from typing import Any
@@ -24,6 +24,7 @@ from scipy.stats import spearmanr
 from ....reference import get_scene
 from ....reference.continuation.along import BoundaryAlong
 from ....reference.equations import scene_equations
+from ....reference.hula_hoop import floquet, theory
 from ....reference.hula_hoop.equations import (
     PLATE,
     SEMICIRCLE,
@@ -31,30 +32,17 @@ from ....reference.hula_hoop.equations import (
     coefficients,
     drive,
     energy,
-    orbit_guesses,
 )
-from ....reference.hula_hoop.floquet import floquet_multipliers, variational_coefficients
-from ....reference.hula_hoop.theory import (
-    ApproximateSolution,
-    balance_residuals,
-    corrected_solution,
-    nondimensional,
-    paper_solution,
-    printed_residuals,
-    refined_solution,
-)
-from ....reference.scene import Array, Case
+from ....reference.scene import Array
 from ....reference.solve.rk8 import rk8_steps
 from ...checks.boundary import engine_point
 from ...checks.truth import random_states
 from ...engines.registry import REFERENCE
 from ...engines.run import contained
-from ...engines.setup import Setup
 from ...maps.request import Axis
 from ...maps.store import Map
 from ...queries.orbit import OrbitReport, find
-from ...queries.query import choose_engine, choose_method
-from ...queries.request import MethodQuery, Query
+from ...queries.request import MethodQuery
 from ...queries.simulate import Simulation, simulate
 from ...scenes.hula_hoop.floquet import EXACT
 from ...scenes.hula_hoop.motion import OPTIONS, strongest
@@ -85,14 +73,14 @@ LONG_RUN = 12.0
 """Duration of runs from rest [s]: eight times the transient of fig. 3."""
 
 APPROXIMATIONS = {
-    "paper": paper_solution,
-    "refined": refined_solution,
-    "corrected": corrected_solution,
+    "paper": theory.paper_solution,
+    "refined": theory.refined_solution,
+    "corrected": theory.corrected_solution,
 }
 FORMULAS = {
-    "printed": (paper_solution, True),
-    "paper": (paper_solution, False),
-    "corrected": (corrected_solution, False),
+    "printed": (theory.paper_solution, True),
+    "paper": (theory.paper_solution, False),
+    "corrected": (theory.corrected_solution, False),
 }
 """Approximate solutions, and whether (55) is taken as printed."""
 STATES = ("y", "theta", "y_dot", "theta_dot")
@@ -206,18 +194,13 @@ def changed(plate: bool) -> dict[str, float]:
 
 
 def stability_map(
-    session: Session, plate: bool, engine: str = REFERENCE, model: str | None = None
+    session: Session,
+    plate: bool,
+    engine: str = REFERENCE,
+    model: str | None = None,
+    quantity: str = "floquet",
 ) -> Map:
     """Return the stability of the rotation of figs. 4 (point mass) and 6 (plate)."""
-    return _map(session, "floquet", plate, engine, model)
-
-
-def motion_map(session: Session, plate: bool, engine: str = REFERENCE) -> Map:
-    """Return the motion from rest of figs. 5 (point mass) and 7 (plate)."""
-    return _map(session, "class", plate, engine, None)
-
-
-def _map(session: Session, quantity: str, plate: bool, engine: str, model: str | None) -> Map:
     return session.map(
         SCENE,
         quantity,
@@ -229,14 +212,29 @@ def _map(session: Session, quantity: str, plate: bool, engine: str, model: str |
     )
 
 
-def grid(session: Session, plate: bool) -> HulaHoop:
-    """Return the parameters of all points (n_y, n_x) of figs. 4-7."""
-    x, y = (np.linspace(*axis[1:]) for axis in axes(session))
+def motion_map(session: Session, plate: bool, engine: str = REFERENCE) -> Map:
+    """Return the motion from rest of figs. 5 (point mass) and 7 (plate)."""
+    return stability_map(session, plate, engine, quantity="class")
+
+
+def parameters_on(plate: bool, x: Array, y: Array) -> HulaHoop:
+    """Return the parameters (n_y, n_x) at frequencies [Hz] and forces [N]."""
     return HulaHoop(
         force_frequency=x[None, :],  # type: ignore[arg-type]
         force_amplitude=y[:, None],  # type: ignore[arg-type]
         **changed(plate),
     )
+
+
+def grid(session: Session, plate: bool) -> HulaHoop:
+    """Return the parameters of all points (n_y, n_x) of figs. 4-7."""
+    return parameters_on(plate, *(np.linspace(*axis[1:]) for axis in axes(session)))
+
+
+def multiplier(name: str, p: HulaHoop) -> Array:
+    """Return the largest modulus (...) of the multipliers of a solution in `FORMULAS`."""
+    solution, as_printed = FORMULAS[name]
+    return np.abs(floquet.floquet_multipliers(solution(p), p, as_printed=as_printed)[0])
 
 
 def is_class(plane: Map, variable: str, name: str) -> Any:
@@ -252,8 +250,7 @@ def moves(session: Session, plate: bool, name: str, engine: str = REFERENCE) -> 
 @once
 def printed_multipliers(session: Session, plate: bool) -> Array:
     """Return the largest moduli (n_y, n_x) of multipliers by (55) as printed."""
-    p = grid(session, plate)
-    return np.abs(floquet_multipliers(paper_solution(p), p, as_printed=True)[0])
+    return multiplier("printed", grid(session, plate))
 
 
 def stable(session: Session, plate: bool, which: str) -> Any:
@@ -284,27 +281,74 @@ def regions(unstable: Any, least: int = 2) -> list[Any]:
     return [part for part in parts if part.sum() >= least]
 
 
-def robust_points(session: Session, plate: bool, who: str) -> tuple[Any, Any, Any]:
-    """Return the points that are computed in both maps and robust in the motion from rest.
+def number_of(where: Any) -> Any:
+    """Return the number of points (..., n_y, n_x) at which something holds."""
+    return np.sum(where, axis=(-2, -1))
 
-    As bool arrays: where they are (n_y, n_x), and of these (k,) where the rotation is stable and
-    where hula-hoop motion is reached from rest.
+
+def share_of(where: Any, among: Any = True) -> Any:
+    """Return the share of points (..., n_y, n_x) at which something holds; NaN without points."""
+    among = np.broadcast_to(among, np.shape(where))
+    with np.errstate(invalid="ignore"):
+        return number_of(where & among) / number_of(among)
+
+
+def rank(one: Any, other: Any, where: Any) -> float:
+    """Return the rank correlation of two variables over some points."""
+    return float(spearmanr(one[where], other[where]).statistic)
+
+
+@dataclass(frozen=True)
+class Names:
+    """Arrays over the points of figures 4 to 7 by name, for formulas.
+
+    ``red_x_5`` is where the motion of figure 5 has this class; ``robust_5``, ``computed_5``,
+    ``periods_5`` are variables of its map. ``stable_paper_4`` is where this solution is stable,
+    ``paper_u_1_4`` a variable of its map; ``exact`` is the rotation of the reference or an engine.
+    Names without a figure's number are of the point mass and the plate, (2, n_y, n_x).
     """
-    calm, motion = stability_map(session, plate, who), motion_map(session, plate, who)
-    there = (calm.computed == 1) & (motion.computed == 1) & motion.robust
-    hoop = is_class(motion, "motion", "blue_o")
-    return there, is_class(calm, "stability", "stable")[there], hoop[there]
+
+    session: Session
+    who: str
+
+    def __getitem__(self, name: str) -> Any:
+        """Return the array of this name, (n_y, n_x) or (2, n_y, n_x)."""
+        stem, _, figure = name.rpartition("_")
+        if figure in ("4", "5", "6", "7"):
+            return self.of(stem, figure in ("6", "7"))
+        return np.array([self.of(name, plate) for plate in PLATES])
+
+    def of(self, name: str, plate: bool) -> Any:
+        """Return the array (n_y, n_x) of a name without a number."""
+        session, who, (first, _, rest) = self.session, self.who, name.partition("_")
+        if name == "frequency":
+            return np.linspace(*axes(session, who)[0][1:])[None]
+        if first == "stable" and rest != "exact":
+            return on_grid(
+                session, stability_map(session, plate, who), stable(session, plate, rest)
+            )
+        if first == "paper":
+            return stability_map(session, plate, model=first).variables[rest]
+        if rest == "exact":
+            return is_class(stability_map(session, plate, who), "stability", first)
+        by_exact = first == "exact"
+        plane = (stability_map if by_exact else motion_map)(session, plate, who)
+        name = rest if by_exact else name
+        for variable in ("motion", "label"):
+            if variable in plane.about and name in plane.about[variable].classes:
+                return is_class(plane, variable, name)
+        return getattr(plane, name) if name in ("robust", "computed") else plane.variables[name]
 
 
 # Sections 1 to 4 ----------------------------------------------------------------------------------
 
 
 PHASES = 2 * np.pi * np.arange(256) / 256
-TRIAL = ApproximateSolution(
+TRIAL = theory.ApproximateSolution(
     alpha=0.8, q_1=1.3, beta=0.5, u_1=0.3, gamma=0.7, theta_0=0.0, residual=np.nan
 )
 
-NUMBERS = {name: float(value) for name, value in nondimensional(EXAMPLE)._asdict().items()}
+NUMBERS = {name: float(value) for name, value in theory.nondimensional(EXAMPLE)._asdict().items()}
 ALONG = NUMBERS | {name: vars(TRIAL)[name] for name in ("alpha", "q_1", "beta", "u_1", "gamma")}
 ALONG |= {"s": PHASES}
 """Coefficients of (7), (8), and with them the values of the trial motion over a turn."""
@@ -335,24 +379,6 @@ def dimensional(values: Values) -> Values:
 # Sections 1, 2
 
 
-def uniform_rotation(session: Session) -> Numbers:
-    """Return the largest errors of theta [rad] of the printed solution and a uniform rotation.
-
-    And that of y, over its largest value.
-    """
-    truth = states(example_rotation(session))
-    start = orbit_guesses(EXAMPLE)[0]
-    angle = start[1] + start[3] * samples(1.0)
-    gap = apart(np.array([0 * angle, angle, 0 * angle, 0 * angle + start[3]]), truth)
-    (y_error, error, *_), uniform = approximation_errors(session)["paper"], gap[1].max()
-    return {
-        "y_error": y_error / np.abs(truth[0]).max(),
-        "error": error,
-        "uniform": uniform,
-        "ratio": error / uniform,
-    }
-
-
 def plate_inertia(session: Session, expected: float = SEMICIRCLE) -> Numbers:
     """Return I_eq of the semicircular plate by quadrature over the half disc, and its error."""
     nodes, weights = np.polynomial.legendre.leggauss(20)
@@ -369,36 +395,16 @@ def equations_of_motion(session: Session, who: str) -> Numbers:
         row = next(row for row in read_paper(SCENE).rows if row.name == "lagrange")
         assert row.equations is not None
         return {"error": row.equations()["(7), (8)"], "count": len(BODIES["I_m"])}
-    case, scene = Query(SCENE).case, get_scene(SCENE)
-    times, points = random_states(scene_equations(case), case, scene.coordinates)
-    derivative = scene.right_hand_side(case.parameters)
+    setup, scene = MethodQuery(SCENE, engine=who).model_setup(), get_scene(SCENE)
+    times, points = random_states(scene_equations(setup.case), setup.case, scene.coordinates)
+    derivative = scene.right_hand_side(setup.case.parameters)
     truth = np.array([derivative(t, x)[2:] for t, x in zip(times, points, strict=True)])
-    engine, model = choose_engine(who, case, None)
     with contained():
-        own = engine.bind(case, model).accelerations(times, points)
+        own = setup.bound.accelerations(times, points)
     return {"error": float(np.abs(own - truth).max() / np.abs(truth).max())}
 
 
-def mass_ratio(session: Session) -> Numbers:
-    """Return m/(M + m) of table 1."""
-    return {"value": NUMBERS["epsilon"]}
-
-
 # Section 3
-
-
-def bessel_series(session: Session) -> Numbers:
-    """Return the largest error of ten terms of (26) against J_0 ... J_5 at |u_1| = 0.5 and 2."""
-    errors = [
-        abs(
-            (u / 2) ** n
-            * sum((-(u**2) / 4) ** k / (factorial(k) * factorial(n + k)) for k in range(10))
-            - jv(n, u)
-        )
-        for u in (0.5, 2.0)
-        for n in range(6)
-    ]
-    return {"error": max(errors)}
 
 
 def bessel(session: Session) -> Numbers:
@@ -418,7 +424,7 @@ def change_of_u_1(session: Session) -> Numbers:
     """
     changes = []
     for p in (EXAMPLE, grid(session, False)):
-        c = nondimensional(p)
+        c = theory.nondimensional(p)
         spring = 1 - c.alpha**2 - 2j * c.rho * c.alpha
         hinge = 4 * c.alpha**2 * c.inertia + 2j * c.zeta_m * c.alpha
         a, inertial = -spring * hinge / (c.alpha**2 / 2), c.epsilon * c.alpha**2
@@ -430,116 +436,13 @@ def change_of_u_1(session: Session) -> Numbers:
     return {"changes": changes}
 
 
-def approximations(session: Session) -> Numbers:
-    """Return bounds of the corrections (34) and (45) by (49)-(52), over q_1 and u_1.
-
-    The residuals of (35), (36), (46), (47) are their coefficients of sine and cosine.
-    """
-    plate = EXAMPLE.replace(inertia_ratio=SEMICIRCLE)
-    solution = paper_solution(plate)
-    left = np.abs(printed_residuals(solution, plate)).reshape(2, 2).max(axis=1)
-    a = np.array([1, 2]) * float(solution.alpha)
-    of_q, of_theta = left * (a + 3) / abs(1 - a**2) / np.abs([solution.q_1, solution.u_1])
-    return {"of_q": of_q, "of_theta": of_theta}
-
-
-def secular_terms(session: Session) -> Numbers:
-    """Return the growth of the correction after (34), in each half of 3000 periods of the spring.
-
-    It is the response to 2 rho q' of (34), q'' + q = 2 rho (sin(tau) - alpha sin(alpha tau)), over
-    rho and the coefficients of (34). ``damped`` is the share of its cos(tau) and sin(tau) that
-    damping in the kernel would leave after some periods.
-    """
-    c = nondimensional(EXAMPLE)
-    alpha, periods = float(c.alpha), 10
-    tau = np.linspace(0, 2e4, 200_001)
-    resonant = (np.sin(tau) - tau * np.cos(tau)) / 2
-    forced = alpha * (np.sin(alpha * tau) - alpha * np.sin(tau)) / (1 - alpha**2)
-    wave = 2 * np.abs(resonant - forced) / abs(1 - alpha**2)
-    early, late = (half.max() for half in np.split(wave[:-1], 2))
-    left = np.exp(-float(c.rho) * 2 * np.pi * periods)
-    return {"growth": late / early, "damped": left, "periods": periods}
-
-
-def mean_balance(session: Session) -> Numbers:
-    """Return mean torques over the friction without and with theta_0, and the gain by theta_0."""
-    c, errors = nondimensional(EXAMPLE), approximation_errors(session)
-    torques = {
-        name: float(abs(balance_residuals(APPROXIMATIONS[name](EXAMPLE), EXAMPLE)[2]))
-        / float(c.zeta_m * c.alpha)
-        for name in ("paper", "corrected")
-    }
-    return {
-        **torques,
-        "phase": float(corrected_solution(EXAMPLE).theta_0),
-        "gain": errors["paper"][1] / errors["corrected"][1],
-    }
-
-
-def dropped_torque(session: Session) -> Numbers:
-    """Return the change of u_1 by terms of second order where |u_1| < 0.5 in figure 4.
-
-    The median, the largest, and the share of the points at which it is a tenth or less.
-    """
-    paper, full = (solve(grid(session, False)).u_1 for solve in (paper_solution, refined_solution))
-    gap = np.abs(np.abs(full / paper) - 1)[np.abs(paper) < 0.5]
-    return {"median": np.median(gap), "largest": np.max(gap), "within": np.mean(gap <= 0.1)}
-
-
-def closed_form(session: Session) -> Numbers:
-    """Return the largest residual of (49)-(52) over the grids of figures 4 and 6."""
-    residuals = [paper_solution(grid(session, plate)).residual for plate in PLATES]
-    return {"residual": np.max(residuals)}
-
-
 # Section 4
-
-
-def effect_of_55(session: Session) -> Numbers:
-    """Return multipliers and stable shares of figure 4 with (55) as printed, and corrected."""
-    shares = [float(np.mean(stable(session, False, name))) for name in ("printed", "paper")]
-    return {"multipliers": list(multipliers(session).values())[:2], "shares": shares}
-
-
-def eigenvalues(session: Session, count: int = 64) -> Numbers:
-    """Return the share of a period with an eigenvalue of A(tau) of (62) above 1 in modulus.
-
-    And the largest multiplier. ``count`` times are taken over the period.
-    """
-    solution, c = corrected_solution(EXAMPLE), nondimensional(EXAMPLE)
-    tau = 2 * np.pi / c.alpha * np.arange(count) / count
-    p_1, p_2, p_3, p_4, p_5 = variational_coefficients(solution, EXAMPLE, tau)
-    one, none = np.ones(count), np.zeros(count)
-    mass = np.array([[one, p_1], [p_5, one]])
-    right = -np.array(
-        [[one, p_3, 2 * c.rho * one, p_2], [none, p_4, none, c.zeta_m / c.inertia * one]]
-    )
-    lower = np.linalg.solve(np.moveaxis(mass, -1, 0), np.moveaxis(right, -1, 0))
-    upper = np.broadcast_to(np.eye(2, 4, 2), (count, 2, 4))
-    moduli = np.abs(np.linalg.eigvals(np.concatenate([upper, lower], axis=1)))
-    return {
-        "above": np.mean(moduli.max(axis=1) > 1),
-        "largest": float(abs(floquet_multipliers(solution, EXAMPLE)[0])),
-    }
 
 
 # Section 5.1, transients, and the end of region II ------------------------------------------------
 
 
 OMEGA = 2 * np.pi * float(EXAMPLE.force_frequency)
-
-
-def printed_solution(session: Session) -> Numbers:
-    """Return the amplitudes of the printed solution [mm, rad], and its range of speeds [rad/s]."""
-    solution = paper_solution(EXAMPLE)
-    u_1 = abs(float(solution.u_1))
-    return {
-        "paper": 1e3 * abs(float(solution.q_1)) * float(EXAMPLE.rod_length),
-        "u_1": u_1,
-        "slowest": (1 - 2 * u_1) * OMEGA,
-        "fastest": (1 + 2 * u_1) * OMEGA,
-        "second": second_harmonic(example_orbit(session)),
-    }
 
 
 def rotation(session: Session, who: str) -> Numbers:
@@ -581,9 +484,7 @@ def motion_from_rest(session: Session, who: str) -> Numbers:
     run, periods = example_from_rest(session, who), 12
     theta_dot = run.observables["theta_dot"]
     end = lock_in(run.times, run.observables["theta"], theta_dot)
-    window = theta_dot[-periods * SAMPLES :]
-    spectrum = np.abs(np.fft.rfft((window - window.mean()) * np.hanning(len(window))))
-    ratio = float(np.argmax(spectrum)) / periods
+    ratio = float(strongest(theta_dot[None, -periods * SAMPLES :], periods)[0])
     return {**end, "turns": abs(abs(end["turns"]) - 1), "ratio": ratio, "off": abs(ratio - 2)}
 
 
@@ -598,20 +499,6 @@ def errors_of_solutions(session: Session) -> Numbers:
         numbers |= {name: 1e3 * y, f"{name}_share": y / size, f"{name}_theta": theta}
     left = [errors[name][1] / errors["paper"][1] for name in ("refined", "corrected")]
     return {"left": left[0], "left_with_phase": left[1], **numbers}
-
-
-def multipliers(session: Session) -> Numbers:
-    """Return the largest multipliers of approximate solutions, and with (55) as printed."""
-    return {
-        name: float(abs(floquet_multipliers(solution(EXAMPLE), EXAMPLE, as_printed)[0]))
-        for name, (solution, as_printed) in FORMULAS.items()
-    }
-
-
-def power(session: Session) -> Numbers:
-    """Return the mean powers of the force and of the hinge's friction [W], true rotation."""
-    powers = example_orbit(session).power
-    return {"hinge": -powers["hinge"], "force": powers["force"]}
 
 
 TRANSIENT, PASSING, LASTING = 100, 4, 20
@@ -651,12 +538,6 @@ def transients(session: Session, plate: bool = False) -> Numbers:
     return {**shares, "count": len(hertz)}
 
 
-def transients_of_both(session: Session) -> Numbers:
-    """Return these shares in figure 5, and as lists in figures 5 and 7."""
-    first, second = (transients(session, plate) for plate in PLATES)
-    return {**first, "both": [[one["passing"], one["lasting"]] for one in (first, second)]}
-
-
 # The end of region II
 
 LINES = (4.5, 5.0, 5.5, 6.0)
@@ -689,11 +570,9 @@ def formula_end(name: str, p: HulaHoop) -> float:
 
     The last of `FORCES` where none does below it.
     """
-    solution, as_printed = FORMULAS[name]
 
     def outside(force: Array | float) -> Array:
-        here = p.replace(force_amplitude=force)
-        return np.abs(floquet_multipliers(solution(here), here, as_printed=as_printed)[0]) - 1
+        return multiplier(name, p.replace(force_amplitude=force)) - 1
 
     values = outside(FORCES)
     crossed = np.flatnonzero((values[:-1] < 0) & (values[1:] >= 0))
@@ -718,9 +597,7 @@ def distances(session: Session, who: str, plate: bool) -> Numbers:
         return numbers
     off = []
     for one in points:
-        case = Case(SCENE, "point", one.parameters)
-        engine, model = choose_engine(who, case, None)
-        setup = Setup(engine, case, model, choose_method(engine, case, model, None))
+        setup = MethodQuery(SCENE, engine=who, parameters=one.parameters.as_dict()).setup()
         z = one.solution[1].z
         off.append(one.unit * abs(engine_point(setup, one, STEPS, z).z[-1] - z[-1]))
     return {"off": max(off)}
@@ -756,67 +633,14 @@ def in_words(end: dict[str, float]) -> str:
     )
 
 
-def damping_units(session: Session) -> Numbers:
-    """Return the lock-in from rest by each reading of the damping of table 1."""
-    mass = EXAMPLE.main_mass + EXAMPLE.free_mass
-    rho = 0.1 / float(2 * mass * EXAMPLE.omega_n)
-    zeta = 0.01 / float(EXAMPLE.free_mass * EXAMPLE.rod_length**2 * EXAMPLE.omega_n)
-    per_metre = zeta * EXAMPLE.rod_length**2
-    ratios = [(0.1, 0.01), (rho, zeta), (rho, 0.01), (0.1, zeta), (rho, per_metre), (0.05, 0.01),
-              (0.1, 0.02)]  # fmt: skip
-    damping, hinge = np.array(ratios).T
-    p = EXAMPLE.replace(damping_ratio=damping, hinge_damping_ratio=hinge)
-    return {"ends": from_rest(p)}
-
-
-def starts(session: Session) -> Numbers:
-    """Return the lock-in from rest at angles near 0, and the robust share of figure 5."""
-    angles = np.array([0.0, 1e-6, -1e-6, 1e-3, -1e-3, 1e-2, -1e-2, 0.1, -0.1])
-    robust = np.mean(motion_map(session, False).variables["robust"] == 1)
-    return {"ends": from_rest(EXAMPLE, angles), "robust": robust}
-
-
 # Sections 5.2 and 6: figures 4 to 7 ---------------------------------------------------------------
 
-
-SMALL = 0.1
-"""Turns per period that chaotic motion may drift by in the window of the maps."""
 
 CORRECTED = ("paper", "corrected")
 """Approximate solutions by (55) corrected: without and with theta_0."""
 
 
-def count(where: Any) -> int:
-    """Return the number of points at which something holds."""
-    return int(np.sum(where))
-
-
-def share(where: Any, of_none: float = np.nan) -> float:
-    """Return the share of points at which something holds; there may be no point."""
-    return float(np.mean(where)) if where.size else of_none
-
-
-def by_plate(names: Iterable[str], where: Callable[[str, bool], Any]) -> dict[str, list[float]]:
-    """Return the shares of points of a solution without and with inertia, by its name."""
-    return {name: [float(np.mean(where(name, plate))) for plate in PLATES] for name in names}
-
-
-def printed_u_1(session: Session, plate: bool = False) -> Any:
-    """Return |u_1| (n_y, n_x) of the printed solution in figure 4, or 6 (plate)."""
-    return np.abs(paper_solution(grid(session, plate)).u_1)
-
-
 # Figures 4 and 6: stability
-
-
-def stable_zone(session: Session, who: str) -> Numbers:
-    """Return where a rotation is stable, of the points where approximate ones are."""
-    own = stability_map(session, False, who)
-    calm, shares = is_class(own, "stability", "stable"), {}
-    for name in CORRECTED:
-        zone = on_grid(session, own, stable(session, False, name)) & (own.computed == 1)
-        shares[name] = float(np.mean(calm[zone]))
-    return {**shares, "share": shares["paper"]}
 
 
 PARTS = ((0.0, 1.0), (0.1, 0.8), (0.0, 0.6), (0.2, 1.0))
@@ -824,12 +648,19 @@ PARTS = ((0.0, 1.0), (0.1, 0.8), (0.0, 0.6), (0.2, 1.0))
 
 
 def part(where: Any, x: tuple[float, float], y: tuple[float, float]) -> Any:
-    """Return the part (n, m) of points (n_y, n_x) between shares of both axes."""
+    """Return the part (..., n, m) of points (..., n_y, n_x) between shares of both axes."""
     rows, columns = (
         slice(*(round(share * size) for share in ends))
-        for ends, size in zip((y, x), where.shape, strict=True)
+        for ends, size in zip((y, x), where.shape[-2:], strict=True)
     )
-    return where[rows, columns]
+    return where[..., rows, columns]
+
+
+def on_parts(where: Any, among: Any = True) -> Any:
+    """Return the shares (..., 16) at which something holds on parts of our axes, 0 of no points."""
+    among = np.broadcast_to(among, where.shape)
+    parts = [share_of(part(where, *ends), part(among, *ends)) for ends in product(PARTS, PARTS)]
+    return np.nan_to_num(np.stack(parts, axis=-1))
 
 
 def unstable_regions(session: Session, plate: bool, printed: str) -> Numbers:
@@ -857,275 +688,7 @@ def unstable_regions(session: Session, plate: bool, printed: str) -> Numbers:
     }
 
 
-def colours_of_region_1(session: Session) -> Numbers:
-    """Count points of region I in figure 4 with |u_1| below 0.5 (red), and from 0.5 on (black).
-
-    With (55) corrected and as printed.
-    """
-    u_1, numbers = printed_u_1(session), {}
-    for name in ("paper", "printed"):
-        inside = u_1[regions(~stable(session, False, name))[0]]
-        numbers[name] = [count(inside < 0.5), count(inside >= 0.5)]
-    return {**numbers, "least": min(*numbers["paper"], *numbers["printed"])}
-
-
-def classes_of_figure_6(session: Session) -> Numbers:
-    """Count points of figure 6 that are blue, red, black, and stable with |u_1| of 0.5 or more.
-
-    With (55) corrected and as printed.
-    """
-    large, numbers = printed_u_1(session, plate=True) >= 0.5, {}
-    for name in ("paper", "printed"):
-        calm = stable(session, True, name)
-        kinds = (calm & ~large, ~calm & ~large, ~calm & large, calm & large)
-        numbers[name] = [count(kind) for kind in kinds]
-    both = list(zip(*numbers.values(), strict=True))
-    return {**numbers, "least": min(map(min, both[:3])), "others": max(both[3])}
-
-
-def small_regions(session: Session) -> Numbers:
-    """Return the number of unstable regions besides the largest, and the largest |u_1| in them.
-
-    With (55) corrected and as printed.
-    """
-    u_1 = printed_u_1(session)
-    numbers: dict[str, float] = {}
-    for name, prefix in (("paper", ""), ("printed", "printed_")):
-        small = regions(~stable(session, False, name))[1:]
-        numbers[f"{prefix}count"] = len(small)
-        numbers[f"{prefix}largest"] = max((u_1[region].max() for region in small), default=0.0)
-    return numbers
-
-
-def stable_above_half(session: Session) -> Numbers:
-    """Count rotations of figures 4 and 6 with |u_1| of 0.5 or more, and the stable ones.
-
-    ``hoop`` counts the true rotations that are stable and keep their sense.
-    """
-    large, calm, hoop = {}, {}, 0
-    for model, plate in product(("exact", "paper"), PLATES):
-        plane = stability_map(session, plate, model=model)
-        here = plane.variables["u_1"] >= 0.5
-        still = here & is_class(plane, "stability", "stable")
-        large[model, plate] = count(still | (here & is_class(plane, "stability", "unstable")))
-        calm[model, plate] = count(still)
-        if model == "exact":
-            hoop += count(still & (plane.variables["min_speed"] >= 0))
-    return {
-        "hoop": hoop,
-        "large": sum(large["exact", plate] for plate in PLATES),
-        "calm": sum(calm["exact", plate] for plate in PLATES),
-        "without": calm["exact", False],
-        "printed": sum(large["paper", plate] for plate in PLATES),
-        "printed_calm": sum(calm["paper", plate] for plate in PLATES),
-    }
-
-
-def reversals_by_u_1(session: Session) -> Numbers:
-    """Return shares of true rotations with reversals: |u_1| of 0.5 or more, and stable below.
-
-    And the least theta' of (17) with u_1 of 0.5, by omega.
-    """
-    motion = replace(TRIAL, u_1=0.5, gamma=np.pi / 2).motion(PHASES / TRIAL.alpha)
-    slowest = float(np.min(motion.theta_dot) / TRIAL.alpha)
-    exact = stability_map(session, False)
-    u_1, least = exact.variables["u_1"], exact.variables["min_speed"]
-    below = (u_1 < 0.5) & is_class(exact, "stability", "stable")
-    return {
-        "least": slowest,
-        "off": abs(slowest),
-        "above": np.mean(least[u_1 >= 0.5] < 0),
-        "below": np.mean(least[below] < 0),
-    }
-
-
-def smoothness(session: Session) -> Numbers:
-    """Return rank correlations of u_1 with 1 - min theta'/omega, of stable true rotations."""
-    ranks = []
-    for plate in PLATES:
-        plane = stability_map(session, plate)
-        here = is_class(plane, "stability", "stable")
-        u_1, least = (plane.variables[name][here] for name in ("u_1", "min_speed"))
-        ranks.append(float(spearmanr(u_1, 1 - least).statistic))
-    return {"ranks": ranks}
-
-
-def wrong_about_stability(session: Session) -> Numbers:
-    """Return shares of points where solutions are wrong on stability, and their ratios.
-
-    The ratios on the whole axes, and on the parts of them where the smaller one is largest.
-    """
-
-    def wrong(name: str, plate: bool) -> Any:
-        return stable(session, plate, name) != stable(session, plate, "exact")
-
-    def left(x: tuple[float, float], y: tuple[float, float]) -> Any:
-        shares = by_plate(CORRECTED, lambda name, plate: part(wrong(name, plate), x, y))
-        return np.divide(shares["corrected"], shares["paper"])
-
-    return {
-        **by_plate(CORRECTED, wrong),
-        "left": left((0.0, 1.0), (0.0, 1.0)),
-        "parts": max((left(*ends) for ends in product(PARTS, PARTS)), key=min),
-    }
-
-
-def right_about_stability(session: Session) -> Numbers:
-    """Return the shares of points of figures 4 and 6 where solutions are right on stability."""
-    wrong = wrong_about_stability(session)
-    return {name: 1 - np.array(wrong[name]) for name in CORRECTED}
-
-
-def unstable_by_inertia(
-    session: Session, names: Iterable[str] = STABILITIES, low: float = 0.0, high: float = np.inf
-) -> Numbers:
-    """Return shares of unstable points without and with inertia, and their changes.
-
-    In a range of natural frequencies, by default all; and the range [Hz].
-    """
-    frequency: Any = grid(session, False).force_frequency
-    there = (frequency >= low * NATURAL) & (frequency < high * NATURAL)
-    shares = by_plate(names, lambda name, plate: ~stable(session, plate, name) & there)
-    return {
-        **shares,
-        "changes": [after - before for before, after in shares.values()],
-        "after": [after for _, after in shares.values()],
-        "low": max(low * NATURAL, HERTZ[0]),
-        "high": high * NATURAL,
-    }
-
-
-def stable_by_inertia(session: Session, who: str) -> Numbers:
-    """Return shares of the points of figures 4 and 6 where the rotation is stable."""
-    maps = [stability_map(session, plate, who) for plate in PLATES]
-    return {"shares": [np.mean(is_class(plane, "stability", "stable")) for plane in maps]}
-
-
 # Figures 5 and 7: motion from rest
-
-
-def share_of_class(session: Session, who: str, name: str) -> float:
-    """Return the share of a class in all of figure 5."""
-    return float(np.mean(moves(session, False, name, who)))
-
-
-def class_by_inertia(session: Session, who: str, name: str, below: float = np.inf) -> Numbers:
-    """Return the shares of a class in figures 5 and 7 below a frequency [Hz], and their change."""
-    shares = [
-        float(np.mean(is_class(motion, "motion", name) & (motion.x.values < below)))
-        for motion in (motion_map(session, plate, who) for plate in PLATES)
-    ]
-    return {"shares": shares, "change": shares[1] - shares[0]}
-
-
-def cyan_in_region_1(session: Session) -> Numbers:
-    """Count points of cyan o in region I without and with inertia, by three solutions.
-
-    And those of figure 7, with those among them that repeat after several periods.
-    """
-    cyan = [moves(session, plate, "cyan_o") for plate in PLATES]
-    counts = {
-        STABILITIES[name]: [
-            count(here & regions(~stable(session, plate, name))[0])
-            for here, plate in zip(cyan, PLATES, strict=True)
-        ]
-        for name in (*CORRECTED, "exact")
-    }
-    changes = [after - before for before, after in counts.values()]
-    periods = motion_map(session, True).variables["periods"][cyan[1]]
-    return {
-        "counts": counts,
-        "changes": changes,
-        "least": min(changes),
-        "several": count(periods > 1),
-        "count": periods.size,
-    }
-
-
-def slow_cyan(session: Session) -> Numbers:
-    """Count points of cyan o below half the natural frequency, in figures 5 and 7.
-
-    And those of them that repeat in each period, without the symmetry of half a period.
-    """
-    counts: dict[str, list[int]] = {"every": [], "first": []}
-    for plate in PLATES:
-        motion = motion_map(session, plate)
-        here = is_class(motion, "motion", "cyan_o") & (motion.x.values < NATURAL / 2)
-        counts["every"].append(count(here))
-        counts["first"].append(count(here & (motion.variables["periods"] == 1)))
-    return {**counts, **{f"{name}_change": two[1] - two[0] for name, two in counts.items()}}
-
-
-def classes(session: Session) -> Numbers:
-    """Count the points of each class in figures 5 and 7."""
-    names = motion_map(session, False).about["motion"].classes
-    first, second = (
-        {name.replace("_", " "): count(moves(session, plate, name)) for name in names}
-        for plate in PLATES
-    )
-    return {"counts": first, "plate": second, "least": min(first.values())}
-
-
-def red_x(session: Session) -> Numbers:
-    """Return the share of red x of figure 5 that hardly turns, and how many lock otherwise."""
-    motion, red = motion_map(session, False), moves(session, False, "red_x")
-    return {
-        "share": np.mean(motion.variables["turns"][red & motion.robust] < SMALL),
-        "locked": count(red & is_class(motion, "label", "other_lock")),
-    }
-
-
-def robust_in(session: Session, here: Any, name: str) -> Numbers:
-    """Return the share of a class among the robust points of a region of figure 5, their number."""
-    there = moves(session, False, name)[here & motion_map(session, False).robust]
-    return {"share": share(there), "count": there.size}
-
-
-def region_2(session: Session) -> Numbers:
-    """Return the share of hula-hoop motion where the printed solution is stable.
-
-    And where that with theta_0 is; of this also the largest on parts of our axes.
-    """
-    calm, robust = stable(session, False, "corrected"), motion_map(session, False).robust
-    return {
-        **robust_in(session, stable(session, False, "paper"), "blue_o"),
-        "corrected": robust_in(session, calm, "blue_o")["share"],
-        "parts": largest_on_parts(moves(session, False, "blue_o"), calm & robust),
-    }
-
-
-def largest_on_parts(right: Any, counted: Any) -> float:
-    """Return the largest share, on parts of our axes, of those that are right, of the counted."""
-    return max(
-        share(part(right, *ends)[part(counted, *ends)], 0.0) for ends in product(PARTS, PARTS)
-    )
-
-
-def region_1(session: Session) -> Numbers:
-    """Return the share of red x in the largest unstable region, and of reversals among them."""
-    largest = regions(~stable(session, False, "paper"))[0]
-    red = largest & moves(session, False, "red_x")
-    speeds = motion_map(session, False).variables["min_speed"][red]
-    return {**robust_in(session, largest, "red_x"), "reversing": share(speeds < 0, 0.0)}
-
-
-def red_zone(session: Session) -> Numbers:
-    """Return the motions from rest where the rotation is unstable though |u_1| < 0.5.
-
-    Shares without hula-hoop motion and with reversals, and the rank correlation of |u_1| with the
-    largest backward speed.
-    """
-    motion, u_1 = motion_map(session, False), printed_u_1(session)
-    here = ~stable(session, False, "paper") & (u_1 < 0.5) & motion.robust
-    speed = motion.variables["min_speed"]
-    known = here & np.isfinite(speed)
-    return {
-        "count": count(here),
-        "none": np.mean(~moves(session, False, "blue_o")[here]),
-        "reversing": np.mean(speed[here] < 0),
-        "known": count(known),
-        "rank": float(spearmanr(u_1[known], -speed[known]).statistic),
-    }
 
 
 def near(where: Any, cells: int = 2) -> Any:
@@ -1133,29 +696,24 @@ def near(where: Any, cells: int = 2) -> Any:
     return binary_dilation(where, np.ones((3, 3)), iterations=cells)
 
 
-def transition(session: Session) -> Numbers:
-    """Return the share of cyan + in figure 5 that lies near both rotation and its absence."""
-    cyan, red, blue, plus = (
-        moves(session, False, name) for name in ("cyan_plus", "red_x", "blue_o", "blue_plus")
-    )
-    between = (near(red) & near(blue | plus))[cyan]
-    return {"between": share(between, 0.0), "count": between.size}
-
-
-def region_3(session: Session) -> Numbers:
-    """Count points of cyan o in figure 5, and those that repeat each period.
-
-    And shares of them at which approximate solutions are unstable: with theta_0, and as printed.
-    """
-    cyan, variables = moves(session, False, "cyan_o"), motion_map(session, False).variables
-    periods, f_u = (variables[name][cyan] for name in ("periods", "f_u"))
-    as_printed = ~stable(session, False, "printed")[cyan]
+def by_class(session: Session, plate: bool, among: Any = True) -> dict[str, int]:
+    """Return the number of points of each class in figure 5, or 7 (plate), of all or some."""
+    motion = motion_map(session, plate)
     return {
-        "count": periods.size,
-        "share": share(~stable(session, False, "corrected")[cyan]),
-        "paper": share(as_printed),
-        "unstable": count(as_printed),
-        "first": count((periods == 1) & (np.abs(f_u - 1) < 0.02)),
+        name.replace("_", " "): number_of(is_class(motion, "motion", name) & among)
+        for name in motion.about["motion"].classes
+    }
+
+
+def cyan_in_region_1(session: Session) -> dict[str, list[int]]:
+    """Return the number of cyan o in region I of figures 5 and 7, by three solutions."""
+    cyan = [moves(session, plate, "cyan_o") for plate in PLATES]
+    return {
+        STABILITIES[name]: [
+            number_of(here & regions(~stable(session, plate, name))[0])
+            for here, plate in zip(cyan, PLATES, strict=True)
+        ]
+        for name in (*CORRECTED, "exact")
     }
 
 
@@ -1169,52 +727,19 @@ def agreements(session: Session, who: str, plate: bool) -> Numbers:
     the better of "everywhere" and "nowhere" reaches, and ``parts`` the largest of the corrected
     solutions on parts of our axes.
     """
-    there, calm, hoop = robust_points(session, plate, who)
+    of = partial(Names(session, who).of, plate=plate)
+    there, hoop = of("exact_computed") & of("computed") & of("robust"), of("blue_o")
     if who != REFERENCE:
-        return {"share": np.mean(calm == hoop), "count": len(hoop)}
-    right = {
-        name: moves(session, plate, "blue_o") == stable(session, plate, name)
-        for name in STABILITIES
-    }
-    shares = {name: float(np.mean(where[there])) for name, where in right.items()}
+        return {"share": share_of(of("stable_exact") == hoop, there), "count": number_of(there)}
+    right = {name: of(f"stable_{name}") == hoop for name in STABILITIES}
+    shares = {name: share_of(where, there) for name, where in right.items()}
     return {
         **shares,
         "share": shares["paper"],
-        "trivial": float(max(hoop.mean(), 1 - hoop.mean())),
-        "points": len(hoop),
+        "trivial": max(share_of(hoop, there), share_of(~hoop, there)),
+        "points": number_of(there),
         "best": max(shares[name] for name in CORRECTED),
-        "parts": max(largest_on_parts(right[name], there) for name in CORRECTED),
-    }
-
-
-def unstable_seen(session: Session, who: str) -> Numbers:
-    """Count robust points of figure 5 with a periodic motion where a rotation is unstable."""
-    there, calm, hoop = robust_points(session, False, who)
-    periodic = hoop & (motion_map(session, False, who).variables["periods"][there] == 1)
-    numbers = {"count": count(periodic & ~calm), "total": count(periodic)}
-    if who != REFERENCE:
-        return numbers
-    paper = count(periodic & ~stable(session, False, "paper")[there])
-    more = count(hoop) - numbers["total"]
-    return {**numbers, "exact": numbers["count"], "paper": paper, "more": more}
-
-
-def stable_elsewhere(session: Session) -> Numbers:
-    """Return where motions from rest end that do not reach a stable true rotation.
-
-    And the largest multiplier of these rotations.
-    """
-    motion = motion_map(session, False)
-    here = stable(session, False, "exact") & motion.robust
-    elsewhere = here & ~is_class(motion, "motion", "blue_o")
-    return {
-        "share": elsewhere.sum() / here.sum(),
-        "multiplier": stability_map(session, False).variables["multiplier"][here].max(),
-        "total": count(here),
-        "kinds": {
-            name.replace("_", " "): count(elsewhere & is_class(motion, "motion", name))
-            for name in motion.about["motion"].classes[1:]
-        },
+        "parts": max(np.max(on_parts(right[name], there)) for name in CORRECTED),
     }
 
 
@@ -1226,14 +751,10 @@ def axes_of_maps(session: Session) -> Numbers:
     axes = [(HERTZ, NEWTON), (HERTZ, (5.0, 100.0)), ((1.0, 20.0), NEWTON), ((2.0, 8.0), NEWTON)]
     shares, counts = np.zeros((2, len(axes), 2))
     for (i, (hertz, newton)), plate in product(enumerate(axes), PLATES):
-        p = HulaHoop(
-            force_frequency=np.linspace(*hertz, POINTS)[None, :],  # type: ignore[arg-type]
-            force_amplitude=np.linspace(*newton, POINTS)[:, None],  # type: ignore[arg-type]
-            **changed(plate),
-        )
-        multiplier = np.abs(floquet_multipliers(paper_solution(p), p)[0])
-        shares[i, int(plate)] = np.mean(multiplier < 1)
-        counts[i, int(plate)] = len(regions(multiplier >= 1))
+        p = parameters_on(plate, np.linspace(*hertz, POINTS), np.linspace(*newton, POINTS))
+        modulus = multiplier("paper", p)
+        shares[i, int(plate)] = np.mean(modulus < 1)
+        counts[i, int(plate)] = len(regions(modulus >= 1))
     return {"shares": shares, "counts": counts}
 
 
@@ -1260,29 +781,13 @@ def class_definitions(session: Session) -> Numbers:
     }
     shares = {}
     for name, (slack, near_two, least) in limits.items():
-        with np.errstate(invalid="ignore"):
-            turns = np.abs(values["turns"] - 1) < slack
-            two = np.abs(values["f_u"] - 2) < near_two
-            forward = values["min_speed"] >= least
-        classes = {
-            "blue o": turns & two & forward,
-            "blue +": turns & two & ~forward,
-            "cyan o": turns & ~two & forward,
-            "cyan +": turns & ~two & ~forward,
-            "red x": ~turns,
+        turns = np.abs(values["turns"] - 1) < slack
+        two, forward = np.abs(values["f_u"] - 2) < near_two, values["min_speed"] >= least
+        shares[name] = {
+            "blue o": share_of(turns & two & forward),
+            "blue +": share_of(turns & two & ~forward),
+            "cyan o": share_of(turns & ~two & forward),
+            "cyan +": share_of(turns & ~two & ~forward),
+            "red x": share_of(~turns),
         }
-        shares[name] = {one: float(np.mean(where)) for one, where in classes.items()}
     return shares
-
-
-def definition(session: Session) -> Numbers:
-    """Return shares of figure 5 with hula-hoop motion by wider definitions, and of an ideal one."""
-    plane = stability_map(session, False)
-    u_1 = plane.variables["u_1"][is_class(plane, "stability", "stable")]
-    kinds = ("blue_o", "blue_plus", "cyan_o", "cyan_plus")
-    shares = [float(np.mean(moves(session, False, name))) for name in kinds]
-    return {
-        "ideal": np.mean(u_1 == 0),
-        "least": np.min(u_1),
-        "shares": [shares[0], sum(shares[:2]), sum(shares)],
-    }

@@ -23,15 +23,17 @@ from ..drawing import dotted, draw_gap, handles_of, outside_legend
 from ..session import Session
 from .measures import (
     BETAS,
+    CURVE_SECONDS,
+    LARGEST,
     RANGE,
     REDUCED,
     STARTS,
     StartUp,
     fold_curve,
     from_rest,
+    other_start,
     phase_map,
     stable_phases,
-    start_by_curve,
     theory_on,
 )
 
@@ -129,7 +131,12 @@ def figure_3(session: Session, betas: Mapping[str, float] = BETAS) -> Any:
         title = "Orbits"
         for side, engine in zip((-OFFSET, OFFSET), session.engines, strict=False):
             own = phase_map(session, beta, engine)
-            draw_engine(orbits, own, engine, side)
+            x, y = np.meshgrid(own.x.values + side, own.y.values)
+            phase, its = stable_phases(own), look(engine)
+            style = {"marker": its.marker, "edgecolors": its.colour, "linewidths": 0.8}
+            orbits.scatter(x, y, s=13, c=phase, plotnonfinite=False, **style, **PHASE)
+            none = np.isnan(phase)
+            orbits.scatter(x[none], y[none], marker="x", s=6, color=its.colour, linewidths=0.7)
             title += f", {engine} to {np.nanmax(difference(own, true)):.1g} rad"
         angle = rf"$\beta$ = {name.replace('pi', 'π')}"
         label(by_theory, "", "$n_\\varphi$", f"({letter}) The theory, {angle}")
@@ -149,11 +156,15 @@ def figure_3(session: Session, betas: Mapping[str, float] = BETAS) -> Any:
     )
     bar.ax.set_xticklabels(["$-\\pi$", "$-\\pi/2$", "0", "$\\pi/2$", "$\\pi$"])
     bar.ax.tick_params(labelsize=8)
-    style: Mapping[str, Any] = {"linestyle": "none", "markerfacecolor": "none", "markersize": 4.0}
+    open_marker: Mapping[str, Any] = {
+        "linestyle": "none", "markerfacecolor": "none", "markersize": 4.0
+    }  # fmt: skip
     handles = [Line2D([], [], **how) for how in (RESONANCE, TURN, FOLD)]
     for engine in session.engines:
         its, words = look(engine), f"{engine}; cross: none"
-        handles.append(Line2D([], [], marker=its.marker, color=its.colour, label=words, **style))
+        handles.append(
+            Line2D([], [], marker=its.marker, color=its.colour, label=words, **open_marker)
+        )
     outside_legend(figure, handles, 3)
     return figure
 
@@ -169,16 +180,6 @@ def draw_theory_curves(panel: Any, beta: float) -> None:
     inside = (square > 0) & (square < RANGE[1] ** 2)
     panel.plot(n_x, np.sqrt(np.where(inside, square, np.nan)), **RESONANCE)
     panel.axhline(1 / np.cos(beta), **TURN)
-
-
-def draw_engine(panel: Any, own: Map, engine: str, side: float) -> None:
-    """Mark an engine's points over the orbits, filled by its phase; a cross: none."""
-    x, y = np.meshgrid(own.x.values + side, own.y.values)
-    phase, its = stable_phases(own), look(engine)
-    style = {"marker": its.marker, "s": 13, "edgecolors": its.colour, "linewidths": 0.8}
-    panel.scatter(x, y, c=phase, plotnonfinite=False, **style, **PHASE)
-    none = np.isnan(phase)
-    panel.scatter(x[none], y[none], marker="x", s=6, color=its.colour, linewidths=0.7)
 
 
 def difference(own: Map, true: Map) -> Array:
@@ -236,7 +237,7 @@ MARGIN = 0.06
 
 def simulation_figure(session: Session, case: int) -> Any:
     """Draw the start from rest of a case: its first moments, all of it, and differences."""
-    truth, curve = from_rest(session, case), start_by_curve(session, case)
+    truth, curve = from_rest(session, case), other_start(session, case, CURVE_SECONDS, LARGEST)
     others = {name: from_rest(session, case, name) for name in session.engines}
     figure, axes = new_figure(len(PANELS) + 1, 2, height=1.15, sharex="col")
     early, late = truth.times <= START_UP, truth.times > START_UP

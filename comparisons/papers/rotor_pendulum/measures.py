@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -22,8 +21,9 @@ from ....reference import get_scene
 from ....reference.continuation.along import BoundaryAlong
 from ....reference.errors import NoOrbitError
 from ....reference.rotor_pendulum import CASE_1, CASE_2, CASE_3, theory
+from ....reference.rotor_pendulum import phase as vibration
 from ....reference.rotor_pendulum.equations import RotorPendulum, coefficients, operating_speed
-from ....reference.rotor_pendulum.phase import coupling_harmonics, forced_response, wrapped
+from ....reference.rotor_pendulum.phase import wrapped
 from ....reference.scene import Array
 from ....reference.solve.single import states_at
 from ...engines.registry import REFERENCE
@@ -325,19 +325,6 @@ def scene_at(values: Values) -> Values:
     return {"energy": scene.energy(q, v, c)} | {f"a_{i}": float(one) for i, one in enumerate(a)}
 
 
-def reduction(session: Session) -> Numbers:
-    """Compare phases [rad] of (11) with those of the exact equations: of runs and an orbit."""
-    gaps = [
-        np.max(abs(from_rest(session, case, REDUCED).phase - from_rest(session, case).phase))
-        for case in CASES
-    ]
-    exact, reduced = (
-        orbit_value(synchronous_orbit(session, CASE_2, model=model), "phase_difference")
-        for model in (None, REDUCED)
-    )
-    return {"gaps": gaps, "exact": exact, "reduced": reduced}
-
-
 MUTUAL, STATOR, RESISTANCE, VOLTAGE, POLES = 0.13, 0.1, 0.54, 220.0, 2
 """Table 1's induction motor [H, H, ohm, V, 1]."""
 
@@ -353,48 +340,7 @@ def motor_slope(electric_powers: int) -> float:
     return float(POLES * scale / electric**electric_powers)
 
 
-def equation_14(session: Session) -> Numbers:
-    """Return the result of (14) at 153.8 rad/s: a power [W], with omega_m^2 a torque [N m].
-
-    And the relative distance of the torque from the 3.08 N m of section 5.2; and the torque with
-    the two inductances exchanged [N m].
-    """
-    slip = 50 * np.pi - 153.8
-    power, torque = motor_slope(1) * slip, motor_slope(2) * slip
-    exchanged = torque * (STATOR / MUTUAL) ** 4
-    return {"power": power, "torque": torque, "off": abs(torque / 3.08 - 1), "exchanged": exchanged}
-
-
 # Section 3: coupling coefficients, figure 2
-
-
-def mirror_images(session: Session) -> Numbers:
-    """Return the median difference of mu_1 and mu_4, and that after n_x and n_phi are swapped."""
-    n = lattice()
-    mu = theory.coupling_coefficients(n)
-    size = np.maximum(abs(mu.mu_1), abs(mu.mu_4))
-    swapped = theory.coupling_coefficients(n._replace(n_x=n.n_phi, n_phi=n.n_x))
-    return {
-        "apart": np.median(abs(mu.mu_1 - mu.mu_4) / size),
-        "mirrored": np.max(abs(swapped.mu_4 - mu.mu_1) / size),
-    }
-
-
-def level_coupling(session: Session) -> Numbers:
-    """Return mu_1, and mu_2 and mu_3, where beta = 0.
-
-    The largest mu_1 for n_x < 1, right and as printed; the largest mu_2 and mu_3; the coupling
-    torque with case 2's springs [N m].
-    """
-    n = lattice(0.0)
-    mu, printed = (theory.coupling_coefficients(n, as_printed) for as_printed in (False, True))
-    before = np.broadcast_to(n.n_x < 1, mu.mu_1.shape)
-    return {
-        "right": np.max(mu.mu_1[before]),
-        "printed": np.max(printed.mu_1[before]),
-        "largest": max(np.max(abs(mu.mu_2)), np.max(abs(mu.mu_3))),
-        "torque": float(theory.coupling_amplitude(CASE_2.replace(installation_angle=0.0))),
-    }
 
 
 def strength(session: Session) -> Numbers:
@@ -423,66 +369,7 @@ REGIONS = {"before": (0.1, 0.9), "at": (0.9, 1.1), "after": (1.1, 7.0)}
 """Ranges of a frequency ratio, as section 3 divides it."""
 
 
-def peaks(session: Session) -> Numbers:
-    """Return medians of |mu_1| ... |mu_4| where both ratios are in a region, and least rise."""
-    fine = theory.Ratios(*np.meshgrid(*[np.linspace(*RANGE, 1381) + 1e-4] * 2))
-    mu = theory.coupling_coefficients(fine)
-    typical = {}
-    for name, (low, high) in REGIONS.items():
-        here = (fine.n_x > low) & (fine.n_x < high) & (fine.n_phi > low) & (fine.n_phi < high)
-        typical[name] = np.array([np.median(abs(one[here])) for one in mu])
-    rise = min(np.min(typical["at"] / typical[name]) for name in ("before", "after"))
-    return {**typical, "rise": rise}
-
-
-def coupling_types(session: Session) -> Numbers:
-    """Return the share of the plane without a type, and coupling torques [N m] of each type."""
-    named = sum(high - low for low, high in (REGIONS["before"], REGIONS["after"]))
-    torques = [
-        float(theory.coupling_amplitude(at_ratios(ratio, ratio, np.pi / 6)))
-        for ratio in (0.5, 1.01, 3.0)
-    ]
-    return {
-        "unnamed": 1 - (named / (RANGE[1] - RANGE[0])) ** 2,
-        "torques": torques,
-        "rises": (torques[1] - torques[0], torques[1] - torques[2]),
-    }
-
-
 # Section 4: synchronisation and stability
-
-
-def roots(session: Session) -> Numbers:
-    """Return residuals of (30) at its stable roots, and (36) at the opposite ones, by amplitude.
-
-    With mu_1 as printed and corrected.
-    """
-    residuals, opposite = [], []
-    for beta, as_printed in product((*BETAS.values(), np.pi / 2), (True, False)):
-        n = lattice(beta)
-        alpha = theory.stable_phase_difference(n, as_printed)
-        size = torque_size(theory.coupling_coefficients(n, as_printed), beta)
-        residuals.append(np.max(abs(theory.balance(n, alpha, as_printed) / size)))
-        opposite.append(np.max(theory.stability(n, alpha + np.pi, as_printed) / size))
-    return {"residual": max(residuals), "opposite": opposite}
-
-
-def springs_decide(session: Session) -> Numbers:
-    """Return the change of the phase by each spring but for half turns [rad], and flips by k_x.
-
-    And the changes by k_phi and k_x with mu_1 as printed, at the least of the other ratio.
-    """
-    alpha = theory.stable_phase_difference(lattice())
-    doubled = np.exp(2j * alpha)
-    by_print = np.exp(2j * theory.stable_phase_difference(lattice(), as_printed=True))
-    printed = [np.ptp(np.unwrap(np.angle(one)) / 2) for one in (by_print[:, 0], by_print[0])]
-    return {
-        "printed": printed,
-        "most": max(printed),
-        "by_x": np.max(abs(np.angle(doubled / doubled[:, :1]))) / 2,
-        "by_phi": np.ptp(np.unwrap(np.angle(doubled[:, 0])) / 2),
-        "flips": np.mean(np.cos(alpha - alpha[:, :1]) < 0),
-    }
 
 
 # Tables 1, 2, and the frequency ratios of section 5.2
@@ -535,32 +422,6 @@ def frequency_ratio(session: Session, case: int, spring: str) -> Numbers:
     }
 
 
-def speeds_of_ratios(session: Session) -> Numbers:
-    """Return the speeds [rad/s] that section 5.2's stiffnesses and frequency ratios require.
-
-    Of n_x and n_phi in cases 1 and 2, with that of both inertias that comes nearer table 1's range.
-    """
-    takes = [
-        frequency_ratio(session, case, spring)["takes"] for case, spring in product((1, 2), RATIOS)
-    ]
-    needed = [min(pair, key=lambda speed: abs(speed - np.mean(SPEEDS))) for pair in takes]
-    return {"needed": needed, "slowest": min(needed), "fastest": max(needed)}
-
-
-def electric_speed(session: Session) -> Numbers:
-    """Return case 2's n_x by (19): with the rotors' speed, and with that below (14)."""
-    electric = POLES * float(CASE_1.synchronous_speed)
-    mechanical, printed = (theory.ratios(CASE_2, speed=w).n_x for w in (electric / POLES, electric))
-    return {"corrected": float(mechanical), "as_printed": float(printed), "electric": electric}
-
-
-def dimensionless(session: Session, name: str) -> Numbers:
-    """Return an entry of table 2: eta, sigma or r_m."""
-    n = theory.ratios(CASE_1)
-    entries = {"eta": CASE_1.rod_mass / CASE_1.rotor_mass, "sigma": n.sigma, "r_m": n.r_m}
-    return {"value": float(entries[name])}
-
-
 # Section 5.2: the three cases ---------------------------------------------------------------------
 
 
@@ -575,11 +436,6 @@ ORBITS = {**CASES, 1: CALIBRATED}
 """Parameters of the synchronous orbits that are compared with section 5.2's numbers."""
 
 # Starts
-
-
-def start_by_curve(session: Session, case: int) -> StartUp:
-    """Return the start of a case with motors by Kloss's formula."""
-    return other_start(session, case, CURVE_SECONDS, LARGEST)
 
 
 def time_to_speed(run: StartUp) -> float:
@@ -612,7 +468,7 @@ def compare_starts(session: Session, case: int) -> Numbers:
     largest angle until then [rad]. By the curve alone the mean lead of rotor 1 in speed [rad/s],
     and `overshoots`.
     """
-    runs = from_rest(session, case), start_by_curve(session, case)
+    runs = from_rest(session, case), other_start(session, case, CURVE_SECONDS, LARGEST)
     gaps, early = [gap(run) for run in runs], [speeding_up(run) for run in runs]
     curve = overshoots(runs[1])
     return {
@@ -639,24 +495,6 @@ def starts_of_both_cases(session: Session) -> Numbers:
     first, second = (compare_starts(session, case) for case in (1, 2))
     ratios = {name: np.divide(second[name], first[name]) for name in ("gaps", "swings")}
     return {"first": first, "second": second, **ratios}
-
-
-def differences(session: Session) -> Numbers:
-    """Return the changes of speeds and phase of cases 1 and 2 from rest, and at the end.
-
-    Largest differences of the speeds, over them; ranges of the phase in the first second, on the
-    whole and in the last half second [rad], its mean over turns.
-    """
-    runs = [from_rest(session, case) for case in (1, 2)]
-    phases = [run.turn_means(run.phase) for run in runs]
-    moves, rests = [np.ptp(phase) for phase in phases], [np.ptp(phase[-12:]) for phase in phases]
-    return {
-        "gaps": [gap(run) for run in runs],
-        "early": [np.ptp(phase[:24]) for phase in phases],
-        "moves": moves,
-        "rests": rests,
-        "slows": np.divide(moves, rests),
-    }
 
 
 PRINTED_POINTS = (("153.8", "3.08"), ("153.5", "3.23"))
@@ -705,42 +543,9 @@ def orbit_quantity(
     return sign * orbit_value(synchronous_orbit(session, ORBITS[case], who), quantity)
 
 
-def theoretical(session: Session, case: int, sign: float) -> Numbers:
-    """Return the paper's theoretical phase [rad] at its own frequency ratios, and at ours."""
-    n = PRINTED_RATIOS[case]
-    return {
-        "value": sign * float(theory.stable_phase_difference(n)),
-        "as_printed": sign * float(theory.stable_phase_difference(n, as_printed=True)),
-        "ours": theoretical_phase(case),
-    }
-
-
 def theoretical_phase(case: int) -> float:
     """Return the stable phase of (30), (36) for the stiffnesses of a case [rad]."""
     return float(theory.stable_phase_difference(theory.ratios(CASES[case])))
-
-
-def orbit_of_case_1(session: Session) -> Numbers:
-    """Return numbers that explain case 1's phase and the rod's amplitude.
-
-    The orbit's phase [rad], and its distance from 3.10 on the circle; between which times [s] the
-    phase of the run from rest rounds to 3.10 rad; the rod's amplitude [rad] by the linear response
-    (16), and that with the printed sign of (11), by which rotor 2 drives the rod the other way.
-    """
-    phase = orbit_quantity(session, REFERENCE, 1, "phase_difference")
-    rod = complex(forced_response(CALIBRATED, phase)[1])
-    by_rotor_2 = complex(forced_response(CALIBRATED, 0.0)[1]) * np.exp(-1j * phase)  # alone
-    run = from_rest(session, 1)
-    size = np.abs(wrapped(run.turn_means(run.phase)))
-    there = run.turn_means(run.times)[np.abs(size - 3.10) <= 0.005]
-    return {
-        "phase": phase,
-        "circle": abs(float(wrapped(phase - 3.10))),
-        "begin": there.min(initial=np.inf),
-        "end": there.max(initial=-np.inf),
-        "linear": abs(rod),
-        "by_print": abs(rod - 2 * by_rotor_2),
-    }
 
 
 DAMPERS = (15.0, 3.0, 0.3, 0.0)
@@ -799,12 +604,6 @@ def gap_to_theory(session: Session, who: str, case: int) -> Numbers:
     return {"value": gaps[0], "free": gaps[1], "alpha": alpha}
 
 
-def coupling_type(session: Session, case: int) -> Numbers:
-    """Return both frequency ratios of a case: of its stiffnesses, and as printed."""
-    n, printed = theory.ratios(CASES[case]), PRINTED_RATIOS[case]
-    return {"ratios": [float(value) for value in (n.n_x, n.n_phi, printed.n_x, printed.n_phi)]}
-
-
 def coupling_torques(session: Session) -> Numbers:
     """Return the torques by which vibration couples the rotors of each case [N m].
 
@@ -812,7 +611,7 @@ def coupling_torques(session: Session) -> Numbers:
     torque (26) on a rotor, and its share of those of section 5.2; case 3's share of case 2's. And
     the amplitude over the constant part in cases 2 and 3, with the dampers.
     """
-    harmonics = [[complex(one) for one in coupling_harmonics(p)] for p in CASES.values()]
+    harmonics = [[complex(one) for one in vibration.coupling_harmonics(p)] for p in CASES.values()]
     undamped = np.array([float(theory.coupling_amplitude(p)) for p in CASES.values()])
     coupled, overcome = (abs(first) / mean.real for mean, first in harmonics[1:])
     return {
@@ -825,36 +624,6 @@ def coupling_torques(session: Session) -> Numbers:
         "share": undamped[2] / undamped[1],
         "on_a_rotor": undamped[:2] / 2,
         "of_torque": undamped[:2] / 2 / (3.08, 3.23),
-    }
-
-
-def critical_point(session: Session) -> Numbers:
-    """Return the stable root of (30) at beta = pi/2 [rad], and the jump of the phase there.
-
-    And the orbits of case 3 without and with the rod's damper, in words.
-    """
-    n = PRINTED_RATIOS[3]
-    around = theory.stable_phase_difference(n._replace(beta=np.pi / 2 + np.array([-1e-6, 1e-6])))
-    return {
-        "root": float(theory.stable_phase_difference(n)),
-        "jump": float(abs(wrapped(around[1] - around[0]))),
-        "free": orbit_in_words(session, CASE_3.replace(rod_damping=0.0)),
-        "damped": orbit_in_words(session, CASE_3),
-    }
-
-
-def theory_of_cases(session: Session) -> Numbers:
-    """Compare theory and orbits at the three cases.
-
-    The kinds of synchronism by both, and the distances of the phases of cases 1 and 2 [rad].
-    """
-    kinds = [kind_of(synchronous_orbit(session, p)) for p in CASES.values()]
-    cosines = np.cos([theoretical_phase(case) for case in CASES])
-    by_theory = ["synphase" if cosine > 0 else "antiphase" for cosine in cosines]
-    return {
-        "kinds": kinds,
-        "by_theory": by_theory,
-        "apart": [gap_to_theory(session, REFERENCE, case)["value"] for case in (1, 2)],
     }
 
 
@@ -891,14 +660,6 @@ def fluctuations(session: Session, who: str = REFERENCE) -> Numbers:
     return {"first": first, "second": second, "ratio": second / first}
 
 
-def swing_and_fluctuation(session: Session, who: str) -> Numbers:
-    """Return the rod's amplitude [rad] and the fluctuation of rotor 2 [rad/s] in cases 1 and 2."""
-    both = [from_rest(session, case, who).half_ranges[[3, 6]] for case in (1, 2)]
-    swings, speeds = np.transpose(both)
-    ratios = {"swing_ratio": swings[1] / swings[0], "speed_ratio": speeds[1] / speeds[0]}
-    return {"swings": swings, "speeds": speeds, **ratios}
-
-
 def slip(session: Session, who: str) -> Numbers:
     """Return the slip of the rotors in case 3.
 
@@ -922,63 +683,7 @@ def slip(session: Session, who: str) -> Numbers:
     }
 
 
-def theoretical_sign(session: Session) -> Numbers:
-    """Return the residual of (30) at case 1's printed phase, and at its negative, by amplitude."""
-    n = PRINTED_RATIOS[1]
-    size = abs(float(theory.stability(n, theory.stable_phase_difference(n))))
-    printed, right = (abs(float(theory.balance(n, a))) / size for a in (3.013, -3.013))
-    return {"as_printed": printed, "corrected": right}
-
-
 # Readings
-
-
-def motor_constants(session: Session) -> Numbers:
-    """Return case 1's speed and torque with motors and bearings, by each reading of (14).
-
-    The torque at 153.8 rad/s, the speed of a rotor alone, and its torque there.
-    """
-    several = [CASE_1, CASE_1.replace(friction=0.0)]
-    several += [CASE_1.replace(motor_slope=motor_slope(powers)) for powers in (1, 2)]
-    slopes, speeds = (
-        np.array([float(value(p)) for p in several])
-        for value in (attrgetter("motor_slope"), operating_speed)
-    )
-    free = float(CASE_1.synchronous_speed)
-    return {
-        "torques": slopes * (free - 153.8),
-        "speeds": speeds,
-        "alone": slopes * (free - speeds),
-        "orbit": orbit_in_words(session, CASE_1),
-    }
-
-
-def stiffness_or_ratio(session: Session, case: int) -> Numbers:
-    """Return orbits by the printed stiffnesses, and by the printed ratios with both inertias."""
-    p, n = CASES[case], PRINTED_RATIOS[case]
-    speed, several = float(p.synchronous_speed), [p]
-    for mass, moment in zip(*map(spring_inertias, RATIOS), strict=True):
-        springs = mass * (speed / n.n_x) ** 2, moment * (speed / n.n_phi) ** 2
-        several.append(p.replace(platform_stiffness=springs[0], rod_stiffness=springs[1]))
-    return {"orbits": [orbit_in_words(session, own) for own in several]}
-
-
-def hundred_kilograms(session: Session) -> Numbers:
-    """Return results with 100 kg as the platform's mass, and as all that moves along x.
-
-    The stiffnesses at n_x = 0.1 and 1 [N/m], the speeds that cases 1 and 2 require [rad/s], and
-    the platform's amplitude in case 1 [m].
-    """
-    stiffnesses, speeds, amplitudes = [], [], []
-    for platform in (100.0, 86.0):
-        several = [p.replace(platform_mass=platform) for p in (CASE_1, CASE_2)]
-        mass = spring_inertias("platform")[0] + platform - 100.0
-        stiffnesses.append([mass * (PRINTED_SPEED / n) ** 2 for n in (0.1, 1.0)])
-        ours = [float(theory.ratios(p, speed=1.0).n_x) for p in several]
-        speeds.append([PRINTED_RATIOS[case].n_x / n for case, n in enumerate(ours, start=1)])
-        orbit = synchronous_orbit(session, several[0])
-        amplitudes.append(orbit_value(orbit, "platform_amplitude"))
-    return {"stiffnesses": stiffnesses, "speeds": speeds, "amplitudes": amplitudes}
 
 
 def both_cases(session: Session, placement: str = "absolute", model: str | None = None) -> str:
@@ -988,43 +693,6 @@ def both_cases(session: Session, placement: str = "absolute", model: str | None 
         for p in (CASE_1, CASE_2)
     )
     return f"case 1: {one}; case 2: {two}"
-
-
-def motor_placement(session: Session) -> Numbers:
-    """Return orbits with the second motor on the absolute angle of its rotor, and on the rod."""
-    return {name: both_cases(session, name) for name in ("absolute", "relative")}
-
-
-def equations_of_motion(session: Session) -> Numbers:
-    """Return orbits by the exact equations and by (11), and ends of starts with its printed sign.
-
-    Phases [rad], speeds [rad/s] and torques [N m] of cases 2 and 3 by the latter.
-    """
-    printed = [other_start(session, case, 4.0, as_printed=True).ends for case in (2, 3)]
-    reduced = both_cases(session, model=REDUCED)
-    return {"exact": both_cases(session), "reduced": reduced, "printed": printed}
-
-
-def motor_curve(session: Session) -> Numbers:
-    """Return starts of all cases by (14), and by motors with largest torques of 8, 12 and 20 N m.
-
-    The largest differences of the speeds, over them, and when both rotors are at speed [s].
-    """
-    starts = [[from_rest(session, case) for case in CASES]]
-    starts += [
-        [other_start(session, case, 1.0, torque) for case in CASES] for torque in (8, 12, 20)
-    ]
-    return {
-        "gaps": [[gap(run) for run in runs] for runs in starts],
-        "times": [[time_to_speed(run) for run in runs] for runs in starts],
-    }
-
-
-def duration(session: Session) -> Numbers:
-    """Return the modulus of the phase of case 1 from rest at 8, 10, ... 16 s [rad]."""
-    run = from_rest(session, 1)
-    sizes = np.abs(wrapped(run.turn_means(run.phase)))
-    return {"phases": np.interp((8, 10, 12, 14, 16), run.turn_means(run.times), sizes)}
 
 
 # Section 5.1: figure 3 ----------------------------------------------------------------------------
@@ -1202,24 +870,3 @@ def small_parameter(session: Session) -> Numbers:
         "other": other,
         "kind": kind_of(synchronous_orbit(session, light)),
     }
-
-
-def speeds(session: Session) -> Numbers:
-    """Return the speed of motors and bearings alone, and those of cases 1 and 2 [rad/s]."""
-    orbits = [orbit_value(synchronous_orbit(session, CASES[i]), "mean_speed") for i in (1, 2)]
-    return {"speeds": float(operating_speed(CASE_1)), "orbits": orbits}
-
-
-def limits_of_synphase(session: Session, angle: str) -> Numbers:
-    """Return where orbits leave synphase at n_x > 1: by the theory, and with the dampers.
-
-    The n_phi of resonance at n_x = 7 and 2, and that at which the phase passes pi/2, from the sign
-    of the cosine; n_x and n_phi of folds.
-    """
-    n_x, folds = fold_curve(session, angle)
-    n_phi, antiphase = np.linspace(0.1, 7, 690_001), []
-    for x in (n_x[-1], n_x[0]):
-        alpha = theory.stable_phase_difference(theory.Ratios(x, n_phi, beta=BETAS[angle]))
-        antiphase.append(n_phi[np.cos(alpha) < 0])
-    resonance = [own[0] for own in antiphase]
-    return {"resonance": resonance, "turn": antiphase[0][-1], "n_x": n_x, "folds": folds}

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.papers import ledger, pages
-from mbcheck.comparisons.papers.assess import assess, fill
+from mbcheck.comparisons.papers.assess import assess, attempt, fill
 from mbcheck.comparisons.papers.claims import (
     read_condition,
     read_paper,
@@ -146,6 +146,18 @@ def test_printed_number_is_a_number_with_unit_and_tolerance() -> None:
     assert threshold.distance == pytest.approx(0.005 - 2.08)
 
 
+def test_formulas_use_those_before_them_names_of_measures_and_who_computes() -> None:
+    keys = {"numbers": {"a": "NATURAL", "value": "a - NATURAL + 1"}, "each": {"last": "who[-1]"}}
+    row = read_row("hula_hoop", "a", {"section": "1", "claim": "a claim", **keys}, {})
+    assert row.numbers is not None
+    assert row.each is not None
+    assert row.numbers(Session())["value"] == 1
+    assert row.each(Session(), "mujoco") == {"last": "o"}
+    keys = {"numbers": {"a": "ab"}}
+    wrong = read_row("rotor_pendulum", "a", {"section": "1", "claim": "a claim", **keys}, {})
+    assert attempt(lambda: assess(wrong, Session()))[1] == "NameError: name 'ab' is not defined"
+
+
 def by_engine(session: Session, who: str) -> Any:
     """Return 1 by the reference, 2 by one engine, words and a failure by others."""
     if who == "broken":
@@ -253,6 +265,7 @@ def test_a_mistake_in_a_file_is_told_with_row_and_field() -> None:
         ({"kind": "claims"}, "row a: Invalid enum value 'claims' - at `$.kind`"),
         ({"reproduced_if": ["x is 3"]}, "row a: 'x is 3' is no condition such as"),
         ({"numbers": "absent"}, "row a: module .* has no attribute 'absent'"),
+        ({"numbers": {"value": "1 +"}}, "row a: invalid syntax"),
         ({"erratum": {"wy": "a"}}, "row a: 'wy' is no field; there are corrected, why"),
     ):
         with pytest.raises(ValueError, match=words.replace("$", "\\$")):

@@ -118,33 +118,13 @@ def row_named(scene: str, name: str) -> Any:
 
 
 FROM_REST = {
-    "adequate",
-    "class_definitions",
-    "class_table",
-    "definition",
-    "drawn_solution",
-    "easier_with_inertia",
-    "fewer_cyan",
-    "fewer_red",
-    "good_agreement_4_5",
-    "good_agreement_6_7",
-    "larger_reversal",
-    "left_of_region_1",
-    "less_accurate",
-    "red_x_is_at_rest",
-    "red_zone",
-    "region_1",
-    "region_2",
-    "region_3",
-    "region_3_in_7",
-    "region_3_shrinks",
-    "rotation_from_shaking",
-    "stable_appears",
-    "start",
-    "transient_hoop",
-    "transition",
+    "adequate", "class_definitions", "class_table", "definition", "drawn_solution",
+    "easier_with_inertia", "fewer_cyan", "fewer_red", "good_agreement_4_5", "good_agreement_6_7",
+    "larger_reversal", "left_of_region_1", "less_accurate", "red_x_is_at_rest", "red_zone",
+    "region_1", "region_2", "region_3", "region_3_in_7", "region_3_shrinks",
+    "rotation_from_shaking", "stable_appears", "start", "transient_hoop", "transition",
     "unstable_not_seen",
-}
+}  # fmt: skip
 """Rows that count the points of figures 5 and 7, in which a part of the motions is chaotic."""
 
 ALL_POINTS, FEW = 961, 10

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,7 @@ from mbcheck.comparisons.papers.hula_hoop import measures
 from mbcheck.comparisons.papers.hula_hoop.figures import motion_figure
 from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED, REPRODUCED, VERDICTS
 from mbcheck.comparisons.papers.session import Session
-from mbcheck.comparisons.queries.query import choose_engine
+from mbcheck.comparisons.queries import query
 from mbcheck.comparisons.scenes.hula_hoop.motion import MOTION_VARIABLES, MOTIONS
 from mbcheck.reference.hula_hoop.equations import SEMICIRCLE
 
@@ -61,7 +60,8 @@ def test_a_wrong_engine_fails_the_equations(monkeypatch: pytest.MonkeyPatch) -> 
         engine, model = choose_engine(*args)
         return Wrong(engine), model
 
-    monkeypatch.setattr(measures, "choose_engine", choose_wrong)
+    choose_engine = query.choose_engine
+    monkeypatch.setattr(query, "choose_engine", choose_wrong)
     assessment = assess(BY_NAME["equations_of_motion"], Session(engines=("mujoco",)))
     assert assessment.verdict == NOT_REPRODUCED
 
@@ -208,13 +208,15 @@ def test_rows_on_regions_read_the_maps() -> None:
     assert by_name["good_agreement_4_5"].reference.startswith(f"printed solution {share:.1%};")
 
 
-def test_a_region_of_another_class_fails() -> None:
-    session = made_up()
-    here = np.ones((COUNT, COUNT), dtype=bool)
-    share = partial(measures.robust_in, session, here)
-    assert share("blue_o") == {"share": pytest.approx(17 / 35), "count": 35}
-    assert share("cyan_o")["share"] == 0
-    assert np.isnan(measures.robust_in(session, ~here, "blue_o")["share"])
+def test_names_of_formulas_are_arrays_of_figures() -> None:
+    arrays, share = measures.Names(made_up(), REFERENCE), measures.share_of
+    assert share(arrays["blue_o_5"], arrays["robust_5"]) == pytest.approx(17 / 35)
+    assert share(arrays["cyan_o_5"], arrays["robust_5"]) == 0
+    assert np.isnan(share(arrays["blue_o_5"], arrays["cyan_o_5"]))
+    assert share(arrays["blue_o"]) == pytest.approx([1 / 2, 2 / 3])
+    assert list(measures.number_of(arrays["frequency"] < 5)) == [3, 3]
+    with pytest.raises(KeyError, match="blue_x"):
+        arrays["blue_x_5"]
 
 
 def test_figure_of_motions_from_rest() -> None:
