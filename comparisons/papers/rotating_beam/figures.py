@@ -146,8 +146,8 @@ def draw_responses(
             if seconds:
                 truth = response(session, figure, REFERENCE, mass).values[variable]
                 free = times >= drive_end_time(motion.beam)
-                shown = free & (times <= drive_end_time(motion.beam) + seconds)
-                times, values = times[shown], 1e3 * (values[shown] - np.mean(truth[free]))
+                window = free & (times <= drive_end_time(motion.beam) + seconds)
+                times, values = times[window], 1e3 * (values[window] - np.mean(truth[free]))
             if who == REFERENCE:
                 broad(axes, times, values, MASS_COLOURS[mass], label=mass_label(mass))
             else:
@@ -156,8 +156,8 @@ def draw_responses(
 
 def motions(session: Session, figure: int, who: str) -> Mapping[float, Response]:
     """Return the motions of a figure by the reference or an engine, by mass, where it has any."""
-    found = runs(session, figure, who)
-    return {mass: motion for mass, motion in found.items() if isinstance(motion, Response)}
+    own = runs(session, figure, who)
+    return {mass: motion for mass, motion in own.items() if isinstance(motion, Response)}
 
 
 def draw_errors(axes: Any, session: Session, figure: int, variable: str) -> None:

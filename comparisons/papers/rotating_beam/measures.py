@@ -492,8 +492,8 @@ def best_places(session: Session, who: str) -> Numbers:
 
 def place_in_figure_3(session: Session, who: str, mass: float | None = None) -> float:
     """Return the best place of a mass, or the crossing of 0.4 kg."""
-    found = best_places(session, who)
-    return float(found["crossing"] if mass is None else found["places"][LOADS.index(mass)])
+    features = best_places(session, who)
+    return float(features["crossing"] if mass is None else features["places"][LOADS.index(mass)])
 
 
 def best_places_otherwise(session: Session) -> Numbers:
@@ -629,13 +629,13 @@ def decay(session: Session, who: str) -> Numbers:
 
     And the distances of these ratios from 1; the largest change of the energy over its maximum.
     """
-    found = by_mass(session, who, 5)
-    ratios = found["ratio"]
+    properties_by_mass = by_mass(session, who, 5)
+    ratios = properties_by_mass["ratio"]
     return {
         "ratios": ratios,
         "off": np.abs(ratios - 1),
-        "amplitudes": found["amplitude"],
-        "drift": np.max(found["drift"]),
+        "amplitudes": properties_by_mass["amplitude"],
+        "drift": np.max(properties_by_mass["drift"]),
     }
 
 
@@ -666,12 +666,12 @@ def pulses(session: Session, **hubs: Sequence[float]) -> Numbers:
     """
     times = np.linspace(0.0, 20.0, 641)
     sets = [{name: one} for name, values in hubs.items() for one in values]
-    found = [
+    results = [
         [properties(linear_pulse(FIGURE_5.replace(mass=mass, **hub), times)) for mass in MASSES]
         for hub in sets
     ]
     angle, largest, left = (
-        np.array([[one[name] for one in row] for row in found])
+        np.array([[one[name] for one in row] for row in results])
         for name in ("hub", "peak", "amplitude")
     )
     growth = 100 * (largest[:, 1:] / largest[:, :1] - 1)

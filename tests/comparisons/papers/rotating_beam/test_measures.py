@@ -88,16 +88,9 @@ def test_string_is_the_beam_without_bending_stiffness() -> None:
 def test_linear_pulse_solves_the_equations() -> None:
     scene, p = beam_scene("inextensible", 3), FIGURE_5.replace(mass=0.4, torque_amplitude=0.1)
     times = np.linspace(0.0, 15.0, 61)
-    right = solve_ivp(
-        scene.right_hand_side(p),
-        (0, 15),
-        scene.state({}),
-        "DOP853",
-        times,
-        rtol=1e-9,
-        atol=1e-12,
-        max_step=1.0,
-    )
+    accuracy = {"rtol": 1e-9, "atol": 1e-12, "max_step": 1.0}
+    rates, ends = scene.right_hand_side(p), (0, 15)
+    right = solve_ivp(rates, ends, scene.state({}), "DOP853", times, **accuracy)
     wanted, found = scene.observe(right.y, p), measures.linear_pulse(p, times, scene).values
     for name in ("theta", "theta_dot", "tip_deflection", "tip_deflection_dot"):
         size = np.max(np.abs(wanted[name]))

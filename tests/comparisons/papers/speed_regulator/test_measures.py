@@ -23,7 +23,6 @@ from mbcheck.reference import get_scene
 from mbcheck.reference.errors import NoOrbitError
 from mbcheck.reference.speed_regulator.theory import least_torque, rotation
 
-PLACES = np.array([[0, 0], [1, 0]])
 BY_NAME = {row.name: row for row in read_paper("speed_regulator").rows}
 
 
@@ -65,16 +64,14 @@ def test_without_the_damper_there_is_no_steady_rotation() -> None:
 @pytest.mark.slow
 def test_rotations_begin_at_the_least_torque() -> None:
     """Of all parameters that readings try, by the regime just below and above it."""
-    rows = ("missing_parameters", "spring_reference", "braking_of_figure_6")
-    calls = [BY_NAME[name].numbers for name in rows]
-    sets = [one for call in calls if isinstance(call, partial) for one in call.keywords["sets"]]
+    calls = [row.numbers for row in BY_NAME.values() if isinstance(row.numbers, partial)]
+    sets = [one for call in calls for one in call.keywords.get("sets", ())]
     assert len(sets) == 17
     for p in {measures.EXAMPLE.replace(**changes) for changes in sets}:
         torque = least_torque(p).torque * np.array([0.998, 1.002])
         both = p.replace(**{name: np.repeat(getattr(p, name), 2) for name in p.names()})
-        at = Points(
-            get_scene(measures.SCENE), both.replace(torque=torque), PLACES, {}, REFERENCE, ""
-        )
+        both = both.replace(torque=torque)
+        at = Points(get_scene(measures.SCENE), both, np.eye(2, dtype=int), {}, REFERENCE, "")
         assert (theory_regimes(at) == REGIMES.index("rest")).tolist() == [True, False], p
 
 
