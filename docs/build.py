@@ -10,10 +10,11 @@ import json
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from mbcheck.comparisons.checks.rules.cautions import RULES as CAUTIONS
 from mbcheck.comparisons.checks.table import KINDS
-from mbcheck.comparisons.cli.explain import glossary, text_of
+from mbcheck.comparisons.cli.explain import glossary, texts_of
 from mbcheck.comparisons.documents import DOCUMENTS, schema
 from mbcheck.comparisons.reports.text import markdown_table
 from mbcheck.comparisons.reports.words import Markdown
@@ -25,6 +26,12 @@ ROOT = Path(__file__).resolve().parents[1]
 
 BLOCK = re.compile(r"(<!-- (fields|table) of ([\w ]+) -->\n).*?(<!-- end -->)", re.DOTALL)
 """The marks of a table, with the sort of table and its name."""
+
+
+def different_texts(key: str, entry: Any) -> dict[str, str]:
+    """Return the text of each term of an entry; of all of them if they share it."""
+    texts = texts_of(key, entry)
+    return texts if len({*texts.values()}) > 1 else {key: next(iter(texts.values()))}
 
 
 def table(name: str) -> str:
@@ -39,18 +46,23 @@ def table(name: str) -> str:
         heads = ["Rule", "It finds"]
         rows = [[f"`{key}`", rule.meaning] for key, rule in CAUTIONS.items()]
     elif name in ("quantities of kinds", "columns"):
-        begin = {"columns": "column of "}.get(name, "quantity of the check ")
+        begin = "quantity" if "kinds" in name else ("column", "title")
         groups = glossary()["names"].items()
         heads = ["Kind" if "kinds" in name else "Verb", "Name", "Meaning"]
         rows = [
-            [f"`{group.removeprefix(begin)}`", f"`{key}`", text]
+            [f"`{group.rpartition(' ')[2]}`", f"`{term}`", text]
             for group, entries in groups
             if group.startswith(begin)
-            for key, text in entries.items()
+            for key, entry in entries.items()
+            for term, text in different_texts(key, entry).items()
         ]
     else:
         heads = ["Term", "Meaning"]
-        rows = [[f"`{key}`", text_of(entry)] for key, entry in glossary()[name].items()]
+        rows = []
+        for key, entry in glossary()[name].items():
+            texts = different_texts(key, entry)
+            words = [f"`{term}`: {text}" * (len(texts) > 1) or text for term, text in texts.items()]
+            rows.append([f"`{key}`", " ".join(words)])
     return markdown_table(heads, [[Markdown(cell) for cell in row] for row in rows])
 
 

@@ -36,21 +36,18 @@ class MjxEngine(mbcheck.Engine):
         self.forward, self.step, self.full = map(jax.jit, (mjx.forward, mjx.step, mjx.full_m))
 
     def load(self, system: mbcheck.System, method: str, step: float, at: Any) -> tuple[Any, Any]:
-        """Return model and data at a time, positions and velocities.
-
-        Raises
-        ------
-        mbcheck.Unsupported
-            If the drive is a force in time.
-        """
-        if any(term.amplitude for term in system.terms):
-            raise mbcheck.Unsupported("a control would be constant over each step")
-        model = self.mujoco.MjModel.from_xml_string(system.mjcf)
+        """Return model and data at a time, positions and velocities, with the controls of then."""
+        from_text, from_file = (
+            self.mujoco.MjModel.from_xml_string,
+            self.mujoco.MjModel.from_xml_path,
+        )
+        model = from_file(system.path) if system.path else from_text(system.mjcf)
         ended = any(term.until is not None and at[0] >= term.until for term in system.terms)
         model.opt.timestep, model.opt.disableactuator = step, int(ended)
         model.opt.integrator = getattr(self.mujoco.mjtIntegrator, f"mjINT_{method.upper()}")
         data = self.mujoco.MjData(model)
         data.time, data.qpos[:], data.qvel[:] = at
+        data.ctrl[:] = system.controls(at[0])
         return self.mjx.put_model(model), self.mjx.put_data(model, data)
 
     def accelerations(self, system: mbcheck.System, time: float, q: Any, v: Any) -> Any:
@@ -65,7 +62,15 @@ class MjxEngine(mbcheck.Engine):
     def simulate(
         self, system: mbcheck.System, method: mbcheck.Method, step: float, times: Any
     ) -> mbcheck.Motion:
-        """Integrate; a drive that ends is switched off on its step."""
+        """Integrate; a drive that ends is switched off on its step.
+
+        Raises
+        ------
+        mbcheck.Unsupported
+            If the drive is a force in time.
+        """
+        if any(term.amplitude for term in system.terms):
+            raise mbcheck.Unsupported("a control would be constant over each step")
         now, steps, states = system.start_time, 0, []
         ends = [term.until for term in system.terms if term.until is not None]
         model, data = self.load(

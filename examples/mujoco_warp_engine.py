@@ -36,16 +36,12 @@ class MujocoWarpEngine(mbcheck.Engine):
         self.version = mujoco_warp.__version__
 
     def load(self, system: mbcheck.System, method: str, step: float, at: Any) -> tuple[Any, Any]:
-        """Return model and data at a time, positions and velocities.
-
-        Raises
-        ------
-        mbcheck.Unsupported
-            If the drive is a force in time.
-        """
-        if any(term.amplitude for term in system.terms):
-            raise mbcheck.Unsupported("MuJoCo Warp holds controls over a step")
-        model = self.mujoco.MjModel.from_xml_string(system.mjcf)
+        """Return model and data at a time, positions and velocities, with the controls of then."""
+        from_text, from_file = (
+            self.mujoco.MjModel.from_xml_string,
+            self.mujoco.MjModel.from_xml_path,
+        )
+        model = from_file(system.path) if system.path else from_text(system.mjcf)
         time, q, v = at
         ended = any(term.until is not None and time >= term.until for term in system.terms)
         model.opt.timestep, model.opt.disableactuator = step, int(ended)
@@ -53,6 +49,7 @@ class MujocoWarpEngine(mbcheck.Engine):
         model.opt.integrator = getattr(self.mujoco.mjtIntegrator, f"mjINT_{method.upper()}")
         data = self.mujoco.MjData(model)
         data.time, data.qpos[:], data.qvel[:] = time, q, v
+        data.ctrl[:] = system.controls(time)
         return self.mjw.put_model(model), self.mjw.put_data(model, data)
 
     def accelerations(self, system: mbcheck.System, time: float, q: Any, v: Any) -> Any:
@@ -75,7 +72,15 @@ class MujocoWarpEngine(mbcheck.Engine):
     def simulate(
         self, system: mbcheck.System, method: mbcheck.Method, step: float, times: Any
     ) -> mbcheck.Motion:
-        """Integrate; a drive that ends is switched off on its step."""
+        """Integrate; a drive that ends is switched off on its step.
+
+        Raises
+        ------
+        mbcheck.Unsupported
+            If the drive is a force in time.
+        """
+        if any(term.amplitude for term in system.terms):
+            raise mbcheck.Unsupported("MuJoCo Warp holds controls over a step")
         at = system.start_time, system.positions, system.velocities
         ends = [term.until for term in system.terms if term.until is not None]
         model, data = self.load(system, method.name, step, at)

@@ -72,7 +72,7 @@ Amplify = Callable[[Vibrations, float], Array]
 def first_order(of: Vibrations) -> Array:
     """Return A (..., 2 n, 2 n) of ``x' = A x``, x the coordinates and their rates."""
     rates = -np.linalg.solve(of.mass, of.resisting)
-    return np.concatenate([block([[0 * of.mass, of.identity]]), rates], axis=-2)
+    return np.concatenate([np.block([[0 * of.mass, of.identity]]), rates], axis=-2)
 
 
 def runge_kutta(tableau: Tableau, of: Vibrations, step: float) -> Array:
@@ -93,8 +93,8 @@ def semi_implicit(springs: bool, of: Vibrations, step: float) -> Array:
     """
     left = of.mass + step * of.implicit_damping + step**2 * of.stiffness * springs
     right = of.mass - step * (of.damping - of.implicit_damping)
-    speed = np.linalg.solve(left, block([[-step * of.stiffness, right]]))
-    place = block([[of.identity, 0 * of.mass]]) + step * speed
+    speed = np.linalg.solve(left, np.block([[-step * of.stiffness, right]]))
+    place = np.block([[of.identity, 0 * of.mass]]) + step * speed
     return np.concatenate([place, speed], axis=-2)
 
 
@@ -109,7 +109,7 @@ def generalized_alpha(radius: float, of: Vibrations, step: float) -> Array:
     gamma = 0.5 + alpha_f - alpha_m
     beta = 0.25 * (gamma + 0.5) ** 2
     # unknown: q+, v+, a+ (algorithmic), acc+; known: q, v, a, acc
-    left = block(
+    left = np.block(
         [
             [one, zero, -(h**2) * beta * one, zero],
             [zero, one, -h * gamma * one, zero],
@@ -117,7 +117,7 @@ def generalized_alpha(radius: float, of: Vibrations, step: float) -> Array:
             [of.stiffness, of.damping, zero, of.mass],
         ]
     )
-    right = block(
+    right = np.block(
         [
             [one, h * one, h**2 * (0.5 - beta) * one, zero],
             [zero, one, h * (1 - gamma) * one, zero],
@@ -131,11 +131,6 @@ def generalized_alpha(radius: float, of: Vibrations, step: float) -> Array:
     # the true acceleration follows from q and v
     known[..., : 2 * one.shape[-1]] -= acceleration @ np.linalg.solve(of.mass, of.resisting)
     return np.asarray(known)
-
-
-def block(rows: list[list[Array]]) -> Array:
-    """Return a block matrix of arrays (..., n, n)."""
-    return np.concatenate([np.concatenate(row, axis=-1) for row in rows], axis=-2)
 
 
 def trapezoidal(of: Vibrations, step: float) -> Array:

@@ -226,8 +226,6 @@ class Orbit:
         scene's section; turning coordinates in [0, 2 pi).
     multipliers : complex array (2 n,)
     monodromy : array (2 n, 2 n)
-    error_bound : array (2 n,)
-        Bound on the error of ``state``.
     trivial : int or None
         Which multiplier is the one of a shift in time, 1 where nothing drives the scene.
     steps : int
@@ -238,7 +236,6 @@ class Orbit:
     state: Array
     multipliers: Any
     monodromy: Array
-    error_bound: Array
     trivial: int | None = None
     steps: int = 0
 
@@ -473,7 +470,6 @@ def _accurate(scene: EquationsOfMotion, parameters: Any, start: Array, guess: An
         state=state,
         multipliers=multipliers,
         monodromy=fine.monodromy[0] * unit[:, None] / unit,
-        error_bound=rounding * state_scale(scene, state, 2 * np.pi / period),
         trivial=None if trivial is None else int(trivial),
         steps=steps,
     )

@@ -79,13 +79,13 @@ class BoundarySearch(NamedTuple):
         One of `reference.continuation.bifurcations.KINDS`, or `HOMOCLINIC`.
     parameter : str
         What is varied to come there.
-    near : float
-        Of a homoclinic orbit: the angle [rad] near which its saddle is.
+    rest : str
+        Of a homoclinic orbit: the name of its saddle among the equilibria.
     """
 
     kind: str
     parameter: str
-    near: float = 0.0
+    rest: str = ""
 
 
 @dataclass(frozen=True)

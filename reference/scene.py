@@ -129,11 +129,6 @@ def coefficients_at(c: Any, rows: Any) -> Any:
     return type(c)(*(value[rows] if np.ndim(value) else value for value in c))
 
 
-def no_outputs(q: Any, v: Any, c: Any, xp: Any = np) -> dict[str, Any]:
-    """Return nothing: the states say it all."""
-    return {}
-
-
 def with_rates(**units: str) -> dict[str, str]:
     """Return units of coordinates, and of their ``_dot``: m and m/s, 1 and 1/s."""
     return units | {f"{name}_dot": f"{unit}/s" for name, unit in units.items()}
@@ -291,7 +286,7 @@ class Dynamics:
     powers: Callable[..., dict[str, Any]] = lambda u, q, v, c: {}
     drive: Callable[..., Any] | None = None
     drive_end_time: Callable[[Any], Any] = lambda p: 0.0
-    outputs: Callable[..., dict[str, Any]] = no_outputs
+    outputs: Callable[..., dict[str, Any]] = lambda q, v, c, xp=np: {}
     observed: tuple[str, ...] = ()
     stiff: tuple[float, float] | None = None
     continuum: Continuum = NO_CONTINUUM

@@ -257,7 +257,7 @@ class Boundary:
         elif row is not None:
             state[row], period = 0.0, float(point.z[row] * unit)
         else:
-            period = self.tracers[subject].guesses(point.place)[1]
+            period = self.tracers[subject].guess(point.place)[1]
         numbers = [{"re": value.real, "im": value.imag} for value in values]
         across, (along_x, along_y) = point.bound * size, np.abs(point.tangent[-2:] * size)
         slope = np.clip(along_y, 1e-100, None) / np.clip(along_x, 1e-100, None)

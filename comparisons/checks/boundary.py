@@ -82,7 +82,7 @@ def engine_point(setup: Setup, sought: BoundaryAlong, count: int, guess: Array) 
     solved = correct(curve.equations, guess, sought.row, 0.0)
     try:
         if solved is not None:
-            bound = tracer.rate(curve, solved, sought.row)[0].bound
+            bound = tracer.rate(curve, solved)[0].bound
             return EnginePoint(solved.z, float(bound[1] + true.bound[1]), True)
         with np.errstate(all="ignore"):
             residual, jacobian = curve.equations.linearise(true.z)

@@ -31,24 +31,30 @@ def glossary() -> Mapping[str, Mapping[str, Any]]:
     -------
     Mapping
         A text; for a kind of check, its ``question`` and the faults that it ``catches``; below
-        ``names``, the texts of the quantities of a kind, or of the columns of a verb's tables. A
-        key may name several terms, separated by commas; terms may be patterns.
+        ``names``, the texts of the quantities of a kind, or of the words of a verb's tables. A key
+        may name several terms, separated by commas, which share a text or have a list of them;
+        terms may be patterns.
     """
     text = files(__package__).joinpath("glossary.toml").read_text(encoding="utf-8")
     return tomllib.loads(text)
 
 
-def text_of(entry: Any) -> str:
-    """Return an entry as a text."""
-    if isinstance(entry, str):
-        return entry
-    return f"{entry['question']} It finds: {entry['catches']}."
+def texts_of(key: str, entry: Any) -> dict[str, str]:
+    """Return the text of each term of an entry."""
+    if isinstance(entry, Mapping):
+        entry = f"{entry['question']} It finds: {entry['catches']}."
+    terms = key.split(", ")
+    return dict(zip(terms, [entry] * len(terms) if isinstance(entry, str) else entry, strict=True))
 
 
-def by_sort() -> dict[str, Mapping[str, Any]]:
-    """Return the entries of each sort of term, quantity and column."""
+def by_sort() -> dict[str, dict[str, str]]:
+    """Return the text of each term, by the sort of term, quantity and column."""
     terms = dict(glossary())
-    return {**terms, **terms.pop("names")}
+    names = terms.pop("names")
+    return {
+        sort: {term: text for row in rows.items() for term, text in texts_of(*row).items()}
+        for sort, rows in {**terms, **names}.items()
+    }
 
 
 def explanations(name: str) -> list[str]:
@@ -56,10 +62,10 @@ def explanations(name: str) -> list[str]:
     units = {scene: get_scene(scene).units for scene in SCENES}
     where = [f"{scene} [{unit[name]}]" for scene, unit in units.items() if name in unit]
     return [f"{name} (observable): of {', '.join(where)}"] * bool(where) + [
-        f"{name} ({sort}): {text_of(entry)}"
-        for sort, entries in by_sort().items()
-        for pattern, entry in entries.items()
-        if any(fnmatchcase(name, one) for one in pattern.split(", "))
+        f"{name} ({sort}): {text}"
+        for sort, texts in by_sort().items()
+        for pattern, text in texts.items()
+        if fnmatchcase(name, pattern)
     ]
 
 
@@ -86,7 +92,7 @@ def explain_term(screen: Console, name: str) -> None:
     if name in FINDINGS:
         print_rule(screen, name)
     elif not matches:
-        known = [term for terms in by_sort().values() for key in terms for term in key.split(", ")]
+        known = [term for terms in by_sort().values() for term in terms]
         close = difflib.get_close_matches(name, [*known, *CAUTIONS, *FINDINGS], 1, CLOSE)
         hint = f"did you mean {close[0]!r}?" if close else "mbcheck explain lists all terms"
         raise UsageError(f"unknown term {name!r}; {hint}")

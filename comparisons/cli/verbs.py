@@ -116,7 +116,7 @@ def orbit(json_file: Destination | None, budget: float, **asked: Any) -> None:
 @budget_option(QUERY)
 @JSON
 def frequencies(json_file: Destination | None, budget: float, **asked: Any) -> None:
-    """Find the modes about a state of rest or steady motion, forces and motors off.
+    """Find the modes about a state of rest or steady motion, without forces and motors.
 
     From the engine's own mass, damping and stiffness matrices; ascending in omega =
     |eigenvalue|, zero modes listed.

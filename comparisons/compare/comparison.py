@@ -19,8 +19,6 @@ from ..documents.fields import HIDDEN, documented
 from ..documents.waivers import Waiver, waivers_of
 from ..reports.item import ReportItem
 from .elements import (
-    ENUMERATIONS,
-    FLAGS,
     REFERENCES,
     SWITCHES,
     Attribute,
@@ -36,7 +34,7 @@ from .engine import EngineReading
 from .explain import find_edits, guesses
 from .gaps import Gap, acceleration_roundoff, distinct, gaps_between
 from .reading import Edit, Operand, Reading
-from .states import Side, labels_of_rows, sides_of, states_of, translated
+from .states import Side, sides_of, states_of, translated
 
 EQUAL = 1e-9
 """Share by which numbers of two files may differ in rounding."""
@@ -75,15 +73,8 @@ NEUTRAL: Mapping[str, Mapping[str, float]] = {
 }  # fmt: skip
 """Kind of element -> values of its fields with which it does nothing."""
 
-TYPES = {
-    **{name: enumeration for name, enumeration in ENUMERATIONS.items() if name.startswith("opt.")},
-    **{f"actuator_{name}type": f"mjt{name.title()}" for name in ("gain", "bias", "dyn")},
-    **FLAGS,
-}
-"""Fields of types and flags that can be edited -> their enumeration."""
-
-FIXED = {*ENUMERATIONS, *REFERENCES}
-"""Fields of types and of numbers of elements, which are not edited otherwise."""
+TYPES = ("actuator_gaintype", "actuator_biastype", "actuator_dyntype")
+"""Fields of types that can be edited in a compiled model; others cannot."""
 
 RETARGETED = ("actuator_trnid", "eq_obj1id", "eq_obj2id")
 """References to elements that can be edited in a compiled model."""
@@ -109,6 +100,10 @@ class Difference:
     effect : float or None
         by how much the acceleration of a joint changes with this edit of A alone, relative to its
         largest at the states; 0 if by no more than round-off, null if it cannot be tried
+    seen : str
+        if the effect is 0, a quantity that this edit changes all the same, and the state
+    unit : str
+        Unit of its values where files have another: angles are in radians.
     edits : list of Edit
         Edits that give A's model the values of B.
     share : float
@@ -122,6 +117,8 @@ class Difference:
     before: str
     after: str
     effect: float | None = None
+    seen: str = ""
+    unit: str = field(default="", metadata=HIDDEN)
     edits: Sequence[Edit] = field(default=(), metadata=HIDDEN)
     share: float = field(default=math.inf, metadata=HIDDEN)
     written: float = field(default=math.inf, metadata=HIDDEN)
@@ -137,8 +134,12 @@ class Difference:
         """The difference in words."""
         if not self.attribute:
             return f"{self.element} {'lost' if self.after == 'lost' else 'is new'}"
+        before, after = (
+            f"{words} {self.unit}" if self.unit and words[-1:].isdigit() else words
+            for words in (self.before, self.after)
+        )
         dropped = self.after in ("none", "no limit") or set(self.after.split()) == {"0"}
-        words = (self.attribute, self.before, "dropped" if dropped else f"read as {self.after}")
+        words = (self.attribute, before, "dropped" if dropped else f"read as {after}")
         return f"{self.element}: {' '.join(filter(None, words))}"
 
 
@@ -178,6 +179,8 @@ class ModelComparison:
         reasons of waivers, by element and attribute
     unused_waivers : sequence of str
         waivers of this model that waive nothing
+    idle_waivers : sequence of str
+        waivers that waive nothing here, and may concern other models
     """
 
     a: str
@@ -195,6 +198,7 @@ class ModelComparison:
     not_compared: Sequence[str]
     waived: Mapping[str, str] = field(default_factory=dict)
     unused_waivers: Sequence[str] = ()
+    idle_waivers: Sequence[str] = ()
 
     @property
     @documented
@@ -267,31 +271,38 @@ def compare(a: str, b: str, install: bool = False, waivers: str | None = None) -
         )
     allowed = waivers_of(Path(waivers), operands[0].file, (RULE,)) if waivers else ()
     with ExitStack() as stack:
-        first, second = (stack.enter_context(opened(one, install)) for one in operands)
+        first, second = (
+            stack.enter_context(
+                EngineReading(one) if one.is_engine else Reading(one, one.python(install))
+            )
+            for one in operands
+        )
         return with_waivers(compared(first, second, (a, b)), allowed)
 
 
 def with_waivers(result: ModelComparison, waivers: Sequence[Waiver]) -> ModelComparison:
     """Return a comparison whose findings are waived, and waivers that waive nothing."""
-    waived, used = dict[str, str](), set[Waiver]()
+    waived, idle = dict[str, str](), list(waivers)
     for one in result.findings:
-        waiver = next((w for w in waivers if w.covers(RULE, one.id)), None)
+        waiver = next((w for w in waivers if w.covers(RULE, *names_in_waivers(one))), None)
         if waiver:
             waived[one.id] = waiver.reason
-            used.add(waiver)
-    unused = [
-        f"{one.file}, line {one.line}: {one.pattern or 'all'} is alike, remove the waiver"
-        for one in waivers
-        if one.required and one not in used
-    ]
-    return replace(result, waived=waived, unused_waivers=unused)
+            idle = [other for other in idle if other is not waiver]
+    words = {w: f"{w.file}, line {w.line}: {w.pattern or 'all'}" for w in idle}
+    return replace(
+        result,
+        waived=waived,
+        unused_waivers=[f"{words[w]} is alike, remove the waiver" for w in idle if w.required],
+        idle_waivers=[f"{words[w]} waives nothing here" for w in idle if not w.required],
+    )
 
 
-def opened(operand: Operand, install: bool) -> Reading:
-    """Return a file as its reader reads it."""
-    if operand.is_engine:
-        return EngineReading(operand)
-    return Reading(operand, operand.python(install))
+def names_in_waivers(one: Difference | Gap) -> list[str]:
+    """Return the names of a finding: its id, its element as here and as `inspect` spells it."""
+    kind, _, name = one.element.partition(" ")
+    elements = [one.element, f"{kind}:{name}", name]
+    ending = f" {one.attribute}" if isinstance(one, Difference) else ""
+    return [one.id, *elements, *(element + ending for element in elements)]
 
 
 def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelComparison:
@@ -304,15 +315,15 @@ def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelCo
     sides = sides_of(one, other, match)
     trial, gaps, left, idle = None, list[Gap](), list[Gap](), list[Difference]()
     if not isinstance(sides, str):
-        trial = EditTrial(first, second, match, sides, [e for d in rounding for e in d.edits])
-        gaps = trial.gaps(())
+        trial = EditTrial(first, second, match, sides, edits_in(rounding))
+        gaps = trial.gaps()
         if gaps and isinstance(second, EngineReading):
-            differences += trial.read_differently([e for d in differences for e in d.edits])
-        idle = [d for d in differences if why_idle(one, other, d) and trial.moves_nothing(d.edits)]
-        differences = [d for d in differences if d not in idle]
+            differences += trial.read_differently(edits_in(differences))
+        left = trial.left(edits_in(differences), gaps) if gaps else []
         differences = [*map(trial.measured, differences[:MEASURED]), *differences[MEASURED:]]
         differences.sort(key=lambda d: -1.0 if d.effect is None else d.effect, reverse=True)
-        left = trial.left([e for d in (*differences, *idle) for e in d.edits], gaps) if gaps else []
+        idle = [d for d in differences if (d.effect, d.seen) == (0, "") and why_idle(one, other, d)]
+        differences = [d for d in differences if d not in idle]
     physical = [
         {*m.fields, *(key for key in m.answer if key.startswith("opt."))} for m in (one, other)
     ]
@@ -331,6 +342,11 @@ def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelCo
         rounded=sum(d.share > EQUAL for d in rounding),
         not_compared=sorted(physical[0] ^ physical[1]),
     )
+
+
+def edits_in(differences: Sequence[Difference]) -> list[Edit]:
+    """Return all edits of some differences."""
+    return [edit for one in differences for edit in one.edits]
 
 
 def why_idle(one: Compiled, other: Compiled, difference: Difference) -> str:
@@ -364,14 +380,22 @@ def differences_of(one: Compiled, other: Compiled, match: Match) -> Iterator[Dif
             single = any(one.answer[key].dtype == np.float32 for key in fields)
             before, after = (attribute.values for attribute in pair)
             share = difference_share(before, after, 1.0 if mine.kind == "key" else 0.0)
+            if name == "kv":  # which the compiler computes from kp where a file has dampratio
+                ratios = damping_ratio(one, mine), damping_ratio(other, theirs)
+                share = min(share, abs(ratios[1] - ratios[0]) / ratios[0] if all(ratios) else 1.0)
+                if share <= EQUAL and mine.attribute("kp").values != theirs.attribute("kp").values:
+                    continue  # the edit of kp has both
             if share:
                 share = min(share, EQUAL) if single and share <= SINGLE else share
-                edits = list(edits_of(one, other, pair))
-                cells = distinct(*printed_values(one, other, pair), 6)
                 least = 1.0 if name.endswith("pos") else 0.0
-                written = min(share, difference_share(before, after, least))
                 yield Difference(
-                    mine.label, name, *cells, edits=edits, share=share, written=written
+                    mine.label,
+                    name,
+                    *distinct(*printed_values(one, other, pair), 6),
+                    unit=unit_of(mine, name),
+                    edits=list(edits_of(one, other, pair)),
+                    share=share,
+                    written=min(share, difference_share(before, after, least)),
                 )
     for element, word in [(e, "lost") for e in match.gone] + [(e, "new") for e in match.new]:
         if element.kind == "geom" and touches_nothing(element.attributes):
@@ -380,26 +404,48 @@ def differences_of(one: Compiled, other: Compiled, match: Match) -> Iterator[Dif
         yield Difference(element.label, "", "", word, edits=edits)
 
 
+def unit_of(element: ModelElement, attribute: str) -> str:
+    """Return the unit of an angle of a joint, which files give in degrees or radians."""
+    kinds = element.attribute("type").values
+    is_angle = element.kind == "joint" and attribute in ("range", "ref", "springref")
+    return "rad" if is_angle and kinds[0] in ("hinge", "ball") else ""
+
+
+def damping_ratio(model: Compiled, element: ModelElement) -> float:
+    """Return ``dampratio`` of a servo on a joint, gear kv / (2 sqrt(kp M)); zero of others.
+
+    M is the joint's diagonal entry of the mass matrix as the file opens. Source: MuJoCo's XML
+    reference, actuator/position.
+    """
+    row = element.number
+    if "kp" not in element.attributes or model.field("actuator_trntype")[row] != "joint":
+        return 0.0
+    kp, kv = (element.attributes[name].values[0] for name in ("kp", "kv"))
+    joint, gear = (model.field(f"actuator_{name}")[row, 0] for name in ("trnid", "gear"))
+    mass = model.field("dof_M0")[model.field("jnt_dofadr")[joint]]
+    return float(abs(gear) * kv / (2 * math.sqrt(kp * mass))) if kp * mass > 0 else 0.0
+
+
 def edits_of(one: Compiled, other: Compiled, pair: Sequence[Attribute]) -> Iterator[Edit]:
     """Yield edits that give A's element the values of B's, as far as a compiled model allows."""
     values = pair[1].values
     for name, rows in pair[0].rows.items():
-        theirs = pair[1].rows.get(name, ())
-        listed = None if rows is None else rows.tolist()
-        if name in TYPES:
-            numbers = one.numbers(TYPES[name])  # which another release may have changed
-            if name != "actuator_dyntype" or min(one.field("actuator_actadr")[rows]) >= 0:
-                yield name, listed, sum(numbers.get(word, 0) for word in values)
-        elif listed is None:
+        theirs = pair[1].rows.get(name) or ()
+        if rows is None:
             yield name, None, other.field(name).tolist()
-        elif name in RETARGETED and len(theirs):
+        elif name in TYPES:
+            if name != "actuator_dyntype" or one.field("actuator_actadr")[rows[0]] >= 0:
+                yield name, rows, values
+        elif name in RETARGETED and theirs:
             targets = np.full_like(one.field(name)[rows], -1)
             targets.flat[: len(values)] = [number_of(one, label) for label in values]
-            yield name, listed, targets.tolist()
-        elif not (name in FIXED or name.startswith("sensor_") or len(theirs) != len(rows)):
+            yield name, rows, targets.tolist()
+        elif name in REFERENCES or name.startswith("sensor_") or len(theirs) != len(rows):
+            continue
+        elif one.field(name).dtype.kind != "U":
             for own in (name, WITH.get(name, ""), SWITCHES.get(name, "")):
                 if own in one.answer:
-                    yield own, listed, other.field(own)[theirs].tolist()
+                    yield own, rows, other.field(own)[theirs].tolist()
 
 
 def number_of(model: Compiled, label: str) -> int:
@@ -443,7 +489,8 @@ def shortened(before: Sequence[Any], after: Sequence[Any]) -> tuple[Sequence[Any
     """Return the values that differ where there are many, else all up to the last that differs."""
     if len(before) != len(after):
         return before[:MAX_VALUES], after[:MAX_VALUES]
-    size = EQUAL * max((abs(v) for v in (*before, *after) if isinstance(v, float)), default=0.0)
+    floats = [abs(v) for v in (*before, *after) if isinstance(v, float) and math.isfinite(v)]
+    size = EQUAL * max(floats, default=0.0)
     before, after = (
         [0.0 if isinstance(v, float) and abs(v) <= size else v for v in values]
         for values in (before, after)
@@ -499,7 +546,7 @@ class EditTrial:
     ----------
     first, second : Reading
     match : Match
-    rows : StateRows
+    sides : tuple of Side
     always : sequence of Edit
         Edits of A that are always made: attributes that differ by the digits of a text.
     """
@@ -519,59 +566,55 @@ class EditTrial:
             self.states = {name: {**one, "act": rest} for name, one in self.states.items()}
         self.eps = max(first.eps, second.eps)
         self.elements = [pair[0] for pair in match.pairs]
-        self.labels = labels_of_rows(sides[0])
         theirs = [translated(state, *sides) for state in self.states.values()]
         self.other = [sides[1].in_order(one) for one in second.at(theirs)]
         self.own = self.answers(())
+        self.accelerations = np.array([one["qacc"] for one in self.own])
+        self.masses = np.array([one["mass"] for one in self.own])
 
     def answers(self, edits: Sequence[Edit], brief: bool = False) -> list[dict[str, Any]]:
         """Return the answers of A after edits; in brief its accelerations alone."""
         answers = self.first.at(list(self.states.values()), [*self.always, *edits], brief)
-        if brief:
-            return [{"qacc": one["qacc"][self.sides[0].rows["qvel"]]} for one in answers]
         return [self.sides[0].in_order(one) for one in answers]
 
-    def gaps(self, edits: Sequence[Edit]) -> list[Gap]:
+    def edited(self, edits: Sequence[Edit]) -> Any:
+        """Return the accelerations of A after edits (states, n)."""
+        return np.array([one["qacc"] for one in self.answers(edits, brief=True)])
+
+    def gaps(self, edits: Sequence[Edit] = ()) -> list[Gap]:
         """Return the gaps between A, with edits, and B."""
-        own = self.answers(edits) if edits else self.own
-        return gaps_between(own, self.other, list(self.states), self.labels, self.eps)
+        return self.gaps_of(self.other, self.answers(edits) if edits else self.own)
 
-    def moves_nothing(self, edits: Sequence[Edit]) -> bool:
-        """Return True if edits of A change no quantity beyond round-off."""
-        changed = self.answers(edits)
-        return not gaps_between(self.own, changed, list(self.states), self.labels, self.eps)
-
-    @cached_property
-    def force_scale(self) -> Any:
-        """Largest force of each joint (n,) at the states, and no less than a share of all."""
-        forces = np.array([one["mass"] @ one["qacc"] for one in self.own])
-        size = abs(forces).max(axis=0)
-        return np.maximum(size, MIN_FORCE * size.max(initial=0.0) or 1.0)
+    def gaps_of(self, answers: Any, own: Any = None) -> list[Gap]:
+        """Return the gaps between answers and those of A, or others."""
+        labels, states = self.sides[0].row_labels, list(self.states)
+        return gaps_between(own or self.own, answers, states, labels, self.eps)
 
     def force_gap(self, edits: Sequence[Edit]) -> Any:
         """Return the differences of accelerations as forces, relative to each joint's largest."""
-        apart = [
-            mine["mass"] @ (theirs["qacc"] - edited["qacc"])
-            for mine, theirs, edited in zip(
-                self.own, self.other, self.answers(edits, brief=True), strict=True
-            )
-        ]
-        return np.ravel(np.array(apart) / self.force_scale)
+        theirs = np.array([one["qacc"] for one in self.other])
+        forces, apart = (
+            np.einsum("sij,sj->si", self.masses, one)
+            for one in (self.accelerations, theirs - self.edited(edits))
+        )
+        size = abs(forces).max(axis=0)
+        scale = np.maximum(size, MIN_FORCE * size.max(initial=0.0) or 1.0)
+        return np.ravel(apart / scale)
 
-    def read_differently(self, before: Sequence[Edit]) -> list[Difference]:
-        """Return the attributes that an engine lost or scaled, after edits that are known."""
+    def read_differently(self, before: Sequence[Edit]) -> Iterator[Difference]:
+        """Yield the attributes that an engine lost or scaled, after edits that are known."""
         picks = find_edits(
             lambda edits: self.force_gap([*before, *edits]),
             lambda edits: not self.gaps([*before, *edits]),
             list(guesses(self.first.model, self.elements)),
         )
-        differences = []
+        elements = {one.label: one for one in self.elements}
         for one, factor in picks:
-            before, after = one.cells(factor)
-            cells = distinct(*shortened(before, after), 6) if before else ("", str(after[0]))
+            values, read = one.cells(factor)
+            cells = distinct(*shortened(values, read), 6) if values else ("", str(read[0]))
+            unit = unit_of(elements.get(one.element, self.elements[0]), one.attribute)
             edits = [one.edit(factor)]
-            differences.append(Difference(one.element, one.attribute, *cells, None, edits))
-        return differences
+            yield Difference(one.element, one.attribute, *cells, unit=unit, edits=edits)
 
     def left(self, edits: Sequence[Edit], gaps: list[Gap]) -> list[Gap]:
         """Return the gaps that edits leave; all of them if the edits cannot be made."""
@@ -580,21 +623,26 @@ class EditTrial:
         except MbcheckError:
             return gaps
 
-    @cached_property
-    def roundoff(self) -> Any:
-        """Round-off of each acceleration at each state (states, n)."""
-        return np.array([acceleration_roundoff(one, self.eps) for one in self.own])
-
     def measured(self, difference: Difference) -> Difference:
         """Return a difference with its effect on accelerations."""
         if not difference.edits:
             return difference
         try:
-            changed = self.answers(difference.edits, brief=True)
+            apart = abs(self.edited(difference.edits) - self.accelerations)
         except MbcheckError:
             return difference
-        own, edited = (np.array([one["qacc"] for one in every]) for every in (self.own, changed))
-        apart = abs(edited - own)
-        scale = np.maximum(abs(own).max(axis=0, initial=0.0), self.roundoff)
-        effect = np.max(np.where(apart > self.roundoff, apart / scale, 0.0), initial=0.0)
+        least = self.roundoff
+        scale = np.maximum(abs(self.accelerations).max(axis=0, initial=0.0), least)
+        effect = np.max(np.where(apart > least, apart / scale, 0.0), initial=0.0)
+        if effect == 0.0:
+            other = self.gaps_of(self.answers(difference.edits))
+            seen = f"{other[0].quantity}, {other[0].state}" if other else ""
+            return replace(difference, effect=0.0, seen=seen)
         return replace(difference, effect=float(effect) if math.isfinite(effect) else None)
+
+    @cached_property
+    def roundoff(self) -> Any:
+        """Round-off of each acceleration at each state (states, n)."""
+        return np.array(
+            [acceleration_roundoff(one, self.eps) + 4 * one["qacc_floor"] for one in self.own]
+        )

@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
 from typing import Any
@@ -54,39 +54,15 @@ ROWS: Mapping[str, tuple[str, str]] = {
 """Field, or its first word -> the kind of element of its rows, and the field of their addresses."""
 
 COLUMNS: Mapping[str, tuple[str, str, int]] = {
-    "key_qpos": ("joint", "jnt_qposadr", 0),
-    "key_qvel": ("joint", "jnt_dofadr", 0),
-    "key_act": ("actuator", "actuator_actadr", 0),
-    "key_ctrl": ("actuator", "actuator_ctrladr", 0),
+    "key_qpos": ("joint", "jnt_qposadr", 1),
+    "key_qvel": ("joint", "jnt_dofadr", 1),
+    "key_act": ("actuator", "actuator_actadr", 1),
+    "key_ctrl": ("actuator", "actuator_ctrladr", 1),
     "key_mpos": ("body", "body_mocapid", 3),
     "key_mquat": ("body", "body_mocapid", 4),
 }
 """Field of keyframes -> the kind of the elements of its columns, the field of their addresses, and
-the columns of each; 0 if they end where the next begin."""
-
-ENUMERATIONS = {
-    "jnt_type": "mjtJoint",
-    "geom_type": "mjtGeom",
-    "site_type": "mjtGeom",
-    "eq_type": "mjtEq",
-    "eq_objtype": "mjtObj",
-    "actuator_trntype": "mjtTrn",
-    "actuator_dyntype": "mjtDyn",
-    "actuator_gaintype": "mjtGain",
-    "actuator_biastype": "mjtBias",
-    "sensor_type": "mjtSensor",
-    "sensor_objtype": "mjtObj",
-    "sensor_reftype": "mjtObj",
-    "wrap_type": "mjtWrap",
-    "opt.integrator": "mjtIntegrator",
-    "opt.cone": "mjtCone",
-    "opt.solver": "mjtSolver",
-    "opt.jacobian": "mjtJacobian",
-}
-"""Field -> the enumeration of its numbers."""
-
-FLAGS = {"opt.disableflags": "mjtDisableBit", "opt.enableflags": "mjtEnableBit"}
-"""Option -> the enumeration of its bits."""
+the columns of each address."""
 
 REFERENCES = {
     "body_parentid": "body",
@@ -253,15 +229,17 @@ class Compiled:
         ]
         return sorted(physical, key=lambda name: (name.startswith("dof_"), name))
 
-    def numbers(self, enumeration: str) -> dict[str, int]:
-        """Return the numbers of an enumeration by their words."""
-        words, numbers = (self.answer[f"{part}.{enumeration}"] for part in ("words", "numbers"))
-        return dict(zip(words.tolist(), numbers.tolist(), strict=True))
+    def spans(self, kind: str, address: str, size: int) -> list[range]:
+        """Return the rows of each element in an array, by the field of their addresses."""
+        starts = self.answer.get(address, np.arange(len(self.names[kind]))).tolist()
+        ends = iter([*[one for one in starts if one >= 0][1:], size])
+        return [range(one, next(ends)) if one >= 0 else range(0) for one in starts]
 
-    def word(self, enumeration: str, number: int) -> str:
-        """Return the word for a number of an enumeration."""
-        every = self.numbers(enumeration).items()
-        return next((word for word, one in every if one == number), f"number {number}")
+    def columns(self, name: str) -> list[range]:
+        """Return the columns of each element in a field of keyframes, as in a state."""
+        kind, address, width = COLUMNS[name]
+        spans = self.spans(kind, address, self.field(name).shape[1] // width)
+        return [range(one.start * width, one.stop * width) for one in spans]
 
     @cached_property
     def labels(self) -> dict[str, list[str]]:
@@ -279,17 +257,16 @@ class Compiled:
 
     def described(self, labels: Mapping[str, Sequence[str]], name: str, row: int) -> list[str]:
         """Return a type, or the elements that a field refers to, in words."""
-        values = np.ravel(self.field(name)[row]).astype(int)
-        if name in ENUMERATIONS:
-            return [self.word(ENUMERATIONS[name], int(values[0]))]
+        values = np.ravel(self.field(name)[row])
+        if values.dtype.kind == "U":
+            return [str(values[0])]
         if name == "exclude_signature":
             values = np.array(divmod(values[0], 1 << 16))
         kind = REFERENCES.get(name, "body")
-        if kind in ENUMERATIONS:
-            kind = self.word(ENUMERATIONS[kind], int(self.field(kind)[row]))
-        if name.startswith("eq_obj"):
-            of = self.word("mjtEq", int(self.field("eq_type")[row]))
-            kind = of if of in ("joint", "tendon") else kind
+        if kind in self.answer:
+            kind = str(self.field(kind)[row])
+        if name.startswith("eq_obj") and self.field("eq_type")[row] in ("joint", "tendon"):
+            kind = str(self.field("eq_type")[row])
         listed = labels.get(REFERRED.get(kind, kind), [])
         words = [listed[i] if 0 <= i < len(listed) else f"number {i}" for i in values.tolist()]
         words = [word for word in words if word != "number -1"]
@@ -298,14 +275,13 @@ class Compiled:
     def elements(self, kind: str, labels: Mapping[str, Sequence[str]]) -> list[ModelElement]:
         """Return the elements of a kind; references name others by ``labels``."""
         tables: list[dict[str, Attribute]] = [{} for _ in self.labels[kind]]
-        for name in self.fields:
+        for name in self.fields if tables else ():
             own, address = ROWS.get(name) or ROWS.get(name.partition("_")[0]) or ("", "")
-            if own == kind and tables:
-                starts = self.field(address) if address else np.arange(len(tables))
+            if own == kind:
                 values = self.comparable(name, labels)
-                rows = np.split(np.arange(len(values)), starts[1:])
-                for table, mine in zip(tables, rows, strict=True):
-                    self.add(table, name, mine, values, labels)
+                spans = self.spans(kind, address, len(values))
+                for table, rows in zip(tables, map(list, spans), strict=True):
+                    self.add(table, name, rows, values, labels)
         named = zip(self.labels[kind], tables, strict=True)
         return [ModelElement(kind, i, label, folded(t, kind)) for i, (label, t) in enumerate(named)]
 
@@ -313,50 +289,34 @@ class Compiled:
         self,
         table: dict[str, Attribute],
         name: str,
-        rows: Any,
+        rows: list[int],
         values: Any,
         labels: Mapping[str, Sequence[str]],
     ) -> None:
         """Add the rows of a field to the attributes of an element."""
         attribute = WORDS.get(name) or name.partition("_")[2]
-        if name == "eq_data":
-            attribute = EQUALITY_DATA.get(
-                self.described(labels, "eq_type", int(rows[0]))[0], "data"
-            )
         if name in COLUMNS:
-            for number, columns in self.columns_of(name):
-                label = labels[COLUMNS[name][0]][number]
-                table[f"{attribute} of {label}"] = Attribute(values[rows][0, columns].tolist())
+            for label, columns in zip(labels[COLUMNS[name][0]], self.columns(name), strict=True):
+                if columns:
+                    table[f"{attribute} of {label}"] = Attribute(values[rows[0]][columns].tolist())
             return
-        known = table.get(attribute)
-        attribute = name if known else attribute
-        pieces = [values[row] for row in rows]
-        if attribute in DATA_WIDTHS:
-            pieces = [values[row][: DATA_WIDTHS[attribute]] for row in rows]
-        flat = [one for value in pieces for one in np.ravel(np.asarray(value)).tolist()]
+        if name == "eq_data":
+            attribute = EQUALITY_DATA.get(self.field("eq_type")[rows[0]], "data")
+        attribute = name if attribute in table else attribute
+        width = DATA_WIDTHS.get(attribute)
+        flat = [one for row in rows for one in np.ravel(values[row]).tolist()[:width]]
         table[attribute] = Attribute(flat, {name: rows})
-
-    def columns_of(self, name: str) -> Iterator[tuple[int, slice]]:
-        """Yield the number of each element that has columns in a field of keyframes, and these."""
-        kind, address, width = COLUMNS[name]
-        starts = self.answer.get(address, np.arange(len(self.labels[kind])))
-        ends = [*starts[1:].tolist(), self.field(name).shape[1]]
-        for number, start in enumerate(starts.tolist()):
-            if start >= 0:
-                begin = start * max(width, 1)
-                count = int(self.field("actuator_actnum")[number]) if name == "key_act" else width
-                yield number, slice(begin, begin + count if count else ends[number])
 
     def comparable(self, name: str, labels: Mapping[str, Sequence[str]]) -> Any:
         """Return a field in a form in which equal physics is equal."""
         values = self.field(name)
-        if name in ENUMERATIONS or name in REFERENCES or name == "exclude_signature":
+        if values.dtype.kind == "U" or name in REFERENCES or name == "exclude_signature":
             return [self.described(labels, name, row) for row in range(len(values))]
         limited = self.answer.get(f"{name.removesuffix('range')}limited")
         if limited is not None and name.endswith("range"):
             return [list(v) if on else ["no limit"] for v, on in zip(values, limited, strict=True)]
         if name == "wrap_prm":  # of a geom the number of the site on whose side the tendon runs
-            sides = np.isin(self.types("wrap_type"), ("sphere", "cylinder")) & (values >= 0)
+            sides = np.isin(self.field("wrap_type"), ("sphere", "cylinder")) & (values >= 0)
             sites = labels["site"]
             return [sites[int(v)] if on else v for v, on in zip(values, sides, strict=True)]
         if name == "body_mocapid":
@@ -366,7 +326,7 @@ class Compiled:
             tensors = axes * values[:, None] @ axes.transpose(0, 2, 1)
             return tensors[:, [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
         if name in ("geom_size", "site_size"):
-            kinds = self.types(name.replace("size", "type"))
+            kinds = self.field(name.replace("size", "type")).tolist()
             return values * np.less.outer(np.arange(3), [SIZES.get(kind, 3) for kind in kinds]).T
         if name == "geom_quat":
             return self.axes()
@@ -374,40 +334,26 @@ class Compiled:
 
     @cached_property
     def options(self) -> ModelElement:
-        """The options as one element, flags by their names."""
-        attributes = {}
-        for key, value in self.answer.items():
-            name = key.removeprefix("opt.")
-            if name == key or name.startswith("o_"):
-                continue
-            values: list[Any] = np.ravel(value).tolist()
-            if key in ENUMERATIONS:
-                values = [self.word(ENUMERATIONS[key], int(value))]
-            if key in FLAGS:
-                bits = self.numbers(FLAGS[key]).items()
-                values = [word for word, bit in bits if word and int(value) & bit]
-            attributes[name] = Attribute(values, {key: None})
+        """The options as one element."""
+        attributes = {
+            key.removeprefix("opt."): Attribute(np.ravel(value).tolist(), {key: None})
+            for key, value in self.answer.items()
+            if key.startswith("opt.") and not key.startswith("opt.o_")
+        }
         return ModelElement("option", 0, "option", attributes)
 
     @cached_property
     def collides_convexly(self) -> bool:
         """True if contacts or distances of geoms may be computed by the convex routine."""
-        touch = (
-            self.field("geom_contype") | self.field("geom_conaffinity") | len(self.names["pair"])
-        )
-        shapes = zip(self.types("geom_type"), touch.tolist(), strict=True)
-        distances = [one for one in self.types("sensor_type") if one.startswith("geom")]
-        others = [one for one, on in shapes if on and one not in ANALYTIC]
-        return bool(self.names["flex"] or distances or others)
-
-    def types(self, name: str) -> list[str]:
-        """Return the words of a field of types."""
-        return [self.word(ENUMERATIONS[name], int(one)) for one in self.field(name)]
+        touch = self.field("geom_contype") | self.field("geom_conaffinity")
+        shapes = self.field("geom_type")[(touch != 0) | bool(self.names["pair"])]
+        distances = np.char.startswith(self.field("sensor_type"), "geom")
+        return bool(self.names["flex"] or distances.any() or set(shapes) - set(ANALYTIC))
 
     def axes(self) -> Any:
         """Return the orientation of geoms: the axis of round ones, nothing of a sphere."""
-        axes, kinds = rotations(self.field("geom_quat")), self.types("geom_type")
-        lines = np.where(np.array(kinds) == "sphere", 0.0, 1.0)[:, None] * axes[:, :, 2]
+        axes, kinds = rotations(self.field("geom_quat")), self.field("geom_type")
+        lines = np.where(kinds == "sphere", 0.0, 1.0)[:, None] * axes[:, :, 2]
         round_ = np.isin(kinds, ("sphere", "capsule", "cylinder"))
         both = lines[:, :, None] * lines[:, None]
         return np.where(round_[:, None, None], both, axes)
@@ -433,7 +379,7 @@ def folded(table: dict[str, Attribute], kind: str) -> dict[str, Attribute]:
         path, coefficients = table["path"], table["coef"]
         order = np.argsort(path.values, kind="stable")
         for name, one in (("path", path), ("coef", coefficients)):
-            rows = {field: numbers[order] for field, numbers in one.rows.items()}
+            rows = {field: [numbers[i] for i in order] for field, numbers in one.rows.items()}
             table[name] = Attribute([one.values[i] for i in order], rows)
     if kind == "pair":
         both = [value for name in ("geom1", "geom2") for value in table.pop(name).values]
@@ -481,8 +427,9 @@ class Match:
 def match_elements(one: Compiled, other: Compiled) -> Match:
     """Return the pairs of corresponding elements of two models.
 
-    They are matched by name; those without a partner of their name by their place (their parent, or
-    the elements to which they refer) and by the number of equal attributes.
+    They are matched by name; those without a partner of their name so that as many as possible are
+    at the same place (their parent, or the elements to which they refer), and that as few
+    attributes as possible differ.
     """
     labels = {kind: list(listed) for kind, listed in other.labels.items()}
     contents = contents_of(one), contents_of(other)
@@ -496,15 +443,14 @@ def match_elements(one: Compiled, other: Compiled) -> Match:
             for i, name in enumerate(names)
             if name and others.count(name) == names.count(name) == 1
         }
-        rename(labels, one, kind, partners)
         mine = one.elements(kind, one.labels)
         for numbers in levels(one) if kind == "body" else [range(len(mine))]:
-            theirs = other.elements(kind, labels)
-            for rest in leftover_groups(mine, theirs, numbers, partners):
-                partners |= dict(
-                    assigned(mine, theirs, *rest, contents if kind == "body" else None)
-                )
             rename(labels, one, kind, partners)
+            theirs = other.elements(kind, labels)
+            left = [mine[i] for i in numbers if i not in partners]
+            right = [each for each in theirs if each.number not in partners.values()]
+            partners |= dict(assigned(left, right, contents))
+        rename(labels, one, kind, partners)
         theirs = other.elements(kind, labels)
         pairs += [(mine[i], theirs[j]) for i, j in sorted(partners.items())]
         gone += [element for element in mine if element.number not in partners]
@@ -528,46 +474,34 @@ def levels(model: Compiled) -> list[list[int]]:
     return [[i for i, own in enumerate(depth) if own == d] for d in range(max(depth) + 1)]
 
 
-def leftover_groups(
-    mine: Sequence[ModelElement],
-    theirs: Sequence[ModelElement],
-    numbers: Sequence[int],
-    partners: Mapping[int, int],
-) -> Iterator[tuple[list[int], list[int]]]:
-    """Yield the numbers of those without a partner that stand at the same place, then of all."""
-    for by_place in (True, False):
-        taken = set(partners.values())
-        places: dict[Any, tuple[list[int], list[int]]] = {}
-        for i in numbers:
-            if i not in partners:
-                places.setdefault(place_of(mine[i]) if by_place else (), ([], []))[0].append(i)
-        for j, element in enumerate(theirs):
-            if j not in taken:
-                places.setdefault(place_of(element) if by_place else (), ([], []))[1].append(j)
-        yield from ((a, b) for a, b in places.values() if a and b)
+PLACE = ("parent", "body", "type", "transmission", "target", "first element", "geoms", "objid")
+"""Attributes that say where an element is."""
+
+ELSEWHERE = 1e3
+"""Number of differing attributes for which another place counts."""
 
 
-def place_of(element: ModelElement) -> tuple[str, ...]:
-    """Return where an element stands: its type, its body, or what it refers to."""
-    names = ("parent", "body", "type", "transmission", "target", "first element", "geoms", "objid")
-    return tuple(
-        str(value)
-        for name in names
-        if name in element.attributes
-        for value in element.attributes[name].values
-    )
+def spelled(element: ModelElement) -> set[str]:
+    """Return the attributes of an element as words, numbers in five digits of the largest."""
+    words = set()
+    for name, one in element.attributes.items():
+        values = list(one.values)
+        if not any(isinstance(value, str) for value in values):
+            numbers = np.array(values, dtype=float)
+            size = abs(numbers[np.isfinite(numbers)]).max(initial=0.0)
+            values = [f"{size:.4e}", *(np.round(numbers / (size or 1.0), 5) + 0.0).tolist()]
+        words.add(f"{element.kind} {name} {values}")
+    return words
 
 
 def contents_of(model: Compiled) -> list[Counter[str]]:
-    """Return the attributes, in five digits, of all joints and geoms on each body and below it."""
+    """Return the attributes, as words, of all joints and geoms on each body and below it."""
     contents = [Counter[str]() for _ in model.labels["body"]]
     for kind in ("joint", "geom"):
         owners = model.field(KINDS[kind]).tolist()
         for element in model.elements(kind, model.labels):
-            for name, one in element.attributes.items():
-                if not set(one.rows) & set(REFERENCES):
-                    words = (f"{v:.4e}" if isinstance(v, float) else str(v) for v in one.values)
-                    contents[owners[element.number]][f"{kind} {name} {' '.join(words)}"] += 1
+            own = {n: a for n, a in element.attributes.items() if not {*a.rows} & {*REFERENCES}}
+            contents[owners[element.number]].update(spelled(replace(element, attributes=own)))
     for i, parent in reversed(list(enumerate(model.field("body_parentid").tolist()))):
         if i:
             contents[parent] += contents[i]
@@ -575,34 +509,25 @@ def contents_of(model: Compiled) -> list[Counter[str]]:
 
 
 def assigned(
-    mine: Sequence[ModelElement],
-    theirs: Sequence[ModelElement],
-    left: list[int],
-    right: list[int],
-    contents: tuple[Sequence[Counter[str]], Sequence[Counter[str]]] | None,
+    left: Sequence[ModelElement],
+    right: Sequence[ModelElement],
+    contents: tuple[Sequence[Counter[str]], Sequence[Counter[str]]],
 ) -> Iterator[tuple[int, int]]:
     """Yield pairs of numbers so that as few attributes as possible differ, in order if equal.
 
     The share of differing ``contents`` counts as one attribute of bodies.
     """
+    words, others = ([spelled(element) for element in side] for side in (left, right))
     costs = np.zeros((len(left), len(right)))
-    for (a, i), (b, j) in product(enumerate(left), enumerate(right)):
-        costs[a, b] = difference_count(mine[i], theirs[j]) + 1e-6 * abs(a - b)
-        if contents:
-            both = contents[0][i], contents[1][j]
-            shared, every = (both[0] & both[1]).total(), (both[0] | both[1]).total()
-            costs[a, b] += 1 - shared / every if every else 0.0
+    for (a, one), (b, other) in product(enumerate(left), enumerate(right)):
+        apart = any(one.attribute(name).values != other.attribute(name).values for name in PLACE)
+        costs[a, b] = len(words[a] ^ others[b]) / 2 + ELSEWHERE * apart + 1e-6 * abs(a - b)
+        if one.kind == "body":
+            mine, theirs = contents[0][one.number], contents[1][other.number]
+            every = (mine | theirs).total()
+            costs[a, b] += 1 - (mine & theirs).total() / every if every else 0.0
     for a, b in zip(*linear_sum_assignment(costs), strict=True):
-        yield left[a], right[b]
-
-
-def difference_count(one: ModelElement, other: ModelElement) -> float:
-    """Return the number of attributes that differ, in six digits."""
-    shares = (
-        difference_share(one.attribute(name).values, other.attribute(name).values)
-        for name in names_of_both(one, other)
-    )
-    return float(sum(share > 1e-5 for share in shares))
+        yield left[a].number, right[b].number
 
 
 def difference_share(one: Values, other: Values, least: float = 0.0) -> float:

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import product
+from itertools import compress, product
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +24,6 @@ from ..engines.validation import numbers
 from .elements import Compiled, levels
 from .gaps import OPERATIONS
 from .reading import MUJOCO, Answer, Edit, Operand, Reading, State
-from .states import control_of
 
 TRIED_STATES = 4
 """Number of states at which an engine's conventions are tried."""
@@ -33,6 +32,15 @@ CLEARER = 0.5
 """A convention is adopted if it reduces the error of accelerations to this share or less."""
 
 FILE_ORDER = "the order of the file"
+
+
+DEPARTURES = SCALAR_LAST, WORLD_RATES, BODY_VELOCITIES, ANGULAR_FIRST = (
+    "quaternions as (x, y, z, w)",
+    "angular velocities in the frame of the world",
+    "velocities of free joints in the frame of the body",
+    "angular before linear velocities of free joints",
+)
+"""Departures from the protocol of engines, the last two of free joints alone."""
 
 
 @dataclass(frozen=True)
@@ -45,39 +53,24 @@ class Convention:
         Order of the joints in all vectors.
     joints : tuple of int
         Numbers of the joints in this order.
-    scalar_last : bool
-        True if a quaternion is (x, y, z, w).
-    world_rates : bool
-        True if angular velocities are in the frame of the world.
-    body_velocities : bool
-        True if the velocity of a free joint is in the frame of the body.
-    angular_first : bool
-        True if the angular velocity of a free joint precedes its linear velocity.
+    departures : tuple of str
+        Some of `DEPARTURES`.
     """
 
     order: str
     joints: tuple[int, ...]
-    scalar_last: bool = False
-    world_rates: bool = False
-    body_velocities: bool = False
-    angular_first: bool = False
+    departures: tuple[str, ...]
 
     @property
     def sentences(self) -> list[str]:
         """The departures from the protocol of engines, in words."""
-        words = {
-            f"joints in {self.order}": self.order != FILE_ORDER,
-            "quaternions as (x, y, z, w)": self.scalar_last,
-            "angular velocities in the frame of the world": self.world_rates,
-            "velocities of free joints in the frame of the body": self.body_velocities,
-            "angular before linear velocities of free joints": self.angular_first,
-        }
-        return [sentence for sentence, departs in words.items() if departs]
+        order = [f"joints in {self.order}"] if self.order != FILE_ORDER else []
+        return [*order, *self.departures]
 
     def positions(self, layout: JointLayout, q: Array) -> Array:
         """Return positions (n_q,) in the convention of the engine."""
         q = q.copy()
-        for rows in layout.quaternions if self.scalar_last else ():
+        for rows in layout.quaternions if SCALAR_LAST in self.departures else ():
             q[rows] = np.roll(q[rows], -1)
         return np.concatenate([q[layout.positions[i]] for i in self.joints])
 
@@ -90,12 +83,13 @@ class Convention:
             if layout.kinds[i] in ("ball", "free"):
                 turn = q[layout.positions[i]][-4:]
                 body = Rotation.from_quat(np.roll(turn, -1)).as_matrix()
-                if self.world_rates:
+                if WORLD_RATES in self.departures:
                     block[-3:] = body @ block[-3:]
-                if layout.kinds[i] == "free" and self.body_velocities:
+            if layout.kinds[i] == "free":
+                if BODY_VELOCITIES in self.departures:
                     block[:3] = body.T @ block[:3]
                     drift[:3] = -np.cross(v[at][3:], block[:3] @ v)
-                if layout.kinds[i] == "free" and self.angular_first:
+                if ANGULAR_FIRST in self.departures:
                     block, drift = np.roll(block, 3, axis=0), np.roll(drift, 3)
             blocks.append(block)
             rest.append(drift)
@@ -115,11 +109,10 @@ def conventions(model: Compiled, layout: JointLayout) -> Iterator[Convention]:
     orders: dict[tuple[int, ...], str] = {}
     for name, key in keys.items():
         orders.setdefault(tuple(sorted(range(len(names)), key=key)), name)
-    ball = (False, True) if layout.is_spatial else (False,)
-    free = (False, True) if "free" in layout.kinds else (False,)
+    possible = DEPARTURES[: 4 if "free" in layout.kinds else 2 if layout.is_spatial else 0]
     for joints, name in orders.items():
-        for flags in product(ball, ball, free, free):
-            yield Convention(name, joints, *flags)
+        for flags in product((False, True), repeat=len(possible)):
+            yield Convention(name, joints, tuple(compress(possible, flags)))
 
 
 class EngineReading(Reading):
@@ -142,7 +135,7 @@ class EngineReading(Reading):
         super().__init__(replace(operand, reader=MUJOCO), sys.executable)
         if self.engine.precision == "float32":
             self.eps = float(np.finfo(np.float32).eps)
-        kinds = tuple(self.model.types("jnt_type"))
+        kinds = tuple(self.model.field("jnt_type").tolist())
         self.layout = layout_of(kinds)
         self.system = System(
             case=Case(Path(operand.file).stem, "file", None),
@@ -170,9 +163,10 @@ class EngineReading(Reading):
         """
         q, v = (np.array(state[name], dtype=float) for name in ("qpos", "qvel"))
         turn, drift = convention.velocity_map(self.layout, q, v)
+        names = self.model.names["actuator"]
         terms = tuple(
-            Term("actuator", name, {}, amplitude=state["ctrl"][control_of(self.model, i)])
-            for i, name in enumerate(self.model.names["actuator"])
+            Term("actuator", name, {}, amplitude=state["ctrl"][rows.start])
+            for name, rows in zip(names, self.model.columns("key_ctrl"), strict=True)
         )
         arguments: list[Any] = [
             replace(self.system, terms=terms),

@@ -115,11 +115,10 @@ def guesses(model: Compiled, elements: Sequence[ModelElement]) -> Iterator[Guess
                 if not switched and field not in one.rows:
                     continue
                 rows = [element.number] if switched else one.rows[field]
-                listed = None if rows is None else list(map(int, rows))
                 values = np.asarray(model.field(field), dtype=float)
-                values = values if listed is None else values[listed]
+                values = values if rows is None else values[rows]
                 if values.any():
-                    singles.append(Guess(element.label, attribute, field, listed, values, factor))
+                    singles.append(Guess(element.label, attribute, field, rows, values, factor))
         if len(singles) > 1:
             every = f"every {singles[0].element.partition(' ')[0]}"
             rows = [row for one in singles for row in one.rows or ()]

@@ -44,13 +44,8 @@ QUANTITIES: Mapping[str, tuple[str, str]] = {
 Rows of ``joint`` are degrees of freedom; those of ``step`` positions, velocities and activations.
 """
 
-ROWS = {
-    "pos": "position",
-    "aref": "reference acceleration",
-    "frictionloss": "friction loss",
-    "inverse_inertia": "regularised inverse inertia",
-}
-"""Number of a row of a constraint -> its name."""
+FORCES = ("bias", "spring", "damper", "actuator", "fluid")
+"""Quantities that are terms of the equation of motion."""
 
 COLLISION = 2e-6
 """Largest difference of two depths [m] that are both good to MuJoCo's ``ccd_tolerance``, 1e-6 m."""
@@ -145,7 +140,12 @@ def gaps_between(
     """
     worst: dict[str, tuple[float, Gap]] = {}
     for a, b, state in zip(own, other, states, strict=True):
-        for ratio, gap in (*array_gaps(a, b, state, labels, eps), *row_gaps(a, b, state)):
+        arrays = (
+            largest(QUANTITIES[key][0], labels[QUANTITIES[key][1]], state, a[key], b[key], limit)
+            for key, limit in tolerances(a, b, eps)
+            if a[key].size
+        )
+        for ratio, gap in (*arrays, *row_gaps(a, b, state)):
             if ratio > worst[gap.quantity][0] if gap.quantity in worst else ratio > 1:
                 worst[gap.quantity] = ratio, gap
     order = [name for name, _ in QUANTITIES.values()]
@@ -155,24 +155,18 @@ def gaps_between(
     )
 
 
-def array_gaps(
-    a: Mapping[str, Any],
-    b: Mapping[str, Any],
-    state: str,
-    labels: Mapping[str, Sequence[str]],
-    eps: float,
-) -> Iterator[tuple[float, Gap]]:
-    """Yield the largest difference of each quantity over its tolerance, and where it is."""
-    for key, tolerance in tolerances(a, b, eps):
-        name, kind = QUANTITIES[key]
-        limit = np.broadcast_to(tolerance, a[key].shape)
-        if limit.size:
-            lost = ~np.isfinite(a[key]) & ~np.isfinite(b[key])  # a step that overflows
-            ratio = np.where(lost, 0.0, abs(a[key] - b[key]) / np.maximum(limit, TINY))
-            ratio = np.where(np.isnan(ratio), np.inf, ratio)
-            at = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
-            values = (float(values[at]) for values in (a[key], b[key], limit))
-            yield float(ratio[at]), Gap(name, labels[kind][int(at[0])], state, *values)
+def largest(
+    quantity: str, labels: Sequence[str], state: str, a: Any, b: Any, tolerance: Any
+) -> tuple[float, Gap]:
+    """Return the largest difference of two arrays over its tolerance, and where it is."""
+    limit = np.broadcast_to(tolerance, a.shape)
+    with np.errstate(invalid="ignore"):
+        ratio = abs(a - b) / np.maximum(limit, TINY)
+    lost = ~np.isfinite(a) & ~np.isfinite(b)  # in a step that overflows
+    ratio = np.where(lost, 0.0, np.nan_to_num(ratio, nan=np.inf, posinf=np.inf))
+    at = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
+    values = (float(values[at]) for values in (a, b, limit))
+    return float(ratio[at]), Gap(quantity, labels[int(at[0])], state, *values)
 
 
 def collides_differently(a: Mapping[str, Any], b: Mapping[str, Any]) -> bool:
@@ -180,67 +174,49 @@ def collides_differently(a: Mapping[str, Any], b: Mapping[str, Any]) -> bool:
 
     Accelerations then differ by more than round-off, for no other reason.
     """
-    for pair, one in a.get("contacts", {}).items():
-        other = b.get("contacts", {}).get(pair)
-        if other is not None:
-            apart = abs(abs(one.numbers[GEOMETRY]) - abs(other.numbers[GEOMETRY])).max()
+    for key, one in a.get("rows", {}).items():
+        other = b.get("rows", {}).get(key)
+        if one.first and other is not None:
+            apart = abs(abs(one.geometry) - abs(other.geometry)).max()
             if one.first != other.first or OPERATIONS * EPS < apart < COLLISION:
                 return True
     return False
 
 
+def row_numbers(
+    pos: float, aref: float, stiffness: float, frictionloss: float, inverse: float, jacobian: Any
+) -> dict[str, tuple[Any, float]]:
+    """Return the quantities of a row of a constraint, each with its values and its tolerance."""
+    unit = OPERATIONS * EPS
+    scale = max(1.0, abs(pos), abs(jacobian).max(initial=0.0))
+    numbers = {
+        "position": (pos, unit * scale),
+        "reference acceleration": (aref, unit * (abs(aref) + stiffness * scale)),
+        "friction loss": (frictionloss, unit * frictionloss),
+        "regularised inverse inertia": (inverse, unit * inverse * max(1.0, len(jacobian))),
+    }
+    return {name: (np.array([value]), float(limit)) for name, (value, limit) in numbers.items()}
+
+
 def row_gaps(a: Mapping[str, Any], b: Mapping[str, Any], state: str) -> Iterator[tuple[float, Gap]]:
     """Yield differences of rows of constraints and of contacts, over their tolerances."""
-    if "rows" not in b:
-        return
-    unit = OPERATIONS * EPS
-    for key in dict.fromkeys((*a["rows"], *b["rows"])):
-        kind, label, _ = key
-        what = f"{kind.replace('_', ' of ')} row"
+    for key in dict.fromkeys((*a["rows"], *b["rows"])) if "rows" in b else ():
+        what, label, _ = key
         one, other = a["rows"].get(key), b["rows"].get(key)
         if one is None or other is None:
             yield np.inf, missing(what, label, state, one)
             continue
-        scale = max(1.0, abs(one["pos"]), abs(one["jacobian"]).max(initial=0.0))
-        limits = {
-            "pos": unit * scale,
-            "aref": unit * (abs(one["aref"]) + one["stiffness"] * scale),
-            "frictionloss": unit * one["frictionloss"],
-            "inverse_inertia": unit * one["inverse_inertia"] * max(1.0, len(one["jacobian"])),
-        }
-        for name, limit in limits.items():
-            ratio = abs(one[name] - other[name]) / max(limit, TINY)
-            yield ratio, Gap(f"{what}, {ROWS[name]}", label, state, one[name], other[name], limit)
-    for pair in dict.fromkeys((*a["contacts"], *b["contacts"])):
-        one, other = a["contacts"].get(pair), b["contacts"].get(pair)
-        if one is None or other is None:
-            yield np.inf, missing("contact", pair[0], state, one)
-            continue
-        for name, (columns, limit) in CONTACT.items():
+        for name, (values, limit) in one.numbers.items():
             if name == "depth" and one.first != other.first:
                 continue  # MuJoCo's collision of convex shapes depends on their order
-            mine, theirs = one.numbers[columns], other.numbers[columns]
-            apart = abs(mine - theirs)
-            at = int(np.argmax(apart))
-            values = float(mine[at]), float(theirs[at])
-            yield float(apart[at]) / limit, Gap(f"contact, {name}", pair[0], state, *values, limit)
+            labels, theirs = [label] * len(values), other.numbers[name][0]
+            yield largest(f"{what}, {name}", labels, state, values, theirs, limit)
 
 
 def missing(quantity: str, label: str, state: str, of_a: Any) -> Gap:
     """Return the gap of what A or B alone has: 1 where it is there, 0 where it is not."""
     there = float(of_a is not None)
     return Gap(quantity, label, state, there, 1.0 - there, 0.0)
-
-
-def constraint_force(a: Mapping[str, Any]) -> float:
-    """Return the largest generalised force that a row of a constraint may exert (SI)."""
-    return max(
-        (
-            abs(one["jacobian"]).max(initial=0.0) * abs(one["aref"]) / one["inverse_inertia"]
-            for one in a["rows"].values()
-        ),
-        default=0.0,
-    )
 
 
 def acceleration_roundoff(a: Mapping[str, Any], eps: float) -> Any:
@@ -251,10 +227,8 @@ def acceleration_roundoff(a: Mapping[str, Any], eps: float) -> Any:
     """
     mass = np.nan_to_num(a["mass"])
     size = np.sqrt(abs(np.diag(mass)))
-    scale = size @ abs(a["qacc"])
-    for one in a["rows"].values():
-        force = abs(one["jacobian"]) * abs(one["aref"]) / one["inverse_inertia"]
-        scale = max(scale, np.max(force / np.maximum(size, TINY), initial=0.0))
+    of_rows = np.max(a["row_force"] / np.maximum(size, TINY), initial=0.0)
+    scale = max(size @ abs(a["qacc"]), of_rows)
     return OPERATIONS * eps * (abs(np.linalg.pinv(mass)) @ size) * scale + 4 * a["qacc_floor"]
 
 
@@ -265,36 +239,31 @@ def tolerances(a: Mapping[str, Any], b: Mapping[str, Any], eps: float) -> Iterat
     has a condition number. With constraints the largest force of a row counts as well, and the
     difference of two runs of the solver.
     """
-    unit, n = OPERATIONS * eps, len(a["bias"])
-    common = [key for key in QUANTITIES if key in a and key in b]
+    unit, mass = OPERATIONS * eps, a["mass"]
+    common = [key for key in QUANTITIES if key in a and key in b and a[key].shape == b[key].shape]
     size = {
         key: max(abs(np.nan_to_num(side[key], posinf=0)).max(initial=0.0) for side in (a, b))
         for key in common
     }
-    force = sum(
-        size[key] for key in ("bias", "spring", "damper", "actuator", "fluid") if key in size
-    )
-    finite = n and np.all(np.isfinite(a["mass"]))
-    condition = np.linalg.cond(a["mass"]) if finite else np.inf if n else 1.0
-    norm = np.linalg.norm(a["mass"], 2) if finite else 1.0
-    constrained = [key for key in size if key == "qacc" or key.startswith("step_")]
-    constrained *= collides_differently(a, b)
-    own = {
-        "xmat": 1.0,
-        **{key: force for key in ("bias", "gravity", "actuator", "damper", "spring", "fluid")},
-    }
-    for key in size:
-        if a[key].shape != b[key].shape or key in constrained:
-            continue
-        tolerance: Any = unit * own.get(key, size[key])
-        if key in ("qacc_smooth", "qacc") or key.startswith("step_"):
-            floor = max(abs(a["qacc_floor"]).max(initial=0), abs(b["qacc_floor"]).max(initial=0))
-            largest = max(size[name] for name in ("qacc_smooth", "qacc") if name in size)
-            tolerance = unit * condition * largest
-            if key != "qacc_smooth":
-                tolerance += 4 * floor + unit * condition * constraint_force(a) / norm
-        if key.startswith("step_"):
-            floors = [abs(side[key.replace("step", "floor")]).max(initial=0.0) for side in (a, b)]
-            floor = max(np.nan_to_num(floors, nan=np.inf))  # of a step that overflows
-            tolerance = tolerance + unit * size[key] + 4 * floor  # a step is below 1 s
-        yield key, tolerance
+    force = sum(size.get(key, 0.0) for key in FORCES)
+    condition: Any = 1.0
+    norm: Any = 1.0
+    if len(mass):
+        finite = np.all(np.isfinite(mass))
+        condition = np.linalg.cond(mass) if finite else np.inf
+        norm = np.linalg.norm(mass, 2) if finite else 1.0
+    smooth = unit * condition * max(size.get("qacc_smooth", 0.0), size.get("qacc", 0.0))
+    of_rows = unit * condition * a["row_force"].max(initial=0.0) / norm
+    own = {"xmat": unit, **dict.fromkeys((*FORCES, "gravity"), unit * force), "qacc_smooth": smooth}
+
+    def floor(name: str) -> Any:
+        floors = [abs(side[f"{name}_floor"]).max(initial=0.0) for side in (a, b)]
+        return 4 * max(np.nan_to_num(floors, nan=np.inf))  # of a step that overflows
+
+    own["qacc"] = smooth + floor("qacc") + of_rows
+    collided = collides_differently(a, b)
+    for key in common:
+        if key.startswith("step_"):  # which is below 1 s
+            own[key] = own["qacc"] + unit * size[key] + floor(key)
+        if not (collided and (key == "qacc" or key.startswith("step_"))):
+            yield key, own.get(key, unit * size[key])

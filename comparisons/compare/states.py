@@ -9,10 +9,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .elements import SWITCHES, Compiled, Match
-from .gaps import QUANTITIES
+from .gaps import CONTACT, GEOMETRY, QUANTITIES, row_numbers
 from .reading import Reading, State
 
 SEED = 1
+
+PARTS = {"qpos": "joint", "qvel": "joint", "act": "actuator", "ctrl": "actuator"}
+"""Part of a state -> the kind of the elements to which its rows belong."""
 
 ANGLE, LENGTH = 1.0, 0.3
 """Half of the range in which joints without limits are put [rad, m]."""
@@ -33,11 +36,16 @@ ROUNDING_DEPTH = 1e-7
 """Depth of a contact [m] from which on rounding does not decide whether it is there."""
 
 
-class Contact(NamedTuple):
-    """The geom with which MuJoCo's collision begins, and the numbers of a contact."""
+class Row(NamedTuple):
+    """A row of a constraint, or a contact.
 
-    first: str
-    numbers: Any
+    ``numbers`` are quantity -> values and tolerance; of a contact ``first`` is the geom with which
+    MuJoCo's collision begins, and ``geometry`` are depth, position and frame (13,).
+    """
+
+    numbers: Mapping[str, tuple[Any, float]]
+    first: str = ""
+    geometry: Any = None
 
 
 @dataclass(frozen=True)
@@ -47,24 +55,42 @@ class Side:
     Attributes
     ----------
     model : Compiled
-    labels : mapping of str to mapping of int to str
-        Kind of element -> number in this model -> label in A, in the order of A.
+    labels : mapping of str to dict of int to str
+        Kind of element -> number in this model -> label in A.
     rows : mapping of str to list of int
-        Rows of ``qpos``, ``qvel``, ``act`` and ``ctrl`` in the order of A.
+        Rows of ``qpos``, ``qvel``, ``act`` and ``ctrl``.
     """
 
     model: Compiled
-    labels: Mapping[str, Mapping[int, str]]
+    labels: Mapping[str, dict[int, str]]
     rows: Mapping[str, list[int]]
+
+    @property
+    def steps(self) -> list[int]:
+        """Rows of the state after a step: positions, velocities, activations."""
+        nq, nv = (int(self.model.field(name)) for name in ("nq", "nv"))
+        velocities = [nq + row for row in self.rows["qvel"]]
+        return [*self.rows["qpos"], *velocities, *(nq + nv + row for row in self.rows["act"])]
+
+    @property
+    def row_labels(self) -> dict[str, list[str]]:
+        """Labels of the rows of quantities of A, by their kinds, see `gaps.QUANTITIES`."""
+        labels = {kind: list(one.values()) for kind, one in self.labels.items()}
+        owners = dict[str, list[str]]()
+        for part, rows in self.rows.items():
+            names, columns = self.model.labels[PARTS[part]], self.model.columns(f"key_{part}")
+            owner = {row: n for n, span in zip(names, columns, strict=True) for row in span}
+            owners[part] = [owner[row] for row in rows]
+        step = [*owners["qpos"], *owners["qvel"], *owners["act"]]
+        return {**labels, "joint": owners["qvel"], "step": step}
 
     def in_order(self, answer: Mapping[str, Any]) -> dict[str, Any]:
         """Return the answer at a state with the elements of A, in the order of A."""
-        nq, nv = (int(self.model.field(name)) for name in ("nq", "nv"))
-        dofs, acts = np.array(self.rows["qvel"], dtype=int), np.array(self.rows["act"], dtype=int)
-        rows: dict[str, Any] = {kind: list(one) for kind, one in self.labels.items()}
-        rows |= {"joint": dofs, "step": [*self.rows["qpos"], *(nq + dofs), *(nq + nv + acts)]}
+        dofs = self.rows["qvel"]
+        rows = {**{kind: [*one] for kind, one in self.labels.items()}, "joint": dofs}
+        rows["step"] = self.steps
         own = {
-            name: value[rows[QUANTITIES.get(name.replace("floor_", "step_"), ("", "joint"))[1]]]
+            name: value[rows[QUANTITIES.get(name.removesuffix("_floor"), ("", "joint"))[1]]]
             for name, value in answer.items()
             if not name.startswith(("row_", "contact_"))
         }
@@ -72,43 +98,41 @@ class Side:
             own["mass"] = own["mass"][:, dofs]
         if "row_type" not in answer:
             return own
-        return own | {"rows": self.constraint_rows(answer), "contacts": self.contacts(answer)}
+        own["rows"] = numbered([*self.constraint_rows(answer), *self.contacts(answer)])
+        force = abs(answer["row_aref"]) / answer["row_inverse_inertia"]
+        own["row_force"] = abs(answer["row_jacobian"][:, dofs]) * force[:, None]
+        own["row_force"] = own["row_force"][~np.char.startswith(answer["row_type"], "contact")]
+        return own
 
-    def constraint_rows(self, answer: Mapping[str, Any]) -> dict[tuple[str, str, int], Any]:
-        """Return the rows of constraints, but those of contacts: type, element, count -> row."""
-        dof_joint = self.model.field("dof_jntid")
-        rows: dict[tuple[str, str, int], Any] = {}
-        for i, number in enumerate(answer["row_type"].tolist()):
-            kind = self.model.word("mjtConstraint", number)
-            if kind.startswith("contact"):
-                continue
-            element, of = int(answer["row_id"][i]), "joint"
-            if kind == "friction_dof":
-                element = int(dof_joint[element])
-            elif kind.endswith("tendon"):
-                of = "tendon"
-            elif kind == "equality":
-                of = "equality"
-            label = self.labels[of].get(element, self.model.labels[of][element])
-            count = sum(key[:2] == (kind, label) for key in rows)
-            rows[kind, label, count] = {
-                name: float(answer[f"row_{name}"][i]) for name in ROW_NUMBERS
-            } | {"jacobian": answer["row_jacobian"][i][self.rows["qvel"]]}
-        return rows
+    def constraint_rows(self, answer: Mapping[str, Any]) -> Iterator[tuple[str, str, Row]]:
+        """Yield the rows of constraints, but those of contacts, each with kind and label."""
+        numbers = ("pos", "aref", "stiffness", "frictionloss", "inverse_inertia", "jacobian")
+        columns = [answer[f"row_{name}"] for name in numbers]
+        for kind, element, *row in zip(
+            answer["row_type"].tolist(), answer["row_id"].tolist(), *columns, strict=True
+        ):
+            of = kind.rpartition("_")[2]
+            if of == "dof":
+                of, element = "joint", int(self.model.field("dof_jntid")[element])
+            if not kind.startswith("contact"):
+                label = self.labels[of].get(element, self.model.labels[of][element])
+                yield f"{kind.replace('_', ' of ')} row", label, Row(row_numbers(*row))
 
-    def contacts(self, answer: Mapping[str, Any]) -> dict[tuple[str, int], Contact]:
-        """Return the contacts: labels of their geoms, count -> contact."""
-        rows: dict[tuple[str, int], Contact] = {}
+    def contacts(self, answer: Mapping[str, Any]) -> Iterator[tuple[str, str, Row]]:
+        """Yield the contacts, each with the labels of its geoms."""
         numbers = zip(answer["contact_geoms"].tolist(), answer["contact_numbers"], strict=True)
         for geoms, values in sorted(numbers, key=lambda pair: tuple(pair[1][3:6])):
             labels = [self.labels["geom"].get(one, f"geom number {one}") for one in geoms]
-            label = " and ".join(sorted(labels))
-            rows[label, sum(key[0] == label for key in rows)] = Contact(labels[0], values)
-        return rows
+            row = {name: (values[columns], limit) for name, (columns, limit) in CONTACT.items()}
+            yield "contact", " and ".join(sorted(labels)), Row(row, labels[0], values[GEOMETRY])
 
 
-ROW_NUMBERS = ("pos", "inverse_inertia", "aref", "frictionloss", "stiffness")
-"""Numbers of a row of a constraint, as `probe.constraint_rows` names them."""
+def numbered(rows: Sequence[tuple[str, str, Row]]) -> dict[tuple[str, str, int], Row]:
+    """Return rows by kind and label, and their count of both."""
+    found: dict[tuple[str, str, int], Row] = {}
+    for kind, label, row in rows:
+        found[kind, label, sum(key[:2] == (kind, label) for key in found)] = row
+    return found
 
 
 def sides_of(one: Compiled, other: Compiled, match: Match) -> tuple[Side, Side] | str:
@@ -121,43 +145,23 @@ def sides_of(one: Compiled, other: Compiled, match: Match) -> tuple[Side, Side] 
     ]
     if apart:
         return f"their states are not the same: {', '.join(apart[:4])}"
-    models = one, other
-    labels: list[dict[str, dict[int, str]]] = [
-        {
-            kind: {pair[i].number: pair[0].label for pair in match.pairs if pair[0].kind == kind}
-            for kind in one.labels
-        }
-        for i in (0, 1)
-    ]
-    both = zip(models, labels, strict=True)
-    starts = np.array([m.field("actuator_actadr")[[*own["actuator"]]] for m, own in both])
-    active = starts[:, (starts >= 0).all(axis=0)]
-    first, second = (
-        Side(
-            model,
-            own,
-            {
-                "qpos": [row for i in own["joint"] for row in span(model, "jnt_qposadr", "nq", i)],
-                "qvel": [row for i in own["joint"] for row in span(model, "jnt_dofadr", "nv", i)],
-                "act": acts.tolist(),
-                "ctrl": [control_of(model, i) for i in own["actuator"]],
-            },
-        )
-        for model, own, acts in zip(models, labels, active, strict=True)
+    sides = tuple(
+        Side(model, {kind: {} for kind in model.names}, {part: [] for part in PARTS})
+        for model in (one, other)
     )
-    return first, second
-
-
-def labels_of_rows(side: Side) -> dict[str, list[str]]:
-    """Return the labels of the rows of quantities of A, by their kinds, see `gaps.QUANTITIES`."""
-    labels = {kind: list(one.values()) for kind, one in side.labels.items()}
-    joints, actuators = (side.model.labels[kind] for kind in ("joint", "actuator"))
-    dofs = [joints[i] for i in side.model.field("dof_jntid")[side.rows["qvel"]]]
-    address = side.model.field("jnt_qposadr")
-    positions = [joints[np.searchsorted(address, row, "right") - 1] for row in side.rows["qpos"]]
-    acts = side.model.field("actuator_actadr").tolist()
-    active = [actuators[acts.index(row)] for row in side.rows["act"]]
-    return {**labels, "joint": dofs, "step": [*positions, *dofs, *active]}
+    for pair in match.pairs:
+        for side, element in zip(sides, pair, strict=True):
+            side.labels[element.kind][element.number] = pair[0].label
+    for part in PARTS:
+        columns = [
+            [side.model.columns(f"key_{part}")[i] for i in side.labels[PARTS[part]]]
+            for side in sides
+        ]
+        for spans in zip(*columns, strict=True):
+            for rows in zip(*spans, strict=False):  # activations that both have
+                for side, row in zip(sides, rows, strict=True):
+                    side.rows[part].append(row)
+    return sides[0], sides[1]
 
 
 def translated(state: State, mine: Side, theirs: Side) -> State:
@@ -168,25 +172,11 @@ def translated(state: State, mine: Side, theirs: Side) -> State:
     return {name: values.tolist() for name, values in own.items()}
 
 
-def span(model: Compiled, address: str, count: str, number: int) -> range:
-    """Return the rows of an element in a vector."""
-    starts = [*model.field(address).tolist(), int(model.field(count))]
-    return range(starts[number], starts[number + 1])
-
-
-def control_of(model: Compiled, number: int) -> int:
-    """Return the row of an actuator's control."""
-    return int(model.answer.get("actuator_ctrladr", np.arange(number + 1))[number])
-
-
 def empty_state(model: Compiled) -> dict[str, Any]:
     """Return the state in which a model opens."""
-    return {
-        "qpos": model.field("qpos0").tolist(),
-        "qvel": [0.0] * int(model.field("nv")),
-        "act": [0.0] * int(model.field("na")),
-        "ctrl": [0.0] * int(model.field("nu")),
-    }
+    sizes = {"qvel": "nv", "act": "na", "ctrl": "nu"}
+    zeros = {part: [0.0] * int(model.field(size)) for part, size in sizes.items()}
+    return {"qpos": model.field("qpos0").tolist(), **zeros}
 
 
 def states_of(reading: Reading, sides: tuple[Side, Side]) -> dict[str, State]:
@@ -194,15 +184,13 @@ def states_of(reading: Reading, sides: tuple[Side, Side]) -> dict[str, State]:
     model = reading.model
     states: dict[str, State] = {"as opened": empty_state(model)}
     for i, name in enumerate(model.names["key"]):
-        states[f"keyframe {name or i}"] = {
-            part: model.field(f"key_{part}")[i].tolist() for part in ("qpos", "qvel", "act", "ctrl")
-        }
+        key = {part: model.field(f"key_{part}")[i].tolist() for part in PARTS}
+        states[f"keyframe {name or i}"] = key
     random = np.random.default_rng(SEED)
     drawn = [draw(model, random) for _ in range(TRIED)]
     states |= {f"random state {i + 1}": one for i, one in enumerate(drawn[:DRAWS])}
-    states |= dict(beyond_controls(sides, drawn[0]))
-    states |= dict(beyond_limits(sides, drawn[0]))
-    states |= dict(in_contact(reading, drawn))
+    outside = (*beyond_controls(sides, drawn[0]), *beyond_limits(sides, drawn[0]))
+    states |= dict((*outside, *in_contact(reading, drawn)))
     return {
         name: state
         for name, state in states.items()
@@ -225,34 +213,6 @@ def in_contact(reading: Reading, drawn: Sequence[State]) -> Iterator[tuple[str, 
         left = left & ~left[best]
 
 
-def draw(model: Compiled, random: np.random.Generator) -> State:
-    """Return a random state inside the ranges of a model."""
-    state = empty_state(model)
-    position = np.array(state["qpos"])
-    limits = ends_of(model, "jnt_range")
-    for number, kind in enumerate(model.types("jnt_type")):
-        at = span(model, "jnt_qposadr", "nq", number)
-        rows = slice(at.start, at.stop)
-        if kind in ("ball", "free"):
-            turn = random.normal(size=4)
-            position[at.stop - 4 : at.stop] = turn / np.linalg.norm(turn)
-            if kind == "free":
-                position[at.start : at.start + 3] += random.uniform(-LENGTH, LENGTH, 3)
-        elif np.all(np.isfinite(limits[number])):
-            position[rows] = random.uniform(*limits[number])
-        else:
-            position[rows] += random.uniform(-1, 1) * (ANGLE if kind == "hinge" else LENGTH)
-    low, high = np.nan_to_num(ends_of(model, "actuator_ctrlrange") * SIGNS, nan=1.0).T
-    act_low, act_high = np.nan_to_num(ends_of(model, "actuator_actrange") * SIGNS, nan=1.0).T
-    na = int(model.field("na"))
-    return {
-        "qpos": position.tolist(),
-        "qvel": random.normal(size=int(model.field("nv"))).tolist(),
-        "act": random.uniform(-np.resize(act_low, na), np.resize(act_high, na)).tolist(),
-        "ctrl": random.uniform(-low, high).tolist(),
-    }
-
-
 SIGNS = np.array([-1.0, 1.0])
 """Directions out of a range at its two ends."""
 
@@ -266,11 +226,45 @@ def ends_of(model: Compiled, ranges: str) -> Any:
 
 def outer_ends(sides: tuple[Side, Side], kind: str, ranges: str) -> Any:
     """Return the outer ends (n, 2) of the ranges of A and of B, for the elements of A."""
-    ends = ends_of(sides[0].model, ranges)
+    ends, other = (ends_of(side.model, ranges) for side in sides)
     mine, theirs = (list(side.labels[kind]) for side in sides)
-    other = ends_of(sides[1].model, ranges)[theirs]
-    ends[mine] = SIGNS * np.fmax(SIGNS * ends[mine], SIGNS * other)
+    ends[mine] = SIGNS * np.fmax(SIGNS * ends[mine], SIGNS * other[theirs])
     return ends
+
+
+def owned(model: Compiled, part: str, values: Any) -> Any:
+    """Return a value of each element for each component of a part of a state."""
+    counts = np.array([len(columns) for columns in model.columns(f"key_{part}")], dtype=int)
+    return np.repeat(values, counts, axis=0)
+
+
+def draw(model: Compiled, random: np.random.Generator) -> State:
+    """Return a random state inside the ranges of a model."""
+    state = empty_state(model)
+    position = np.array(state["qpos"])
+    joints = zip(
+        model.field("jnt_type").tolist(), model.columns("key_qpos"), ends_of(model, "jnt_range"),
+        strict=True,
+    )  # fmt: skip
+    for kind, rows, limits in joints:
+        if kind in ("ball", "free"):
+            turn = random.normal(size=4)
+            position[rows[-4:]] = turn / np.linalg.norm(turn)
+            position[rows[:-4]] += random.uniform(-LENGTH, LENGTH, len(rows) - 4)
+        elif np.all(np.isfinite(limits)):
+            position[rows] = random.uniform(*limits)
+        else:
+            position[rows] += random.uniform(-1, 1) * (ANGLE if kind == "hinge" else LENGTH)
+    velocity = random.normal(size=int(model.field("nv")))
+    act, ctrl = (
+        random.uniform(*owned(model, part, np.where(np.isnan(ends), SIGNS, ends)).T)
+        for part, ends in (
+            ("act", ends_of(model, "actuator_actrange")),
+            ("ctrl", ends_of(model, "actuator_ctrlrange")),
+        )
+    )
+    parts = zip(PARTS, (position, velocity, act, ctrl), strict=True)
+    return {part: values.tolist() for part, values in parts}
 
 
 def beyond_controls(sides: tuple[Side, Side], state: State) -> Iterator[tuple[str, State]]:
@@ -279,44 +273,41 @@ def beyond_controls(sides: tuple[Side, Side], state: State) -> Iterator[tuple[st
     A control without a range is so large that the actuator's force is beyond its range, and that of
     its joint.
     """
-    model, rows = sides[0].model, list(sides[0].labels["actuator"])
+    model = sides[0].model
     force = abs(outer_ends(sides, "actuator", "actuator_forcerange")).max(axis=1)
-    on_joint = np.isin(model.types("actuator_trntype"), ("joint", "jointinparent"))
+    on_joint = np.isin(model.field("actuator_trntype"), ("joint", "jointinparent"))
     joints = model.field("actuator_trnid")[on_joint, 0]
     gear, gain = (abs(model.field(f"actuator_{name}")[:, 0]) for name in ("gear", "gainprm"))
     of_joints = abs(outer_ends(sides, "joint", "jnt_actfrcrange")).max(axis=1)[joints]
     force[on_joint] = np.fmax(force[on_joint], of_joints / np.where(gear, gear, 1.0)[on_joint])
-    alone = 1 + BEYOND_RANGE * np.nan_to_num(force) / np.where(gain, gain, 1.0)
+    alone = SIGNS * (1 + BEYOND_RANGE * np.nan_to_num(force) / np.where(gain, gain, 1.0))[:, None]
     controls, activations = (
         outer_ends(sides, "actuator", f"actuator_{name}") for name in ("ctrlrange", "actrange")
     )
-    address = model.field("actuator_actadr")
-    for end, name in enumerate(("below", "above") if rows else ()):
-        ctrl, act, sign = np.array(state["ctrl"]), np.array(state["act"]), SIGNS[end]
-        outside = controls[:, end] + sign * (controls[:, 1] - controls[:, 0])
-        edge = activations[:, end]
-        free = np.nan_to_num(edge) + sign * alone
-        ctrl[sides[0].rows["ctrl"]] = np.where(np.isnan(outside), free, outside)[rows]
-        act[address[address >= 0]] = np.where(np.isnan(edge), free, edge)[address >= 0]
-        yield f"controls {name} their ranges", {**state, "ctrl": ctrl.tolist(), "act": act.tolist()}
+    outside = controls + SIGNS * np.diff(controls)
+    ctrl = np.where(np.isnan(outside), np.nan_to_num(activations) + alone, outside)
+    act = np.where(np.isnan(activations), alone, activations)
+    ctrl, act = owned(model, "ctrl", ctrl), owned(model, "act", act)
+    for end, name in enumerate(("below", "above") if len(ctrl) else ()):
+        both = {"ctrl": ctrl[:, end].tolist(), "act": act[:, end].tolist()}
+        yield f"controls {name} their ranges", {**state, **both}
 
 
 def beyond_limits(sides: tuple[Side, Side], state: State) -> Iterator[tuple[str, State]]:
     """Yield states in which all joints are a little beyond their lower, or their upper, limits."""
     model, ends = sides[0].model, outer_ends(sides, "joint", "jnt_range")
-    kinds = model.types("jnt_type")
+    kinds, rows, dofs = (model.field(f"jnt_{name}") for name in ("type", "qposadr", "dofadr"))
     beyond = BEYOND * np.nan_to_num(ends[:, 1] - ends[:, 0], nan=1.0)
     for end, name in enumerate(("lower", "upper")):
         position, velocity = np.array(state["qpos"]), np.array(state["qvel"])
         for i in (limited := np.flatnonzero(np.isfinite(ends[:, end]))):
-            row, dof = (int(model.field(address)[i]) for address in ("jnt_qposadr", "jnt_dofadr"))
             if kinds[i] == "ball":
-                half, axis = (ends[i, 1] + beyond[i]) / 2, position[row + 1 : row + 4]
+                half, axis = (ends[i, 1] + beyond[i]) / 2, position[rows[i] + 1 : rows[i] + 4]
                 axis *= np.sin(half) / np.linalg.norm(axis)
-                position[row] = np.cos(half)
+                position[rows[i]] = np.cos(half)
             else:
-                position[row] = ends[i, end] + SIGNS[end] * beyond[i]
-                velocity[dof] = SIGNS[end] * abs(velocity[dof])  # into the limit
+                position[rows[i]] = ends[i, end] + SIGNS[end] * beyond[i]
+                velocity[dofs[i]] = SIGNS[end] * abs(velocity[dofs[i]])  # into the limit
         if len(limited):
             yield (
                 f"joints at their {name} limits",

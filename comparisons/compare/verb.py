@@ -124,12 +124,13 @@ def sections(result: ModelComparison) -> Iterator[Section]:
     if result.renamed:
         yield Section("Renamed or reordered, compared all the same", lines=result.renamed)
     if result.differences:
+        seen = [f" (seen: {one.seen})" if one.seen else "" for one in result.differences]
         rows = [
             [
                 one.sentence + waived_words(result, one),
-                "-" if one.effect is None else number(one.effect, 2),
+                "-" if one.effect is None else number(one.effect, 2) + also,
             ]
-            for one in result.differences
+            for one, also in zip(result.differences, seen, strict=True)
         ]
         heads = ("difference", "effect on accelerations")
         yield Section("Read differently", heads, rows)
@@ -164,5 +165,5 @@ def conclusion(result: ModelComparison) -> Iterator[str]:
         yield f"{result.rounded} attributes differ only by the six digits of a text."
     if result.not_compared:
         yield f"Fields of one release alone, not compared: {', '.join(result.not_compared)}."
-    yield from result.unused_waivers
+    yield from (*result.unused_waivers, *result.idle_waivers)
     yield verdict(result).capitalize() + "."

@@ -83,7 +83,7 @@ def finding_sections(items: Sequence[ReportItem], full: bool) -> Iterator[Sectio
             verdict = VERDICTS[item.severity or "note"]
             yield Section(title, lines=[item.message, *item.details], verdict=verdict)
         if more := len(rules[rule]) - most:
-            yield Section(lines=[f"... and {more} more of {rule}"])
+            yield Section(lines=[f"... and {more} more of {rule}, with --full"])
     if left := list(rules)[len(listed) :]:
         yield Section(lines=[f"... and of {', '.join(left)}, with --full"])
     if rules:
@@ -164,7 +164,8 @@ def view_section(inspection: Inspection, view: View, full: bool) -> Section:
         return Section(lines=[f"state {view.state.name}: no modes, {view.reason}"])
     kinds = [mode.kind for mode in view.modes]
     words = [plural(len(kinds), "mode")]
-    words += [f"{kinds.count(kind)} {kind}" for kind in ("rigid", "unstable") if kind in kinds]
+    named = ("rigid", "decaying", "unstable")
+    words += [f"{kinds.count(kind)} {kind}" for kind in named if kind in kinds]
     words += [f"{plural(linear.closed, 'direction')} blocked by loops"] if linear.closed else []
     ignored = {"contact": linear.rows.contacts, "limit": linear.rows.limits}
     words += [f"{plural(count, noun)} left out" for noun, count in ignored.items() if count]
@@ -178,22 +179,22 @@ def view_section(inspection: Inspection, view: View, full: bool) -> Section:
     rows: list[list[object]] = [
         [
             mode.omega,
-            mode.omega / (2 * math.pi),
+            mode.omega / (2 * math.pi) if mode.rate.imag else None,
             mode.damping_ratio,
             mode.rate.real,
             inspection.loaded.joint_names[mode.dof],
-            mode.kind if mode.kind == "unstable" else "",
+            mode.kind if mode.kind in named else "",
         ]
         for mode in sorted(view.modes, key=lambda mode: (mode.kind != "unstable", -mode.omega))
         if mode.kind != "rigid"
     ]
-    if len(rows) > EFFORT.modes and not full:
+    if len(rows) > EFFORT.modes + 1 and not full:
         more = f"... {len(rows) - EFFORT.modes} more"
         rows[EFFORT.modes - 1 : -1] = [[None, None, None, None, more, ""]]
     lines = [", ".join(words)]
-    named = (repr(view.state.name) in one.message for one in inspection.findings)
+    named_here = (repr(view.state.name) in one.message for one in inspection.findings)
     about_growth = (one.rule.startswith("unstable") for one in inspection.findings)
-    if "unstable" in kinds and not (any(named) or any(about_growth)):
+    if "unstable" in kinds and not (any(named_here) or any(about_growth)):
         lines.append(UNSTABLE)
     heads = ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "mainly in", ""]
     return Section(f"state {view.state.name}", heads, rows, lines, digits=6)
@@ -203,12 +204,12 @@ def steps_section(inspection: Inspection) -> Iterator[Section]:
     """Yield the largest stable step of each integrator, and the mode that limits it."""
     if not inspection.steps:
         return
-    step, period = inspection.timestep, inspection.shortest_period
+    step, period, faults = inspection.timestep, inspection.shortest_period, inspection.rejected
     heads = ["integrator", "stable up to [s]", "timestep / limit", "mode [1/s]", "in"]
     heads += ["state"] if len(inspection.views) > 1 else []
     rows = [
         [
-            f"{one.integrator}{' (file)' if one.of_file else ''}",
+            f"{one.integrator}{' (file)' * one.of_file}{' *' * (one.integrator in faults)}",
             "no limit" if math.isinf(one.limit) else number(one.limit, 4),
             "" if math.isinf(one.limit) or not one.limit else number(step / one.limit, 2),
             number(one.omega, 4, missing=""),
@@ -217,7 +218,8 @@ def steps_section(inspection: Inspection) -> Iterator[Section]:
         ][: len(heads)]
         for one in inspection.steps
     ]
-    lines = list(conditions_of(inspection))
+    lines = [f"* {name} is no remedy: {fault}" for name, fault in faults.items()]
+    lines += conditions_of(inspection)
     softened = next((one.softened for one in inspection.steps if one.of_file), math.inf)
     if any(softened < one.limit for one in inspection.steps):
         words = f"steps above {number(softened, 4)} s soften constraints (refsafe)"

@@ -60,6 +60,8 @@ class InspectedModel(Facts):
         largest stable step of each integrator; empty without modes
     closures : tuple of ClosedLoop
         closures of loops in each state, the stiffest first
+    rejected : dict of str to str
+        Integrators that rules have tried as a remedy -> the fault of their runs.
     """
 
     loaded: Loaded = field(metadata=HIDDEN)
@@ -67,6 +69,7 @@ class InspectedModel(Facts):
     views: tuple[View, ...] = field(default=(), metadata=HIDDEN)
     steps: tuple[StepLimit, ...] = ()
     closures: tuple[ClosedLoop, ...] = ()
+    rejected: dict[str, str] = field(default_factory=dict, metadata=HIDDEN)
 
     @property
     @documented

@@ -17,7 +17,7 @@ class Thresholds:
         Opening of a loop in a state of the file, relative to the size of the model, or in rad.
     gravity_share : float
         Largest share of its weight, at its size, that a joint feels where gravity moves nothing.
-    max_gyration, min_gyration : float
+    max_gyration, usual_gyration, min_gyration : float
         Radii of gyration that bodies have, relative to the reach of their geoms.
     max_centre_offset : float
         Distance of a centre of mass from the middle of the geoms, relative to their reach.
@@ -95,6 +95,7 @@ class Thresholds:
     open_loop: float = 1e-6
     gravity_share: float = 1e-12
     max_gyration: float = 2.0
+    usual_gyration: float = 0.5
     min_gyration: float = 0.01
     max_centre_offset: float = 2.0
     max_density: float = 25_000.0
@@ -246,7 +247,7 @@ class Numerics:
     energy_roundoff: float = 1e-12
     perturbation: float = 1e-6
     far_starts: tuple[float, ...] = tuple(map(float, np.linspace(0.1, 1.2, 12)))
-    far_time: float = 1.0
+    far_time: float = 0.5
     shorter_step: float = 0.25
     lasting_ratio: float = 4.0
     lasting_energy: float = 0.01
@@ -276,8 +277,9 @@ class EffortLimits:
         States from which a short run starts.
     run_tries : int
         Values of an edit that are tried in runs, once modes are stable.
-    far_starts : int
-        Runs with a displaced joint that try a remedy.
+    far_starts, fine_runs : int
+        Runs with a displaced joint that try a remedy, and those of them, with the longest motions,
+        that are compared with a run of a shorter step.
     compiled_bytes : float
         Bytes of text and models that are compiled to find repeated defaults.
     values : int
@@ -304,6 +306,7 @@ class EffortLimits:
     runs: int = 2
     run_tries: int = 6
     far_starts: int = 24
+    fine_runs: int = 6
     compiled_bytes: float = 4e7
     values: int = 40
     single_attributes: int = 200

@@ -266,4 +266,4 @@ def argument(scene: str, value: Any) -> Any:
     """Return an argument of a measure, with tuples for lists and functions for their names."""
     if isinstance(value, list):
         return tuple(argument(scene, one) for one in value)
-    return measure(scene, value) if isinstance(value, dict) else value
+    return measure(scene, value) if isinstance(value, dict) and "call" in value else value

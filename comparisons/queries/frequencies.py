@@ -30,7 +30,7 @@ PLANES = ("chordwise", "flapwise")
 
 @dataclass(frozen=True)
 class Frequencies(Origin):
-    """The modes about a state of rest, forces and motors switched off.
+    """The modes about a state of rest or of steady motion, without forces and motors.
 
     Attributes
     ----------
@@ -42,6 +42,10 @@ class Frequencies(Origin):
         `chordwise` or `flapwise` of a rotating beam; null for other scenes
     state : mapping of str to float
         that state [SI]
+    unforced : mapping of str to float
+        parameters that switch forces and motors off, where they differ from `parameters`
+    steady : tuple of str
+        coordinates that keep their speed
     modes : tuple of Mode
         ascending in omega, zero modes listed; a complex pair of eigenvalues is one mode. The lowest
         `--count`: all by default, four of the reference's continuum
@@ -51,6 +55,8 @@ class Frequencies(Origin):
     about: str
     plane: str | None
     state: Mapping[str, float]
+    unforced: Mapping[str, float | str]
+    steady: tuple[str, ...]
     modes: tuple[Mode, ...]
 
     def as_json(self) -> dict[str, Any]:
@@ -60,7 +66,7 @@ class Frequencies(Origin):
 
 @takes_fields_of(FrequenciesRequest)
 def frequencies(asked: FrequenciesRequest) -> Frequencies:
-    """Find the modes about a state of rest or steady motion, forces and motors switched off.
+    """Find the modes about a state of rest or steady motion, without forces and motors.
 
     Takes the fields of `FrequenciesRequest`.
 
@@ -91,13 +97,16 @@ def frequencies(asked: FrequenciesRequest) -> Frequencies:
     else:
         mass, damping, stiffness = call_engine(lambda: still.bound.linearise(state))
         lowest = modes(mass, 0 * damping if asked.undamped else damping, stiffness, steady)
-    values = by_state(setup.scene, state)
+    values, used = by_state(setup.scene, state), unforced.as_dict()
+    driven = setup.case.parameters.as_dict()
     return Frequencies(
         **described(setup),
         undamped=asked.undamped,
         about=about,
         plane=plane,
         state=floats({name: values[name] for name in setup.scene.public_states}),
+        unforced={name: used[name] for name in used if used[name] != driven[name]},
+        steady=tuple(setup.scene.coordinates[i] for i in steady),
         modes=tuple(without_minus_zero(mode) for mode in lowest[:count]),
     )
 

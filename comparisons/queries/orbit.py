@@ -7,8 +7,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from ...reference import get_scene
 from ...reference.bounds.orbits import orbit_bounds
 from ...reference.cost import keep_steps
@@ -200,8 +198,7 @@ def find(query: MethodQuery, bounded: bool = True) -> OrbitReport:
         steps = RUNS * float(setup.scene.period(setup.case.parameters)) / setup.step
         keep_steps(steps, lambda: seconds_of_a_step(setup))
     own = find_engine_orbit(setup)
-    unknown = np.full(len(own.state), np.nan)
-    closed = Orbit(own.period, own.state, own.multipliers, own.monodromy, unknown, own.trivial)
+    closed = Orbit(own.period, own.state, own.multipliers, own.monodromy, own.trivial)
     return orbit_report(setup.with_step(own.step), closed, own.samples, bounded=False)
 
 

@@ -120,16 +120,24 @@ def print_orbit(console: Console, result: OrbitReport) -> None:
 def print_frequencies(console: Console, result: Frequencies) -> None:
     """Print modes."""
     kind = result.plane or ("undamped" if result.undamped else "damped")
-    words = f"{kind} modes, forces and motors off"
+    words = f"{kind} modes{', with ' * bool(result.unforced)}{assignments(result.unforced)}"
+    words += "".join(f", {name} keeps its speed" for name in result.steady)
     print_line(console, f"{result.scene}: {result.engine}, model {result.model}, {words}")
     print_parameters(console, result.parameters)
     print_line(console, f"about {result.about}: {assignments(result.state)}")
     rows = [
-        [m.omega, m.hertz, m.damping_ratio, m.re, m.im, number(m.error_bound, 2, "-")]
+        [
+            m.omega,
+            m.hertz if m.im else None,
+            m.damping_ratio,
+            m.re,
+            m.im,
+            number(m.error_bound, 2, "-"),
+        ]
         for m in result.modes
     ]
-    heads = ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "im [1/s]"]
-    print_table(console, [*heads, "error bound [1/s] of re, im, omega"], rows)
+    heads = ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "im [1/s]", "error bound"]
+    print_table(console, heads, rows)
 
 
 def csv_text(result: Simulation, bounds: bool = False) -> str:

@@ -7,7 +7,6 @@ break between words only: a word that needs more, such as an id, is alone on its
 from __future__ import annotations
 
 import re
-import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
@@ -16,7 +15,7 @@ from rich.cells import cell_len
 from rich.console import Console
 from rich.text import Text
 
-from .words import Markdown, number, printable, shell_lines
+from .words import Markdown, number, printable, shell_lines, wrapped
 
 STYLES: Mapping[str, str] = {
     "pass": "green",
@@ -46,14 +45,7 @@ def print_line(
     console: Console, text: str, style: str = "", indent: str = "", hanging: str = ""
 ) -> None:
     """Print text, broken between words only; lines after the first are indented further."""
-    for line in textwrap.wrap(
-        encodable(text, console),
-        console.width,
-        initial_indent=indent,
-        subsequent_indent=indent + hanging,
-        break_long_words=False,
-        break_on_hyphens=False,
-    ):
+    for line in wrapped(encodable(text, console), console.width, indent, indent + hanging):
         print_unbroken(console, line, style)
 
 

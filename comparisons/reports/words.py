@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import re
+import textwrap
 from collections.abc import Mapping
 from typing import Any
 
@@ -25,6 +26,18 @@ def shell_lines(command: str, width: int) -> list[str]:
             lines.append(indent)
         lines[-1] += word
     return lines
+
+
+def wrapped(text: str, width: int, first: str = "", others: str = "") -> list[str]:
+    """Return the lines of a text, broken between words only, with indents."""
+    return textwrap.wrap(
+        text,
+        width,
+        initial_indent=first,
+        subsequent_indent=others,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
 
 
 def number(value: object, digits: int = 3, missing: str = "none") -> str:

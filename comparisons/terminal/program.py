@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import sys
 import warnings
@@ -19,7 +20,7 @@ import click
 
 from ...reference.errors import MbcheckError, UsageError
 from ..reports.files import Destination, collect_unwritten, discard_output
-from ..reports.words import printable, shell_lines
+from ..reports.words import printable, shell_lines, wrapped
 from .options import NUMBER
 
 if TYPE_CHECKING:
@@ -124,8 +125,11 @@ def interrupts() -> Iterator[Callable[[], int]]:
 
 
 def complain(message: str, code: int) -> int:
-    """Print one line on standard error and return an exit code."""
-    click.echo(one_line(f"Error: {message}"), err=True)
+    """Print one line on standard error, wrapped on a terminal, and return an exit code."""
+    line = one_line(f"Error: {message}")
+    if sys.stderr.isatty():
+        line = "\n".join(wrapped(line, shutil.get_terminal_size().columns, "", "  "))
+    click.echo(line, err=True)
     return code
 
 
@@ -343,7 +347,7 @@ def progress_lines(what: str, begin: float) -> Iterator[Callable[..., None]]:
 def finished(states: Iterable[tuple[int, int, str]], what: str) -> bool:
     """Follow work that yields ``(done, total, what)`` to its end; return False if interrupted."""
     try:
-        with progress_bar(True, what) as advance, interrupts() as pressed:
+        with progress_bar(True, what, lines=True) as advance, interrupts() as pressed:
             for state in states:
                 advance(*state)
                 if pressed():

@@ -32,6 +32,9 @@ and takes 30 times as long for the same digits."""
 AFTERWARDS = ("mj_fwdPosition", "mj_fwdVelocity", "mj_energyPos", "mj_energyVel")
 """Functions that update sites, constraints and energies to the state at the end of a step."""
 
+EVALUATIONS = {"RK4": 4}
+"""Evaluations of the forces in a step, for integrators with more than one."""
+
 TIME_UP = "the time was up before its converged run"
 """Reason why a start has no converged run, if there is no other."""
 
@@ -59,6 +62,11 @@ class Setting(NamedTuple):
         words += [f"closures of {1e3 * self.closure:.4g} ms"] if self.closure else []
         words += [f"{self.iterations} iterations"] if self.iterations else []
         return ", ".join(words)
+
+    @property
+    def work(self) -> float:
+        """Evaluations of forces in a simulated second [1/s]."""
+        return EVALUATIONS.get(self.integrator, 1) / self.step
 
     def alike(self, other: Setting) -> bool:
         """Return True if another setting differs in the step alone, and in its consequences."""
@@ -262,21 +270,21 @@ class Bench:
         moved = level + BENCH.control_share * (high - low) / 2 * waves
         return np.where(limited, np.clip(moved, low, high), level)
 
-    def settings(self) -> Iterator[Setting]:
-        """Yield the settings to try: the file's own, then each integrator, long steps first.
+    def settings(self) -> list[Setting]:
+        """Return the settings to try: the file's own, then those with less work first.
 
         If closures count as exact, settings with closures as hard as each step permits are added.
         """
         file, longest, steps = self.file, int(np.log2(BENCH.longest)), BENCH.closure_steps
         softest = np.max(time_constants(self.loaded.model), initial=0.0)
-        yield file
+        every = list[Setting]()
         for name in integrators(self.loaded):
             for power in range(longest, -int(np.log2(BENCH.finest)) - 1, -1):
                 one = Setting(name, file.step * 2.0**power)
-                if one != file:
-                    yield one
+                every.append(one)
                 if self.request.exact and steps * one.step < softest:
-                    yield one._replace(closure=steps * one.step)
+                    every.append(one._replace(closure=steps * one.step))
+        return sorted(every, key=lambda one: (one != file, one.work))
 
     def compiled(self, setting: Setting, sharp: bool) -> Any:
         """Return a copy of the model with a setting; it does not reset itself."""
@@ -549,8 +557,8 @@ def converge(bench: Bench, start: Start, late: bool = False) -> Converged | str:
 def refined(bench: Bench, start: Start) -> Converged | str:
     """Compute the converged run from a start, or return the reason why there is none.
 
-    Its step is refined where the motion is smooth and it is too long; where no time is left for
-    that, the reason states the time needed.
+    The longest step serves if the run is clearly known to its end. Shorter ones are refined where
+    the motion is smooth; where no time is left, the reason states the time needed.
 
     Raises
     ------
@@ -561,28 +569,29 @@ def refined(bench: Bench, start: Start) -> Converged | str:
     constants = time_constants(bench.loaded.model)
     closure = float(np.min(constants)) / BENCH.hard_closure if exact and len(constants) else None
     best: Converged | None = None
-    took = 0.0
+    took, least = 0.0, min(BENCH.min_periods, bench.count)
     for finer in BENCH.finer:
-        step, began = bench.file.step / BENCH.converged / finer, monotonic()
+        step, began, trial = bench.file.step / BENCH.converged / finer, monotonic(), finer == 1
         need = BENCH.refinement_work * took
         if best and began + need > bench.deadline:
             words = f"steps of {1e3 * step:.2g} ms take about {need:.0f} s: raise --budget"
             return f"{best.reason(target)}; {words}"
-        for name in BENCH.sharpest:
-            setting = Setting(name, step, closure=closure)
-            truth = converged_by(bench, start, setting)
+        for name in BENCH.sharpest[: 1 if trial else None]:
+            truth = converged_by(bench, start, Setting(name, step, closure=closure))
             if not np.any(truth.size):
                 return f"nothing moves by {BENCH.still:g} m or rad: the motion is small"
-            best = max(best or truth, truth, key=lambda one: one.count(target))
-            known_long = truth.count(target) >= min(BENCH.min_periods, bench.count)
-            if truth.run.failed is None and known_long:
+            best = max(truth, best or truth, key=lambda one: one.count(target))
+            if truth.run.failed is not None:
+                continue
+            if trial and truth.count(BENCH.margin * target) == bench.count:
                 return truth
-            if truth.run.failed is None and (truth.grows(target) or not truth.smooth):
+            if not trial and truth.count(target) >= least:
+                return truth
+            if not trial and (truth.grows(target) or not truth.smooth):
                 return truth.reason(target)  # no other step helps
         took = monotonic() - began
     assert best is not None
-    enough = best.count(target) >= min(BENCH.min_periods, bench.count)
-    return best if enough else best.reason(target)
+    return best if best.count(target) >= least else best.reason(target)
 
 
 def converged_by(bench: Bench, start: Start, setting: Setting) -> Converged:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
 from pathlib import Path
@@ -34,9 +34,6 @@ from .table import (
     trials_of,
 )
 from .tuning import BENCH
-
-EVALUATIONS = {"RK4": 4}
-"""Evaluations of the forces in a step, for integrators with more than one."""
 
 CHEAPEST = ("Euler", *THRESHOLDS.preferred_integrators)
 """Integrators by the cost of a step apart from the forces, the cheapest first."""
@@ -211,9 +208,14 @@ class ModelTradeoff:
                 bench.store.write()
 
     def runs(self, bench: Bench) -> Iterator[tuple[int, int, str]]:
-        """Run all settings for which there is time, see `work`; converged runs have half of it."""
-        settings, starts = list(bench.settings()), list(bench.starts(BENCH.tried_draws))
-        total, half = len(starts) + len(settings), monotonic() + self.request.budget / 2
+        """Run all settings for which there is time, see `work`; converged runs have half of it.
+
+        Settings are tried in the order of their work; those that cannot be the choice are left out.
+        """
+        half, starts = monotonic() + self.request.budget / 2, list(bench.starts(BENCH.tried_draws))
+        others = [*bench.starts(BENCH.proof_draws), *bench.other_starts()]
+        before = len(starts) + len(bench.settings())
+        total = before + len(others)
         for i, start in enumerate(starts):
             yield i, total, f"converged run, {start.name}"
             truth = converge(bench, start, late=monotonic() > half)
@@ -222,23 +224,46 @@ class ModelTradeoff:
             else:
                 self.unknown.append(f"{start.name}: {truth}")
                 self.complete = self.complete and truth != TIME_UP
-        good: list[Setting] = []
         try:
-            for i, setting in enumerate(settings if self.truths else ()):
-                yield len(starts) + i, total, setting.name
-                if sum(map(setting.alike, good)) < 2:
-                    trial = self.tried(bench, setting)
-                    good += [setting] if trial.error < BENCH.enough * self.request.target else []
+            while self.truths and (setting := self.next_setting(bench)):
+                yield len(starts) + len(self.trials), total, setting.name
+                self.tried(bench, setting)
             solves = np.any(bench.loaded.model.eq_active0) or any(not x.smooth for x in self.truths)
             if self.trials and solves and self.choice is None:
                 best = setting_of(min(self.trials, key=lambda row: row.error))
                 for count in BENCH.iterations:
-                    yield total, total, best.name
+                    yield before, total, best.name
                     self.tried(bench, best._replace(iterations=count))
         except TimeUpError:
             self.complete = False
-        yield total, total, "the choice, from other starts"
-        self.prove(bench)
+        if self.choice is not None:
+            bench.deadline = max(bench.deadline, monotonic() + self.request.budget / 4)
+            truths = list[Converged]()
+            for i, start in enumerate(others):
+                yield before + i, total, f"the choice, from {start.name}"
+                truth = converge(bench, start)
+                if isinstance(truth, Converged):
+                    truths.append(truth)
+                else:
+                    self.unproved.append(f"{start.name}: {truth}")
+            self.prove(bench, truths)
+
+    def next_setting(self, bench: Bench) -> Setting | None:
+        """Return the setting of least work that may become the choice, or reject it; None if none.
+
+        It may not if two longer steps are far better than the target, or, once a step of the same
+        integrator was tried, if it takes more work than the choice.
+        """
+        choice, enough = self.choice, BENCH.enough * self.request.target
+        known = {setting_of(row): row.error for row in self.trials}
+        for one in bench.settings():
+            alike = [other for other in known if other.alike(one)]
+            good = [other for other in alike if known[other] < enough and other not in self.missed]
+            rival = choice and not setting_of(choice).alike(one)
+            beaten = alike and rival and one.work > setting_of(choice).work
+            if one not in known and len(good) < 2 and not beaten:
+                return one
+        return None
 
     def tried(self, bench: Bench, setting: Setting) -> Trial:
         """Run a setting, and add it to the trials."""
@@ -267,18 +292,11 @@ class ModelTradeoff:
             every.append(point)
         return worst_of(every)
 
-    def prove(self, bench: Bench) -> None:
+    def prove(self, bench: Bench, truths: Sequence[Converged]) -> None:
         """Run the choice from other starts and with other controls.
 
-        A setting that misses the target there is dropped, and the next shorter step is tried.
+        A setting that misses the target there is dropped, and others are tried.
         """
-        if self.choice is None:
-            return
-        bench.deadline = max(bench.deadline, monotonic() + self.request.budget / 4)
-        starts = [*bench.starts(BENCH.proof_draws), *bench.other_starts()]
-        others = [(start, converge(bench, start)) for start in starts]
-        truths = [one for _, one in others if isinstance(one, Converged)]
-        self.unproved = [f"{a.name}: {b}" for a, b in others if not isinstance(b, Converged)]
         try:
             while (choice := self.choice) is not None:
                 setting = setting_of(choice)
@@ -288,11 +306,8 @@ class ModelTradeoff:
                     self.elsewhere = error
                     return
                 self.missed[setting] = error
-                known = {setting_of(trial) for trial in self.trials}
-                for one in bench.settings():
-                    if one.alike(setting) and one.step < setting.step and one not in known:
-                        self.tried(bench, one)
-                        break
+                while other := self.next_setting(bench):
+                    self.tried(bench, other)
         except TimeUpError:
             pass
 
@@ -330,7 +345,9 @@ class ModelTradeoff:
         """
         rows = steady(self.series, self.request.target, BENCH.margin)
         return cheapest(
-            (row for row in rows if setting_of(row) not in self.missed), work_of, self.preference
+            (row for row in rows if setting_of(row) not in self.missed),
+            lambda row: setting_of(row).work,
+            self.preference,
         )
 
     def preference(self, row: Trial) -> tuple[float, ...]:
@@ -423,15 +440,15 @@ class ModelTradeoff:
             words = (
                 "no run converges" if self.complete else f"no answer within {request.budget:g} s"
             )
-            return f"{words}: " + "; ".join(self.unknown)
+            return f"{words}: " + "; ".join(by_reason(self.unknown))
         over = f"over {self.compared:.3g} s"
         if min(self.counts) < max(len(one.error) for one in self.truths):
             over += f" of {request.horizon:.3g} s"
         if own is None:
             return f"no setting was tried within {request.budget:g} s: raise --budget"
         if choice is None:
-            rows = {setting_of(row): row.error for row in self.trials}
-            errors = {one: max(error, self.missed.get(one, 0.0)) for one, error in rows.items()}
+            every = ((setting_of(row), row.error) for row in self.trials)
+            errors = {one: max(error, self.missed.get(one, 0.0)) for one, error in every}
             best = min(errors, key=lambda setting: errors[setting])
             if errors[best] == inf:
                 return f"no run reached its end {over}"
@@ -446,23 +463,22 @@ class ModelTradeoff:
         words = f"{setting_of(choice).name}: error {error} {over}"
         if choice.point is own.point:
             return f"{words}, the file's own setting"
-        fewer = work_of(own) / work_of(choice)
-        count = f"{fewer:.2g} times fewer" if fewer > 1 else f"{1 / fewer:.2g} times as many"
-        count = "as many" if fewer == 1 else count
-        link = "than" if fewer > 1 else "as"
+        fewer = setting_of(own).work / setting_of(choice).work
+        times = f"{1 / fewer:.2g} times " if fewer < 1 else ""
+        count = f"{fewer:.2g} times fewer" if fewer > 1 else f"{times}as many"
         mine = "which loses its state" if own.error == inf else f"error {percent(own.error)}"
         if BENCH.margin * request.target < own.error <= request.target:
             mine += ": no margin for other motions"
         return (
-            f"{words}, {count} evaluations of forces {link} the file's setting "
-            f"({setting_of(own).name}, {mine})"
+            f"{words}, {count} evaluations of forces {'than' if fewer > 1 else 'as'} the file's "
+            f"setting ({setting_of(own).name}, {mine})"
         )
 
     @property
     def notes(self) -> list[str]:
         """Cautions, and omissions."""
         target = self.request.target
-        notes = [f"left out: {one}" for one in self.unknown if self.truths]
+        notes = [f"left out: {one}" for one in by_reason(self.unknown) if self.truths]
         notes += [
             f"{truth.start.name}: {truth.reason(target)}; compared over {n * self.period:.3g} s"
             for truth, n in zip(self.truths, self.counts, strict=True)
@@ -483,7 +499,8 @@ class ModelTradeoff:
             notes.append(
                 "there was no time to try the choice from other starts and with other controls"
             )
-        notes += [f"the choice was not tried from {one}" for one in self.unproved if self.choice]
+        unproved = by_reason(self.unproved) if self.choice else ()
+        notes += [f"the choice was not tried from {one}" for one in unproved]
         notes += [words for one in self.series if not one.settings for words in disagreements(one)]
         if not self.complete:
             notes.append(
@@ -493,18 +510,20 @@ class ModelTradeoff:
         return notes
 
 
+def by_reason(starts: Iterable[str]) -> Iterator[str]:
+    """Yield the starts that share a reason in one text each: ``start, start: reason``."""
+    names = dict[str, list[str]]()
+    for name, _, reason in (one.partition(": ") for one in starts):
+        names.setdefault(reason, []).append(name)
+    yield from (f"{'; '.join(listed)}: {reason}" for reason, listed in names.items())
+
+
 def setting_of(row: Trial) -> Setting:
     """Return the setting of a run."""
     options, step = row.series.settings, row.point.step
     iterations = int(options["iterations"]) if "iterations" in options else None
     closure = BENCH.closure_steps * step if "closure_steps" in options else None
     return Setting(row.series.method, step, iterations, closure)
-
-
-def work_of(row: Trial) -> float:
-    """Return the evaluations of forces in a simulated second [1/s]."""
-    assert row.point.cost is not None
-    return row.point.cost.rhs_evaluations or 0.0
 
 
 def point_of(bench: Bench, setting: Setting, truth: Converged, count: int) -> Point:
@@ -516,9 +535,7 @@ def point_of(bench: Bench, setting: Setting, truth: Converged, count: int) -> Po
     while len(runs) < BENCH.repeats and (not runs or monotonic() - began < BENCH.brief):
         runs.append(bench.run(truth.start, setting))
     run, n = runs[0], min(count, len(runs[0].positions))
-    steps = 1 / setting.step
-    work = steps * EVALUATIONS.get(setting.integrator, 1)
-    cost = Cost.of([one.seconds for one in runs], steps, work)
+    cost = Cost.of([one.seconds for one in runs], 1 / setting.step, setting.work)
     if run.failed is not None and not truth.run.failed:
         reason = f"{truth.start.name}, before t = {run.failed:.3g} s"
         return Point(setting.step, None, cost=cost, label=FAILED, reason=reason)

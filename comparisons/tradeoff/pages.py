@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from ..reports.files import Destination
 from ..reports.sections import Section, print_sections
@@ -13,7 +14,7 @@ from ..terminal.program import console, json_text, to_stdout
 from .model import ModelTradeoff
 from .report import Tradeoff
 from .stability import StabilityShift
-from .table import Choice, Trial, percent, settings_text
+from .table import Choice, StepSeries, Trial, percent, settings_text
 
 DIGITS = 2
 """Significant digits of errors and times."""
@@ -29,7 +30,7 @@ LIMIT = (
     "scene", "engine, model", "method", "order", "fitted", "floor", "from step [s]", "named",
 )  # fmt: skip
 RUNS = (
-    "", "integrator", "step [ms]", "error", "energy", "violation", "time [s/s]", "limit [ms]", "",
+    "", "integrator", "step [ms]", "error", "energy", "violation", "time [s/s]", "limit [ms]",
 )  # fmt: skip
 
 LEFT_OUT = (
@@ -46,8 +47,15 @@ def sections(result: Tradeoff | ModelTradeoff) -> list[Section]:
     if isinstance(result, ModelTradeoff):
         ordered = sorted(result.trials, key=lambda trial: trial.seconds)
         tables = [("", RUNS, [run_cells(result, trial) for trial in ordered])]
-        lines = [result.sentence, *(f"note: {note}" for note in result.notes)]
-        last = [legend(result)] if ordered else []
+        request = result.request
+        lines = [
+            result.sentence,
+            f"target: {percent(request.target)} of the motion (--target), in runs of "
+            f"{request.horizon:g} s (--horizon), within {request.budget:g} s (--budget)",
+            *(f"note: {note}" for note in result.notes),
+        ]
+        lost = (line for one in result.series for line in losses(one))
+        last = [legend(result), *lost] if ordered else []
     else:
         steps = [one for one in result.recommendations if one.axis == "step"]
         models = [one for one in result.recommendations if one.axis != "step"]
@@ -95,7 +103,9 @@ def sections(result: Tradeoff | ModelTradeoff) -> list[Section]:
             ),
             ("What a step costs in stability", *stability_table(result.stability)),
         ]
-        lines, last = [f"note: {note}" for note in result.failures], []
+        targets = ", ".join(map(percent, result.targets))
+        lines, last = [f"targets: {targets} of the motion (--target)"], list[str]()
+        lines += [f"note: {note}" for note in result.failures]
     full_tables = [Section(*table, digits=DIGITS) for table in tables if table[2]]
     parts = [Section(lines=lines), *full_tables, Section(lines=last)]
     return [part for part in parts if part.rows or part.lines]
@@ -154,8 +164,14 @@ def run_cells(result: ModelTradeoff, trial: Trial) -> Row:
         point.errors.get("violation") or None,
         trial.seconds,
         None if limit is None else number(1e3 * limit, 4),
-        f"state lost: {point.reason}" if point.reason else "",
     )
+
+
+def losses(series: StepSeries) -> Iterator[str]:
+    """Yield the steps with which runs lose their state, and where the shortest of them does."""
+    if lost := [point for point in series.points if point.reason]:
+        steps = ", ".join(number(1e3 * point.step, 4) for point in lost)
+        yield f"{series.setting} loses its state at {steps} ms: {lost[-1].reason}"
 
 
 def legend(result: ModelTradeoff) -> str:
@@ -240,4 +256,17 @@ def write(
             ]
             markdown_file.write(markdown(result, links))
     if not to_stdout(json_file, markdown_file):
-        print_sections(console(), sections(result))
+        print_sections(console(), map(with_headings, sections(result)))
+
+
+def with_headings(section: Section) -> Section:
+    """Return a table of scenes with its first two columns as headings above their rows."""
+    if not section.title:
+        return section
+    groups = dict[str, list[Sequence[object]]]()
+    for first, second, *rest in section.rows:
+        groups.setdefault(f"{first} {second}", []).append(rest)
+    rows = [
+        row for name, rest in groups.items() for row in ([name, *[""] * (len(rest[0]) - 1)], *rest)
+    ]
+    return replace(section, heads=section.heads[2:], rows=rows)

@@ -74,7 +74,7 @@ class BenchOptions:
     converged : int
         Part of the file's step with which the converged run is made.
     finer : tuple of int
-        Factors by which its step is refined where the motion is smooth and it is too long.
+        Factors by which its step is refined where it is too long; the first is a trial.
     sharpest : tuple of str
         Integrators of the converged run: the second where the first loses the state, as it does
         where joints are so strongly damped that only an implicit method is stable.
@@ -119,8 +119,8 @@ class BenchOptions:
 
     longest: int = 8
     finest: int = 8
-    converged: int = 32
-    finer: tuple[int, ...] = (1, 4, 16)
+    converged: int = 8
+    finer: tuple[int, ...] = (1, 4, 16, 64)
     sharpest: tuple[str, ...] = ("RK4", "implicitfast")
     control_share: float = 0.25
     frequencies: tuple[float, float] = (0.3, 1.5)
@@ -140,7 +140,7 @@ class BenchOptions:
     margin: float = 0.5
     enough: float = 0.1
     repeats: int = 3
-    brief: float = 0.1
+    brief: float = 0.02
     iterations: tuple[int, ...] = (8, 32, 128)
     softness_share: float = 0.1
 

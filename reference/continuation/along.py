@@ -97,7 +97,7 @@ class BoundaryAlong:
         near = orbit and correct(curve.equations, orbit.z, self.row, 0.0, 30)
         point = None
         if near is not None:
-            _, point = tracer.adapt(curve, *tracer.rate(curve, near, self.row))
+            _, point = tracer.adapt(curve, *tracer.rate(curve, near))
         if point is None or not 0 <= point.place[1] <= 1:
             words = self.kind.replace("_", " ")
             raise NoOrbitError(
@@ -158,13 +158,13 @@ class ConnectionAlong(BoundaryAlong):
 
     Attributes
     ----------
-    near : float
-        The saddle's angle [rad], roughly.
+    rest : str
+        Name of the saddle among the equilibria of the scene.
     offset : float
         Distance from it at the begin and at the end, in the angle that turns [rad].
     """
 
-    near: float
+    rest: str
     offset: float = 0.01
 
     where: ClassVar[str] = "along it"
@@ -180,26 +180,19 @@ class ConnectionAlong(BoundaryAlong):
         return self.parameters.replace(**{self.parameter: float(self.value(place))})
 
     def saddle(self, p: Any) -> Saddle:
-        """Return the saddle near the given angle.
+        """Return the saddle at given parameters.
 
         Raises
         ------
         NoOrbitError
             If there is none.
         """
+        x = self.scene.state(self.scene.equilibria[self.rest](p))
         rates = self.scene.right_hand_side(p)
-        x = np.zeros(2 * len(self.scene.coordinates))
-        x[self.turning] = self.near
-        for _ in range(ITERATIONS):
-            left, slopes = by_complex_step(lambda state: rates(0.0, state), x)
-            step = np.linalg.lstsq(slopes, left)[0]
-            x = x - step
-            if np.max(np.abs(step)) < CLOSED:
-                break
-        values, right = np.linalg.eig(slopes)
+        values, right = np.linalg.eig(by_complex_step(lambda state: rates(0.0, state), x)[1])
         order = np.argsort(-values.real)
         if not (values[order[0]].real > 0 > values[order[1]].real):
-            raise NoOrbitError(f"{self.scene.name} has no saddle near {self.near:g} rad")
+            raise NoOrbitError(f"{self.rest!r} of {self.scene.name} is no saddle")
         away = right[:, order[0]].real / right[self.turning, order[0]].real
         row = np.linalg.inv(right)[order[0]].real
         both = float(values[order[0]].real), float(values[order[1]].real)
@@ -253,7 +246,7 @@ class ConnectionAlong(BoundaryAlong):
         angles = solve(self.scene, p, self.begin(its), times).states[self.turning]
         come = np.flatnonzero(angles > its.state[self.turning] + 2 * np.pi - 3 * self.offset)
         if not come.size:
-            raise NoOrbitError(f"no motion from the saddle near {self.near:g} rad comes round")
+            raise NoOrbitError(f"no motion from the saddle {self.rest!r} comes round")
         return float(times[come[0]])
 
     @cached_property

@@ -159,18 +159,11 @@ class Node:
     tangent : array (m + 1,)
         Of length 1, in the direction in which the curve is followed.
     jacobian : array (m, m + 1)
+        There, or of the last iteration of Newton's method.
     """
 
     z: Array
     tangent: Array
-    jacobian: Array
-
-
-@dataclass(frozen=True)
-class CurveSolution:
-    """Result of Newton's method, with the Jacobian there or of the last iteration."""
-
-    z: Array
     jacobian: Array
 
 
@@ -180,7 +173,8 @@ def correct(
     row: Array,
     value: float,
     iterations: int = OPTIONS.max_iterations,
-) -> CurveSolution | None:
+    along: Array | None = None,
+) -> Node | None:
     """Return the point of a curve on a plane ``row . z = value``; None where there is none near.
 
     Parameters
@@ -191,6 +185,8 @@ def correct(
     row : array (m + 1,)
     value : float
     iterations : int
+    along : array (m + 1,), optional
+        Vector as which the tangent points; by default ``row``.
     """
     before, step, last, matrix = np.inf, z, z, np.zeros((len(z) - 1, len(z)))
     for number in range(iterations if equations.exact else 4 * iterations):
@@ -214,7 +210,10 @@ def correct(
         before = size
     if not enough and before >= OPTIONS.noise:
         return None
-    return CurveSolution(z, matrix if equations.slopes is None else equations.slopes(z))
+    jacobian = matrix if equations.slopes is None else equations.slopes(z)
+    if not np.all(np.isfinite(jacobian)):
+        return None
+    return Node(z, tangent_of(jacobian, row if along is None else along), jacobian)
 
 
 def tangent_of(jacobian: Array, along: Array) -> Array:
@@ -224,30 +223,24 @@ def tangent_of(jacobian: Array, along: Array) -> Array:
     return np.asarray(tangent * np.sign(tangent @ along) if tangent @ along else tangent)
 
 
-def node(solution: CurveSolution, along: Array) -> Node:
-    """Return a point of a curve with its tangent."""
-    return Node(solution.z, tangent_of(solution.jacobian, along), solution.jacobian)
-
-
 def step_on(
     equations: CurveEquations,
-    here: Node,
+    here: Any,
     ds: float,
     before: Any = None,
     options: ContinuationOptions = OPTIONS,
 ) -> tuple[Node, float] | None:
     """Return the next point of a curve, and the length of the step after it.
 
-    None where no further point is found by the shortest step. ``before`` is the point before this
-    one (with ``z`` and ``tangent``), None for the first.
+    None where no further point is found by the shortest step. ``here`` is a point with ``z`` and
+    ``tangent``, ``before`` the one before it, None for the first.
     """
     while ds >= options.ds_min:
         guess = here.z + ds * here.tangent
         if before is not None:
             guess = between(before, here, 1 + ds / float(np.linalg.norm(here.z - before.z)))
-        solution = correct(equations, guess, here.tangent, float(here.tangent @ guess))
-        if solution is not None and np.max(np.abs(solution.z - guess)) < ds:
-            ahead = node(solution, here.tangent)
+        ahead = correct(equations, guess, here.tangent, float(here.tangent @ guess))
+        if ahead is not None and np.max(np.abs(ahead.z - guess)) < ds:
             turn = float(np.arccos(np.clip(ahead.tangent @ here.tangent, -1, 1)))
             off = float(np.linalg.norm(ahead.z - guess)) / ds
             by_turn, beside = options.max_offset_line

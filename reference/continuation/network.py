@@ -29,7 +29,7 @@ from .bifurcations import (
     crossings,
     split,
 )
-from .curve import OPTIONS, between, correct, tangent_of
+from .curve import OPTIONS, between, correct
 from .tracing import Tracer, is_inside, leaves
 
 ALONG = OPTIONS._replace(ds=0.15)
@@ -144,7 +144,7 @@ class CurveSearch:
                 solution = correct(curve.equations, guess, row, share, 30)
                 if solution is None or not np.all(np.abs(solution.z - guess) < 1):
                     continue
-                start = self.reference.rate(curve, solution, row)[0]
+                start = self.reference.rate(curve, solution)[0]
                 self.outcome.has_orbits = True
                 if not is_known(start, parts, seen):
                     for sign in (1, -1):
@@ -170,11 +170,10 @@ class CurveSearch:
         """Keep a bifurcation near a point of a line."""
         parts, (row, along) = line.family.parts, unit_rows(guess)
         for own in self.reference.curves_at(kind, parts, guess):
-            solution = correct(own.equations, guess, row, line.value)
+            solution = correct(own.equations, guess, row, line.value, along=along)
             if solution is None or np.any(np.abs(solution.z - guess) > OPTIONS.astray):
                 continue
-            tangent = tangent_of(solution.jacobian, along)
-            point = self.reference.rate(own, solution, tangent)[0]
+            point = self.reference.rate(own, solution)[0]
             if is_inside(point.place) and self.reference.is_proper(own, point):
                 self.outcome.starts.append(CurveStart(own.kind, parts, point))
                 return
@@ -189,7 +188,7 @@ class CurveSearch:
         guess = at.z + OPTIONS.parting * row
         solution = correct(line.equations, guess, row, float(row @ guess))
         if solution is not None:
-            self.branch(line, self.reference.rate(line, solution, row)[0], [])
+            self.branch(line, self.reference.rate(line, solution)[0], [])
 
     # Across the window ------------------------------------------------------------------------
 
@@ -230,8 +229,7 @@ class CurveSearch:
         for row in rows:
             solution = correct(curve.equations, at.z, row, float(row @ at.z))
             if solution is not None and np.max(np.abs(solution.z - at.z)) < most:
-                along = tangent_of(solution.jacobian, row)
-                return self.tracer.adapt(curve, *self.tracer.rate(curve, solution, along))
+                return self.tracer.adapt(curve, *self.tracer.rate(curve, solution))
         return curve, None
 
     def goes_on(self, curve: OrbitCurve, point: CurvePoint) -> bool:
@@ -271,8 +269,7 @@ class CurveSearch:
             solution = correct(own.equations, point.z, row, point.place[1 - axis])
             if solution is None:
                 continue
-            rating = self.reference.rate(own, solution, tangent_of(solution.jacobian, row))
-            true = self.reference.adapt(own, *rating, row)[1]
+            true = self.reference.adapt(own, *self.reference.rate(own, solution), row)[1]
             if true is not None and np.max(np.abs(true.z - point.z)) < OPTIONS.near:
                 away[axis] = (point.z - true.z)[-2 + axis]
         return away

@@ -45,7 +45,7 @@ from .bifurcations import (
     split,
     stable_side,
 )
-from .curve import CurveSolution, node
+from .curve import Node
 from .tracing import Tracer, is_inside, numbers
 
 
@@ -262,12 +262,10 @@ class RestTracer(Tracer):
             states.append(self.scene.state(dict(zip(names, at, strict=True))))
         return [np.append(s[: len(s) // 2], 0 * s[: len(s) // 2]) for s in states]
 
-    def rate(
-        self, curve: OrbitCurve, solution: CurveSolution, along: Array
-    ) -> tuple[CurvePoint, float]:
+    def rate(self, curve: OrbitCurve, here: Node) -> tuple[CurvePoint, float]:
         """Return a point with its multipliers and error bound; no steps change it."""
         self.solutions += 1
-        n, here = curve.family.size, node(solution, along)
+        n = curve.family.size
         left, _, flow = curve.values(curve.family, here.z[:, None])
         inverse = np.linalg.inv(np.vstack([here.jacobian, here.tangent]))[:, :-1]
         low, size = self.window.low, self.window.high - self.window.low

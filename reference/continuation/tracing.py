@@ -31,11 +31,9 @@ from .bifurcations import (
 from .curve import (
     OPTIONS,
     ContinuationOptions,
-    CurveSolution,
     Node,
     between,
     correct,
-    node,
     step_on,
 )
 
@@ -88,30 +86,30 @@ class Tracer:
     steps: int = 32
     solutions: int = field(default=0, compare=False)
 
-    def guesses(self, place: Array) -> tuple[list[Array], float]:
-        """Return guesses (2 n,) of the orbit at a place of the window, and its period [s]."""
+    def guess(self, place: Array) -> tuple[Array, float]:
+        """Return a guess (2 n,) of the orbit at a place of the window, and its period [s]."""
         p = self.parameters(place[:, None])
         period = float(np.ravel(self.scene.period(p))[0])
-        return [np.reshape(guess, -1) for guess in self.scene.orbit.guesses(p)], period
+        return np.reshape(self.scene.orbit.guesses(p)[0], -1), period
 
     @cached_property
     def units(self) -> tuple[Array, float]:
         """Sizes (2 n,) of the states and unit of the period [s]: those amid the window."""
-        guesses, period = self.guesses(np.array([0.5, 0.5]))
-        scale = state_scale(self.scene, guesses[0][:, None], 2 * np.pi / period)
+        guess, period = self.guess(np.array([0.5, 0.5]))
+        scale = state_scale(self.scene, guess[:, None], 2 * np.pi / period)
         return scale[:, 0], period
 
     def starts(self, place: Array) -> list[Array]:
         """Return guesses of unknowns (2 n + 2,) at a place of the window: the scene's first."""
-        guesses, period = self.guesses(place)
-        scale, unit = self.units
-        row, starts = section_row(self.scene), []
-        for guess in guesses[:1]:
-            start = guess / scale
-            if row is not None:
-                start[row] = period / unit
-            starts.append(np.concatenate([start, place]))
-        return starts
+        return [self.unknowns(*self.guess(place), place)]
+
+    def unknowns(self, state: Array, period: float, place: Array) -> Array:
+        """Return the unknowns (2 n + 2,) of an orbit with this state and period [s]."""
+        (scale, unit), row = self.units, section_row(self.scene)
+        start = state / scale
+        if row is not None:
+            start[row] = period / unit
+        return np.concatenate([start, place])
 
     def orbits_at(self, place: Array) -> list[tuple[int, Array]]:
         """Return unknowns (2 n + 2,) at or near the orbits at a place, looked for with all means.
@@ -122,12 +120,9 @@ class Tracer:
             orbit = find_orbit(self.scene, numbers(self.parameters(place[:, None])))
         except NoOrbitError:
             return []
-        (scale, unit), row = self.units, section_row(self.scene)
-        state = orbit.state / scale
-        if row is not None:
-            state[row] = orbit.period / unit
         most = 1 if half_period_signs(self.scene) is None else 2
-        return [(parts, np.concatenate([state, place])) for parts in range(1, most + 1)]
+        unknowns = self.unknowns(orbit.state, orbit.period, place)
+        return [(parts, unknowns) for parts in range(1, most + 1)]
 
     def family(self, parts: int, steps: int = 0) -> Family:
         """Return the orbits of the reference that close after so many (half) periods."""
@@ -155,12 +150,10 @@ class Tracer:
             return self.family(curve.family.parts, 3 * self.steps // 2)
         return replace(curve.family, step=2 * self.stepper.step)
 
-    def rate(
-        self, curve: OrbitCurve, solution: CurveSolution, along: Array
-    ) -> tuple[CurvePoint, float]:
+    def rate(self, curve: OrbitCurve, here: Node) -> tuple[CurvePoint, float]:
         """Return a point with its multipliers and error bound, and what other steps change."""
         self.solutions += 1
-        n, here = curve.family.size, node(solution, along)
+        n = curve.family.size
         left, _, monodromy = curve.values(self.second(curve), here.z[:, None])
         inverse = np.linalg.inv(np.vstack([here.jacobian, here.tangent]))[:, :-1]
         off = np.abs(inverse @ left[:, 0])
@@ -185,12 +178,13 @@ class Tracer:
         while self.stepper is None and off > OPTIONS.integration and self.steps < OPTIONS.steps_max:
             self.steps = int(1.5 * self.steps) + 1
             curve = self.curve(curve.kind, curve.family.parts, curve.axis, curve.value)
-            again = correct(curve.equations, point.z, row, float(row @ point.z))
+            value = float(row @ point.z)
+            again = correct(curve.equations, point.z, row, value, along=point.tangent)
             if again is None:
                 return curve, None
             self.solutions -= 1
             before = off
-            point, off = self.rate(curve, again, point.tangent)
+            point, off = self.rate(curve, again)
             if off > before / 2:  # rounding
                 break
         needless = off < OPTIONS.integration / 300 and self.steps > OPTIONS.steps_min
@@ -210,8 +204,7 @@ class Tracer:
         for _ in range(options.max_points):
             if curve.kind != LINE:
                 ds = min(ds, careful(curve.kind, past, before))
-            here = Node(before.z, before.tangent, np.empty(0))
-            step = step_on(curve.equations, here, ds, past, options)
+            step = step_on(curve.equations, before, ds, past, options)
             if step is None:
                 yield None, "lost"
                 return
@@ -222,8 +215,7 @@ class Tracer:
                 again = point is None and apart > 2 * options.ds_min
             else:
                 ds = step[1]
-                rated = self.rate(curve, CurveSolution(ahead.z, ahead.jacobian), ahead.tangent)
-                curve, point = self.adapt(curve, *rated)
+                curve, point = self.adapt(curve, *self.rate(curve, ahead))
                 why = "" if point is None else self.end(curve, start, before, point)
                 again = why == "symmetric" and apart > options.ds / 2
             if point is not None and self.meets(curve, before, point, begins and before is start):
@@ -263,12 +255,12 @@ class Tracer:
         if abs(row @ before.z - value) < OPTIONS.edge and not leaves(before):
             return None
         apart = float(np.linalg.norm(ahead.z - before.z))
-        solution = correct(curve.equations, guess, row, value)
+        solution = correct(curve.equations, guess, row, value, along=ahead.tangent)
         if solution is None or np.max(np.abs(solution.z - guess)) > apart / 4:
             return None
         if not is_inside(solution.z[-2:]):
             return None
-        return self.rate(curve, solution, ahead.tangent)[0]
+        return self.rate(curve, solution)[0]
 
     def end(
         self, curve: OrbitCurve, first: CurvePoint, before: CurvePoint, here: CurvePoint
@@ -315,7 +307,7 @@ class Tracer:
                 solution = correct(curve.equations, guess, a.tangent, float(a.tangent @ guess))
                 if solution is None:
                     raise NoOrbitError("no point of a curve between two others")
-                points[share] = self.rate(curve, solution, a.tangent)[0]
+                points[share] = self.rate(curve, solution)[0]
                 if abs(margin(curve.kind, points[share])) < OPTIONS.landed:
                     return 0.0
             return margin(curve.kind, points[share])

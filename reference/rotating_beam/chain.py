@@ -30,10 +30,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import UnknownNameError
-from ..linear import linearise, modes
 from ..scene import Array, Continuum, EquationsOfMotion
 from .hub import Terms, hub_fields, of
-from .parameters import Coefficients, RotatingBeam, hanging, hub_gravity, reach, rotation
+from .parameters import Coefficients, RotatingBeam, hub_gravity, reach
 from .starts import chain_start
 
 ROOT = {"A": 2.0, "B": 1.0}
@@ -166,22 +165,3 @@ def chain_scene(n: int, scheme: str = "A") -> EquationsOfMotion:
         stiff=(1e-11, 1e-9),
         continuum=Continuum(tuple(f"joint_{i}" for i in range(1, n + 1)), reach=reach),
     )
-
-
-def scene_of(p: RotatingBeam) -> EquationsOfMotion:
-    """Return the chain of these ``segments`` and this ``scheme``."""
-    return chain_scene(int(p.segments), p.scheme)
-
-
-def chain_frequencies(
-    p: RotatingBeam, count: int = 2, scene: EquationsOfMotion | None = None
-) -> Array:
-    """Lowest chordwise frequencies (count,) [rad/s] in rotation at ``angular_speed``, or hanging.
-
-    The hub's motion is prescribed, whatever drives it.
-    """
-    scene = scene_of(p) if scene is None else scene
-    state = scene.state((hanging if p.has_gravity else rotation)(p))
-    mass, damping, stiffness = linearise(scene, p.replace(drive="prescribed"), state)
-    vibrations = modes(mass, damping, stiffness, steady=[0])[1:]
-    return np.array([mode.omega for mode in vibrations[:count]])

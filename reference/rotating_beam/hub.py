@@ -56,31 +56,27 @@ def dot(one: Any, other: Any) -> Any:
     return np.sum(one * other, axis=-1)
 
 
-def pointwise(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a function of ``(q, v, c, *more)`` for coefficients over points too.
+def pointwise(function: Callable[..., Any], q: Any, v: Any, c: Coefficients, *more: Any) -> Any:
+    """Return the value of a function ``(q, v, c, *more)`` for coefficients over points too.
 
     Points of coefficients are the last axis of states.
     """
-
-    def broadcast(q: Any, v: Any, c: Coefficients, *more: Any) -> Any:
-        q, v = np.asarray(q), np.asarray(v)
-        if not any(isinstance(value, np.ndarray) and value.ndim for value in c):
-            return function(q, v, c, *more)
-        count = max(np.size(value) for value in c)
-        rows = [np.broadcast_to(value, (count,)) for value in c]
-        others = [np.broadcast_to(value, (*np.shape(value)[:-1], count)) for value in more]
-        parts = [
-            function(
-                q[..., i],
-                v[..., i],
-                Coefficients(*(float(row[i]) for row in rows)),
-                *(other[..., i] for other in others),
-            )
-            for i in range(count)
-        ]
-        return np.stack(parts, axis=-1)
-
-    return broadcast
+    q, v = np.asarray(q), np.asarray(v)
+    if not any(isinstance(value, np.ndarray) and value.ndim for value in c):
+        return function(q, v, c, *more)
+    count = max(np.size(value) for value in c)
+    rows = [np.broadcast_to(value, (count,)) for value in c]
+    others = [np.broadcast_to(value, (*np.shape(value)[:-1], count)) for value in more]
+    parts = [
+        function(
+            q[..., i],
+            v[..., i],
+            Coefficients(*(float(row[i]) for row in rows)),
+            *(other[..., i] for other in others),
+        )
+        for i in range(count)
+    ]
+    return np.stack(parts, axis=-1)
 
 
 def hub_fields(
@@ -129,58 +125,48 @@ def hub_fields(
     def at_points(u: Any, q: Any) -> Any:
         return np.broadcast_to(u, q.shape[1:]).T
 
-    @pointwise
-    def mass_of(q: Any, v: Any, c: Coefficients) -> Any:
-        return driven(q.T, v.T, c, 0.0).mass.swapaxes(-1, -2).T
-
     def mass_matrix(q: Any, c: Coefficients, xp: Any = np) -> Any:
         """Mass matrix (N, N, ...); the hub's row is that of the identity if it is prescribed."""
-        return mass_of(q, np.zeros_like(q), c)
-
-    @pointwise
-    def load_of(q: Any, v: Any, c: Coefficients, u: Any) -> Any:
-        return driven(q.T, v.T, c, at_points(u, q)).load.T
+        return pointwise(
+            lambda q, v, c: driven(q.T, v.T, c, 0.0).mass.swapaxes(-1, -2).T, q, np.zeros_like(q), c
+        )
 
     def forces(u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np) -> Any:
         """Forces less the velocity-dependent inertia terms."""
-        return load_of(q, v, c, u)
-
-    @pointwise
-    def accelerations_of(q: Any, v: Any, c: Coefficients, u: Any) -> Any:
-        return solve(q.T, v.T, c, at_points(u, q)).T
+        return pointwise(lambda q, v, c, u: driven(q.T, v.T, c, at_points(u, q)).load.T, q, v, c, u)
 
     def accelerations(u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np) -> Any:
         """Solution of ``M a = forces``."""
-        return accelerations_of(q, v, c, u)
+        return pointwise(lambda q, v, c, u: solve(q.T, v.T, c, at_points(u, q)).T, q, v, c, u)
 
-    @pointwise
     def energy(q: Any, v: Any, c: Coefficients) -> Any:
         """Kinetic energy, that of springs or strain, and potential energy of gravity [J]."""
-        mass, _ = terms(q.T, v.T, c)
-        return (dot(v.T, of(mass, v.T)) / 2 + potential(q.T, c)).T
+        return pointwise(
+            lambda q, v, c: (dot(v.T, of(terms(q.T, v.T, c).mass, v.T)) / 2 + potential(q.T, c)).T,
+            q,
+            v,
+            c,
+        )
 
-    @pointwise
     def momentum(q: Any, v: Any, c: Coefficients) -> Any:
         """Angular momentum of hub, beam and mass about the axis [kg m^2/s]."""
-        return dot(terms(q.T, v.T, c).mass[..., 0, :], v.T).T
+        return pointwise(lambda q, v, c: dot(terms(q.T, v.T, c).mass[..., 0, :], v.T).T, q, v, c)
 
-    @pointwise
-    def power_of(q: Any, v: Any, c: Coefficients, u: Any) -> Any:
+    def power(q: Any, v: Any, c: Coefficients, u: Any) -> Any:
         u, (mass, load) = at_points(u, q), terms(q.T, v.T, c)
         taken = dot(mass[..., 0, :], solve(q.T, v.T, c, u)) - load[..., 0]
         return (c.prescribed * taken + (1 - c.prescribed) * u).T * v[0]
 
     def powers(u: Any, q: Any, v: Any, c: Coefficients) -> dict[str, Any]:
         """Power [W] of the torque on the hub: the given one, or what its motion takes."""
-        return {"hub": power_of(q, v, c, u)}
-
-    @pointwise
-    def tip_of(q: Any, v: Any, c: Coefficients) -> Any:
-        return c.length * np.stack([value.T for value in tip(q.T, v.T, c)])
+        return {"hub": pointwise(power, q, v, c, u)}
 
     def outputs(q: Any, v: Any, c: Coefficients, xp: Any = np) -> dict[str, Any]:
         """Tip's displacement in the hub frame [m], and its rate."""
-        return dict(zip(OUTPUTS, tip_of(q, v, c), strict=True))
+        values = pointwise(
+            lambda q, v, c: c.length * np.stack([value.T for value in tip(q.T, v.T, c)]), q, v, c
+        )
+        return dict(zip(OUTPUTS, values, strict=True))
 
     def invariants(p: RotatingBeam) -> Mapping[str, Callable[..., Any]]:
         """Conserved quantities of the undriven beam."""

@@ -11,8 +11,6 @@ from typing import Any
 import numpy as np
 from scipy.integrate import DOP853
 
-from .kernel import RightHandSide
-
 STAGES, A, B, C = DOP853.n_stages, DOP853.A, DOP853.B, DOP853.C
 
 
@@ -28,9 +26,6 @@ def equal_steps(derivative: Callable[[Any, Any], Any], x: Any, t0: Any, h: Any, 
     steps : int
     """
     h, x = np.asarray(h), np.array(x)
-    f = derivative
-    if isinstance(derivative, RightHandSide):
-        f = derivative.prepared(np.asarray(t0 + h), x)
     k = np.empty((STAGES, *x.shape), dtype=x.dtype)
     # real and imaginary parts apart: the weights are real, and BLAS is slow at mixed products
     flat = k.reshape(STAGES, -1).view(float)
@@ -38,7 +33,7 @@ def equal_steps(derivative: Callable[[Any, Any], Any], x: Any, t0: Any, h: Any, 
         t = t0 + i * h
         for s in range(STAGES):
             at = x + (A[s, :s] @ flat[:s]).view(x.dtype).reshape(x.shape) if s else x
-            np.multiply(f(t + C[s] * h, at), h, out=k[s])
+            np.multiply(derivative(t + C[s] * h, at), h, out=k[s])
         x = x + (B @ flat).view(x.dtype).reshape(x.shape)
     return x
 

@@ -66,7 +66,7 @@ CASES = (
         1.25,
         "stability",
         full_only=True,
-        boundary=BoundarySearch("homoclinic", "torque", 4.7),
+        boundary=BoundarySearch("homoclinic", "torque", "bottom"),
     ),
     *(
         case(

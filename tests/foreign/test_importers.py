@@ -7,10 +7,15 @@ from pathlib import Path
 import pytest
 
 from mbcheck import compare
-from mbcheck.tests.foreign.importers import IMPORTERS, written_by_newton
+from mbcheck.tests.foreign.importers import written_by_newton
 from mbcheck.tests.foreign.packages import unpacked
 
 ASSETS = "gymnasium/envs/mujoco/assets"
+
+READERS = {
+    "Pinocchio": "mbcheck.tests.foreign.importers:Pinocchio",
+    "MJX": "mbcheck.examples.mjx_engine:MjxEngine",
+}
 
 NAMED = {
     ("Pinocchio", "inverted_pendulum"): {
@@ -41,9 +46,7 @@ def assets(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(("engine", "model"), NAMED)
 def test_what_an_importer_loses_is_named(assets: Path, engine: str, model: str) -> None:
     path = assets / f"{model}.xml"
-    result = compare(
-        str(path), f"{path}@{IMPORTERS[engine].__module__}:{IMPORTERS[engine].__name__}"
-    )
+    result = compare(str(path), f"{path}@{READERS[engine]}")
     assert {one.sentence for one in result.differences} == NAMED[engine, model]
     assert result.closed is (True if result.gaps else None)
 

@@ -19,9 +19,10 @@ from mbcheck.models.rotating_beam.mjcf import MODELS
 from mbcheck.reference.errors import EngineError, UnknownNameError, UsageError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
 from mbcheck.reference.linear import linearise, modes
-from mbcheck.reference.rotating_beam.chain import chain_scene, scene_of
+from mbcheck.reference.rotating_beam.chain import chain_scene
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 from mbcheck.reference.scene import Array, Case
+from mbcheck.tests.support.chain import scene_of
 
 ENGINE = MujocoAdapter()
 METHODS = {method.name: method for method in ENGINE.methods}

@@ -24,19 +24,38 @@ KINDS = (
 )  # fmt: skip
 """Kinds of elements, as MuJoCo names its objects."""
 
-ENUMERATIONS = (
-    "mjtJoint", "mjtGeom", "mjtEq", "mjtTrn", "mjtDyn", "mjtGain", "mjtBias", "mjtSensor", "mjtObj",
-    "mjtWrap", "mjtIntegrator", "mjtSolver", "mjtCone", "mjtJacobian", "mjtDisableBit",
-    "mjtEnableBit", "mjtConstraint",
-)  # fmt: skip
+ENUMERATIONS = {
+    "jnt_type": "mjtJoint",
+    "geom_type": "mjtGeom",
+    "site_type": "mjtGeom",
+    "eq_type": "mjtEq",
+    "eq_objtype": "mjtObj",
+    "actuator_trntype": "mjtTrn",
+    "actuator_dyntype": "mjtDyn",
+    "actuator_gaintype": "mjtGain",
+    "actuator_biastype": "mjtBias",
+    "sensor_type": "mjtSensor",
+    "sensor_objtype": "mjtObj",
+    "sensor_reftype": "mjtObj",
+    "wrap_type": "mjtWrap",
+    "efc_type": "mjtConstraint",
+    "opt.integrator": "mjtIntegrator",
+    "opt.cone": "mjtCone",
+    "opt.solver": "mjtSolver",
+    "opt.jacobian": "mjtJacobian",
+    "opt.disableflags": "mjtDisableBit",
+    "opt.enableflags": "mjtEnableBit",
+}
+"""Field -> the enumeration of its numbers, which releases change: answers and edits have its words.
 
-FORCES = ("spring", "damper", "gravcomp", "fluid", "actuator")
-"""Generalised forces ``qfrc_...``, as far as a release tells them apart."""
+Those of flags are bits."""
 
 PARTS = (
     "xpos", "xmat", "ten_length", "ten_velocity", "actuator_length", "actuator_force",
-    "qacc_smooth",
+    "qacc_smooth", "qfrc_bias", "qfrc_spring", "qfrc_damper", "qfrc_gravcomp", "qfrc_fluid",
+    "qfrc_actuator",
 )  # fmt: skip
+"""Arrays of ``MjData``."""
 
 INTEGRATORS = ("euler", "rk4", "implicit", "implicitfast")
 
@@ -57,24 +76,20 @@ Answer = dict[str, Any]
 
 
 def compiled(model: Any) -> Answer:
-    """Return a model as arrays: fields, options and their defaults, names, enumerations."""
+    """Return a model as arrays: fields, options and their defaults, and names."""
     answer: Answer = {"version": mujoco.__version__}
     empty = mujoco.MjModel.from_xml_string("<mujoco/>")
     for group, owner in (("", model), ("opt.", model.opt), ("default.", empty.opt)):
         for name in dir(owner):
             value = None if name.startswith("_") else getattr(owner, name)
             if isinstance(value, (np.ndarray, int, float)):
-                answer[group + name] = np.asarray(value)
+                answer[group + name] = in_words(group + name, np.asarray(value))
     for kind in KINDS:
         number = int(getattr(mujoco.mjtObj, "mjOBJ_" + kind.upper()))
         short = {"joint": "jnt", "equality": "eq"}.get(kind, kind)
         count = len(getattr(model, f"name_{short}adr", ()))
         names = [mujoco.mj_id2name(model, number, i) or "" for i in range(count)]
         answer[f"names.{kind}"] = np.array(names, dtype=str)
-    for name in ENUMERATIONS:
-        members = getattr(mujoco, name).__members__
-        answer[f"words.{name}"] = np.array([word.partition("_")[2].lower() for word in members])
-        answer[f"numbers.{name}"] = np.array([int(member) for member in members.values()])
     return answer
 
 
@@ -87,6 +102,24 @@ def written(file: str) -> Any:
     return again.compile()
 
 
+def words_of(field: str) -> Mapping[int, str]:
+    """Return the words of an enumeration by their numbers."""
+    members = getattr(mujoco, ENUMERATIONS[field]).__members__.items()
+    words = {int(number): name.partition("_")[2].lower() for name, number in members if "_" in name}
+    return words  # counts of members, such as mjNDISABLE, may be equal to one of them
+
+
+def in_words(field: str, values: Any) -> Any:
+    """Return the values of a field, words in place of numbers of an enumeration."""
+    if field not in ENUMERATIONS:
+        return values
+    words = words_of(field)
+    if field.endswith("flags"):
+        return np.array([word for bit, word in words.items() if values & bit], dtype=str)
+    named = [words.get(int(one), f"number {one}") for one in values.flat]
+    return np.array(named, dtype=str).reshape(values.shape)
+
+
 def edited(model: Any, edits: Sequence[tuple[str, Any, Any]], derive: bool) -> Any:
     """Return a copy of a model with fields, or rows of them, set to values."""
     copied = copy.deepcopy(model)
@@ -94,6 +127,9 @@ def edited(model: Any, edits: Sequence[tuple[str, Any, Any]], derive: bool) -> A
         name = field.removeprefix("opt.")
         owner = copied if name == field else copied.opt
         old = getattr(owner, name)
+        if field in ENUMERATIONS:
+            words = [value] if isinstance(value, str) else value
+            value = sum(number for number, word in words_of(field).items() if word in words)
         if np.ndim(old) == 0:
             setattr(owner, name, type(old)(value))
         else:
@@ -134,28 +170,29 @@ def solved(model: Any, state: Mapping[str, Any], start: Any = 0.0) -> Any:
 
 
 def evaluated(model: Any, states: Sequence[Mapping[str, Any]], brief: bool) -> Iterator[Answer]:
-    """Yield what a model does at states; in brief its accelerations alone."""
-    newton = int(mujoco.mjtSolver.mjSOL_NEWTON)
-    settings = [("opt.tolerance", None, 0.0), ("opt.solver", None, newton)]
-    settings.append(("opt.noslip_iterations", None, 0))  # they depend on the order of joints
-    exact = edited(model, [*settings, ("opt.iterations", None, ITERATIONS)], False)
-    integrators = {
-        name: int(getattr(mujoco.mjtIntegrator, f"mjINT_{name.upper()}")) for name in INTEGRATORS
-    }
+    """Yield what a model does at states; in brief its accelerations alone.
+
+    The solver starts twice, the answer is the first and its error the distance of both: ``_floor``.
+    """
+    settings: list[tuple[str, Any, Any]] = [
+        ("opt.tolerance", None, 0.0),
+        ("opt.solver", None, ["newton"]),
+        ("opt.iterations", None, ITERATIONS),
+        ("opt.noslip_iterations", None, 0),  # they depend on the order of joints
+    ]
+    exact = edited(model, settings, False)
+    others = {one: edited(exact, [("opt.integrator", None, [one])], False) for one in INTEGRATORS}
     for state in states:
-        if brief:
-            yield {"qacc": solved(exact, state).qacc.copy()}
-            continue
-        answer = smooth(model, state)
         data = solved(exact, state)
-        answer["qacc"] = data.qacc.copy()
+        answer = {"qacc": data.qacc.copy()}
+        if brief:
+            yield answer
+            continue
         answer["qacc_floor"] = abs(data.qacc - solved(exact, state, PERTURBED * data.qacc).qacc)
-        answer.update(constraint_rows(exact, data))
-        answer.update(contacts(data))
-        for name, number in integrators.items():
-            exact.opt.integrator = number
-            ends = [stepped(exact, state, start * answer["qacc"]) for start in (1.0, PERTURBED)]
-            answer[f"step_{name}"], answer[f"floor_{name}"] = ends[0], abs(ends[1] - ends[0])
+        answer |= {**smooth(model, state), **constraint_rows(exact, data), **contacts(data)}
+        for name, other in others.items():
+            ends = [stepped(other, state, start * data.qacc) for start in (1.0, PERTURBED)]
+            answer[f"step_{name}"], answer[f"step_{name}_floor"] = ends[0], abs(ends[1] - ends[0])
         yield answer
 
 
@@ -171,33 +208,33 @@ def smooth(model: Any, state: Mapping[str, Any]) -> Answer:
     at_rest, data = (data_at(model, one) for one in ({"qpos": state["qpos"]}, state))
     mujoco.mj_forward(model, at_rest)
     mujoco.mj_forward(model, data)
-    mass, unit = np.zeros((model.nv, model.nv)), np.eye(model.nv)
-    for i in range(model.nv):
-        mujoco.mj_mulM(model, data, mass[i], unit[i])
-    answer: Answer = {"gravity": at_rest.qfrc_bias, "mass": mass, "bias": data.qfrc_bias}
-    names = [f"qfrc_{name}" for name in FORCES]
-    for name in (*PARTS, *names):
-        if hasattr(data, name):
+    answer: Answer = {"gravity": at_rest.qfrc_bias, "mass": matrix(mujoco.mj_mulM, model, data)}
+    for name in PARTS:
+        if hasattr(data, name):  # releases tell fewer forces apart
             answer[name.removeprefix("qfrc_")] = getattr(data, name)
     return {name: np.array(value, dtype=float) for name, value in answer.items()}
 
 
+def matrix(product: Any, model: Any, data: Any, rows: int | None = None) -> Any:
+    """Return the matrix (rows, nv) of a product of MuJoCo with vectors; without rows it is M."""
+    columns = np.zeros((model.nv, model.nv if rows is None else rows))
+    for i, unit in enumerate(np.eye(model.nv)):
+        product(model, data, columns[i], unit)
+    return columns.T
+
+
 def constraint_rows(model: Any, data: Any) -> Answer:
     """Return the rows of constraints at a state: type, element, and numbers of each."""
-    jacobian, unit = np.zeros((data.nefc, model.nv)), np.eye(model.nv)
-    for i in range(model.nv if data.nefc else 0):
-        column = np.zeros(data.nefc)
-        mujoco.mj_mulJacVec(model, data, column, unit[i])
-        jacobian[:, i] = column
+    jacobian = matrix(mujoco.mj_mulJacVec, model, data, data.nefc) if data.nefc else []
     return {
-        "row_type": data.efc_type.copy(),
+        "row_type": in_words("efc_type", data.efc_type),
         "row_id": data.efc_id.copy(),
         "row_pos": data.efc_pos.copy(),
         "row_inverse_inertia": 1 / data.efc_D,
         "row_aref": data.efc_aref.copy(),
         "row_frictionloss": data.efc_frictionloss.copy(),
         "row_stiffness": data.efc_KBIP.reshape(-1, 4)[:, 0].copy(),
-        "row_jacobian": jacobian,
+        "row_jacobian": np.reshape(jacobian, (data.nefc, model.nv)),
     }
 
 

@@ -369,11 +369,10 @@ def zero_quaternion(s: InspectedModel) -> Iterator[Hit]:
                 yield Hit(key, key.address, message, attribute=attribute)
 
 
-def keyframes(s: InspectedModel) -> Iterator[State]:
-    """Yield the keyframes at rest of models with actuators."""
+def rests(s: InspectedModel) -> Iterator[State]:
+    """Yield the states at rest of models with actuators."""
     for view in s.views:
-        resting = not np.any(view.state.velocity) and view.steady_hinge is None
-        if resting and view.state.keys != (OPENED,) and s.model.nu:
+        if not np.any(view.state.velocity) and view.steady_hinge is None and s.model.nu:
             yield view.state
 
 
@@ -429,7 +428,7 @@ def balance_of(s: InspectedModel, state: State, unlimited: Flags | None = None) 
 
 def saturated_actuator(s: InspectedModel) -> Iterator[Hit]:
     said = set[int]()
-    for state in keyframes(s):
+    for state in rests(s):
         balance = balance_of(s, state)
         alone = ~balance.falls & (np.count_nonzero(balance.arms, axis=0) == 1)
         for one in drives(s):
@@ -450,13 +449,14 @@ def saturated_actuator(s: InspectedModel) -> Iterator[Hit]:
 
 
 def control_not_holding(s: InspectedModel) -> Iterator[Hit]:
-    """Find keyframes that their own controls do not keep.
+    """Find states that their own controls do not keep.
 
     A servo moves its joint to the position of its control, however weak it is: its force counts
-    without limits. Where a joint falls, a servo counts at its full force, and without a load.
+    without limits. Where a joint falls, a servo counts at its full force, and without a load. In
+    the state as opened controls are 0, and count where that is the position of the joint.
     """
     said = set[int]()
-    for state in keyframes(s):
+    for state in rests(s):
         limited, balance = balance_of(s, state), balance_of(s, state, pulls_to_control(s))
         full, falls = limited.force != balance.force, limited.falls
         left = np.where(falls, balance.force, balance.left)
@@ -487,8 +487,10 @@ def simple_joints_left(
     pressing = {one.drive.actuator for one in command_ranges(s) if one.exceeds_joint}
     for one in drives(s):
         left, force = float(limited.left[one.dof]), float(limited.force[one.dof])
+        here, (low, high) = float(state.position[s.model.jnt_qposadr[one.joint]]), one.ends
+        if state.keys == (OPENED,) and here:
+            continue
         if one.holds:
-            here, (low, high) = float(state.position[s.model.jnt_qposadr[one.joint]]), one.ends
             target = here + float(unlimited[one.dof]) / one.stiffness
             moves = abs(np.clip(target, low, high) - here) > one.servo_drift
             outside = max(low - target, target - high) > THRESHOLDS.control_excess * (high - low)

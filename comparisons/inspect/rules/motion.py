@@ -440,12 +440,12 @@ def run_fails(s: InspectedModel) -> Iterator[Hit]:
             f"a run from the state {state.name!r} with constant controls diverges in step {step}, "
             f"at {step * s.timestep:.3g} s{why}"
         )
-        fixes, lost = integrator_remedy(s, [state])
+        fixes = integrator_remedy(s, [state])
         shorter = (rounded(share * s.timestep, up=False) for share in THRESHOLDS.shorter_steps)
         edits = ((f'timestep="{x:g}"', with_option(s.loaded, "timestep", x)) for x in shorter)
         stable = (words for words, x in edits if not fault_in_runs(s, x, [state], words))
         fixes += islice(stable, 1)
-        yield s.about("option", message=message, fix=in_words(fixes, lost) or UNKNOWN)
+        yield s.about("option", message=message, fix=in_words(s, fixes) or UNKNOWN)
         return
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from functools import partial
 from typing import Any
@@ -12,10 +13,15 @@ from ....reference.scene import Array
 from ...checks.rules import conditions
 from ...engines.mujoco.engine import MuJoCo
 from ..mujoco.facts import exclusions, kinds_of_geom, partners
-from ..mujoco.model import Flags
+from ..mujoco.model import Flags, numbers
 from ..mujoco.source import ROOT, Element
 from ..subject import Hit, InspectedModel
 from ..tuning import EFFORT, THRESHOLDS
+
+INERTIA_UNITS = {
+    1e-3: "g m^2", 1e-4: "kg cm^2", 1e-6: "kg mm^2", 1e-7: "g cm^2", 1e-9: "g mm^2",
+}  # fmt: skip
+"""Other units of inertia, by their size in kg m^2."""
 
 NAMING = ("body", "body1", "body2", "objname", "refname", "target", "subtree1", "subtree2")
 """Attributes that name a body."""
@@ -68,7 +74,26 @@ def odd_inertia(s: InspectedModel) -> Iterator[Hit]:
                 f"{m.body_mass[body]:.4g} kg has a radius of gyration of {gyration:.3g} m, "
                 f"{'larger' if share > 1 else 'smaller'} than a body that extends {reach:.3g} m "
                 "can have",
+                fix=inertia_remedy(s, body, reach, share),
             )
+
+
+def inertia_remedy(s: InspectedModel, body: int, reach: float, share: float) -> str:
+    """Return the inertia to write: converted from a usual unit, or about that of the geoms.
+
+    ``share`` is the radius of gyration as written, relative to the reach [m] of the geoms.
+    """
+    expected = THRESHOLDS.usual_gyration
+    factors = {abs(math.log(share / expected) + math.log(u) / 2): u for u in INERTIA_UNITS}
+    factor = factors[min(factors)]
+    inertial = next(x for x in s.loaded.places["body", body].children if x.tag == "inertial")
+    key = next((name for name in inertial.attributes if name.endswith("inertia")), "")
+    if key and 0.5 < share * math.sqrt(factor) / expected < 1 / expected:
+        written = inertial.attributes[key]
+        values = " ".join(f"{factor * value:.6g}" for value in numbers(written))
+        return f'write {key}="{values}", if {shortened(written)} is in {INERTIA_UNITS[factor]}'
+    usual = float(s.model.body_mass[body]) * (expected * reach) ** 2
+    return f"write about {usual:.2g} kg m^2, or mend the mass or the geoms"
 
 
 def far_centre(s: InspectedModel) -> Iterator[Hit]:
@@ -430,10 +455,8 @@ def unused_asset(s: InspectedModel) -> Iterator[Hit]:
             m.light_texid,
         ],
     }
-    for (name, numbers), count in zip(
-        used.items(), (m.nmat, m.nmesh, m.nhfield, m.ntex), strict=True
-    ):
-        idle = ~np.isin(np.arange(count), np.concatenate(numbers))
+    for (name, ids), count in zip(used.items(), (m.nmat, m.nmesh, m.nhfield, m.ntex), strict=True):
+        idle = ~np.isin(np.arange(count), np.concatenate(ids))
         elements = [s.loaded.places.get((name, i)) for i in range(count)]
         shared = [one is not None and one.file != s.files[0] for one in elements]  # with others
         yield from s.hits(name, idle & ~np.array(shared, bool), f"nothing uses this {name}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import math
 from bisect import bisect_left
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import islice, product
 from typing import Any
@@ -33,7 +33,7 @@ def edited(loaded: Loaded, change: Callable[[Any], None]) -> Loaded:
     return replace(loaded, model=model)
 
 
-FAILS = "its run fails, too"
+FAILS = "its run fails"
 SPINS = (
     f"a run with a servo's joint displaced by up to {max(NUMERICS.far_starts):g} rad fails, or "
     "keeps a motion that a shorter step does not show"
@@ -52,9 +52,9 @@ def fault_in_runs(
     few = states[: EFFORT.runs]
     if not all(stays_finite(tried, state) for state in few):
         return FAILS
-    own = float(tried.model.opt.timestep)
-    recommended = (THRESHOLDS.recommended_step * one.limit for one in s.limits_of_file)
-    shorter = min(NUMERICS.shorter_step * own, *recommended, own)
+    shorter = NUMERICS.shorter_step * float(tried.model.opt.timestep)
+    if integrator(tried) != s.options.integrator:  # else its step is below its limit
+        shorter = min([shorter, *(THRESHOLDS.recommended_step * x.limit for x in s.limits_of_file)])
     return SPINS if any(keeps_spinning(tried, state, shorter) for state in few[:1]) else ""
 
 
@@ -68,6 +68,10 @@ def stays_finite(loaded: Loaded, state: State) -> bool:
     return step is None and bool(driven or not keeps_growing(energies))
 
 
+Lasting = tuple[float, float, State]
+"""Share of the kinetic energy that a run keeps, this energy [J], and the start of the run."""
+
+
 def keeps_spinning(loaded: Loaded, state: State, shorter: float) -> bool:
     """Return True if a run with a servo's joint displaced fails, or keeps a motion due to its step.
 
@@ -75,17 +79,20 @@ def keeps_spinning(loaded: Loaded, state: State, shorter: float) -> bool:
     step, and never come to rest. Displacements would tear closed loops: there, none is tried.
     """
     driven = np.any(moments(loaded, state)[servos(loaded)], axis=0) & (loaded.model.neq == 0)
-    horizon = min(NUMERICS.far_time, NUMERICS.run_steps * shorter)
-    fine, least = with_option(loaded, "timestep", shorter), NUMERICS.lasting_energy
+    horizon, lasting = min(NUMERICS.far_time, NUMERICS.run_steps * shorter), list[Lasting]()
     for start in far_starts(loaded, state, driven, NUMERICS.far_starts):
         step, energies = short_run(loaded, start, horizon)
         peak, last = kinetic(energies)
         if step is not None:
             return True
-        if last > least * peak:
-            peak, expected = kinetic(short_run(fine, start, horizon)[1])
-            if last > NUMERICS.lasting_ratio * expected + least * peak:
-                return True
+        if last > NUMERICS.lasting_energy * peak:
+            lasting.append((last / peak, last, start))
+    lasting.sort(key=lambda one: -one[0])
+    for _, last, start in lasting[: EFFORT.fine_runs]:
+        fine = with_option(loaded, "timestep", shorter)
+        peak, expected = kinetic(short_run(fine, start, horizon)[1])
+        if last > NUMERICS.lasting_ratio * expected + NUMERICS.lasting_energy * peak:
+            return True
     return False
 
 
@@ -216,7 +223,7 @@ def step_remedies(s: InspectedModel, limit: StepLimit) -> str:
     They change the joint that sets the limit, or it and all joints that servos drive.
     """
     states, linear = states_of(s, limit.state), s.views[0].linear
-    parts, lost = integrator_remedy(s, states)
+    parts = integrator_remedy(s, states)
     names = s.loaded.joint_names
     known = limit.joint in names and not limit.constraint and len(names) <= EFFORT.max_remedy_dofs
     if known and states and linear is not None:
@@ -238,7 +245,7 @@ def step_remedies(s: InspectedModel, limit: StepLimit) -> str:
         words = f'timestep="{step:g}"'
         if is_stable(s, with_option(s.loaded, "timestep", step), states, words):
             parts.append(words)
-    return in_words(parts, lost)
+    return in_words(s, parts)
 
 
 def first_stable(s: InspectedModel, edits: Sequence[Edit], states: Sequence[State]) -> str | None:
@@ -277,21 +284,21 @@ def states_of(s: InspectedModel, name: str | None) -> list[State]:
     return sorted(states, key=lambda state: state.name != name)
 
 
-def in_words(remedies: Sequence[str], lost: Mapping[str, Sequence[str]]) -> str:
-    """Return a sentence about remedies, and the integrators whose runs have a fault, by fault."""
-    words = "; or ".join(remedies)
-    also = "; ".join(f"not integrator {' or '.join(names)}: {why}" for why, names in lost.items())
+def in_words(s: InspectedModel, remedies: Sequence[str]) -> str:
+    """Return a sentence about remedies, and rejected integrators by the fault of their runs."""
+    words, names = "; or ".join(remedies), dict[str, str]()
+    for name, fault in s.rejected.items():
+        names[fault] = f'{names[fault]} or "{name}"' if fault in names else f'"{name}"'
+    also = "; ".join(f"not integrator {listed}: {fault}" for fault, listed in names.items())
     return f"{words} ({also})" if words and also else words
 
 
-def integrator_remedy(
-    s: InspectedModel, states: Sequence[State]
-) -> tuple[list[str], dict[str, list[str]]]:
-    """Return the cheapest other integrator whose run is stable, if any, and those with a fault.
+def integrator_remedy(s: InspectedModel, states: Sequence[State]) -> list[str]:
+    """Return the cheapest other integrator whose run is stable, if any; reject those with a fault.
 
     Integrators whose limit permits the timestep are tried, all of them where no limit is known.
     """
-    limits, lost = {one.integrator: one.limit for one in s.steps}, dict[str, list[str]]()
+    limits = {one.integrator: one.limit for one in s.steps}
     there = limits or integrators(s.loaded)
     for name in THRESHOLDS.preferred_integrators:
         most = limits.get(name, math.inf)
@@ -300,12 +307,12 @@ def integrator_remedy(
             kind, edit = s.loaded.member("mjtIntegrator", "mjINT", name), f'integrator="{name}"'
             fault = fault_in_runs(s, with_option(s.loaded, "integrator", kind), states, edit)
             if fault:
-                lost.setdefault(fault, []).append(f'"{name}"')
+                s.rejected[name] = fault
                 continue
             words = "without limit" if math.isinf(most) else f"stable up to {most:.3g} s"
             small = f" ({words} in small motions)" if limits else ""
-            return [edit + small], lost
-    return [], lost
+            return [edit + small]
+    return []
 
 
 def servos(loaded: Loaded) -> Flags:

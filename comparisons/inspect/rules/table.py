@@ -477,7 +477,7 @@ RULES: Mapping[str, ModelRule] = {
     ),
     "saturated_actuator": ModelRule(
         "warning",
-        "an actuator whose load in a keyframe exceeds its largest force",
+        "an actuator whose load in a state of rest exceeds its largest force",
         "Whatever its control, its joint sags.",
         "raise forcerange, or ctrlrange of a motor, or choose a state that needs less force",
         drives.saturated_actuator,
@@ -485,11 +485,11 @@ RULES: Mapping[str, ModelRule] = {
     ),
     "control_not_holding": ModelRule(
         "warning",
-        "a keyframe that its own controls do not keep",
+        "a state of rest that its controls do not keep",
         "A run from there starts with a jump: the control commands another position, or the "
         "gain is too low for the load.",
         "give the keyframe the ctrl that keeps it: its joint positions, plus the effect of the "
-        "load",
+        "load; or raise the gain",
         drives.control_not_holding,
         needs="states",
     ),

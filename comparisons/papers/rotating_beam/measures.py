@@ -6,13 +6,12 @@ The paper's equations themselves are texts in ``claims.toml``. It names neither 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.polynomial import legendre
 from scipy.interpolate import CubicSpline
 from scipy.linalg import eigh
 from scipy.optimize import brentq, minimize_scalar
@@ -38,8 +37,16 @@ from ....reference.rotating_beam.frequencies.assumed_modes import (
 )
 from ....reference.rotating_beam.frequencies.numbers import Numbers as BeamNumbers
 from ....reference.rotating_beam.frequencies.numbers import numbers, tension, time_unit
-from ....reference.rotating_beam.frequencies.ritz import gram, places, ritz
-from ....reference.rotating_beam.frequencies.stretching import frequencies, stretching
+from ....reference.rotating_beam.frequencies.ritz import (
+    at_mass,
+    basis,
+    element_ends,
+    gauss,
+    gram,
+    ritz,
+)
+from ....reference.rotating_beam.frequencies.ritz import places as gauss_points
+from ....reference.rotating_beam.frequencies.stretching import stretching
 from ....reference.rotating_beam.parameters import RotatingBeam, coefficients, drive, drive_end_time
 from ....reference.rotating_beam.shapes import cantilever_modes
 from ....reference.scene import Array, Scene
@@ -47,7 +54,7 @@ from ....reference.solve.single import states_at
 from ...engines.registry import REFERENCE
 from ...maps.execute import on_this_machine
 from ...maps.store import Map
-from ...queries.frequencies import frequencies as engine_frequencies
+from ...queries.frequencies import frequencies
 from ...queries.simulate import simulate
 from ..equations import Values
 from ..ledger import Numbers
@@ -59,45 +66,38 @@ MASSES = (0.0, 0.4, 0.8, 1.2)
 SPEED = 7.0
 """Speed of figure 3 [rad/s], at which two assumed modes have the printed maximum for 0.8 kg."""
 
-FASTEST = 12.0
-"""Dimensionless speed up to which figure 2 goes."""
+MASS_AXIS = ("mass", MASSES[0], MASSES[-1], len(MASSES))
 
-HUB_RADIUS = 8.0
-"""Radius of the hub in section 3.1 [m]."""
-
-BEAM = RotatingBeam(hub_radius=HUB_RADIUS, angular_speed=SPEED, ramp_time=0.0)
-"""Beam of figures 2 and 3."""
+BEAM = RotatingBeam(hub_radius=8.0, angular_speed=SPEED, ramp_time=0.0)
+"""Beam of section 3.1, of figures 2 and 3."""
 
 PRINTED_MAXIMA = {0.4: 0.442, 0.8: 0.429, 1.2: 0.42}
 
-RODS, SPIN_UP_RODS, MANY_RODS = 16, 24, 32
-"""Segments of the engines' models, those of figure 4, and those with ``--full``."""
+
+def segments(session: Session, least: int = 16) -> int:
+    """Return the number of an engine's rods or elements, 32 with ``--full``."""
+    return 32 if session.full else least
 
 
-def segments(session: Session) -> int:
-    """Return the number of an engine's rods or elements."""
-    return MANY_RODS if session.full else RODS
-
-
-def frequency_map(session: Session, x: Any, y: Any, engine: str, **more: Any) -> Map:
-    """Return a map of frequencies of the beam of figures 2 and 3; ``more`` are parameters."""
-    model = more.pop("model", None)
-    parameters = {"hub_radius": HUB_RADIUS, **more, "segments": float(segments(session))}
-    return session.map(
-        SCENE.name, "frequency", x, y, engine=engine, model=model, parameters=parameters
-    )
+def frequency_map(
+    session: Session, x: Any, y: Any, engine: str, model: str | None = None, **changes: float
+) -> Map:
+    """Return a map of frequencies of the beam of figures 2 and 3, with changed parameters."""
+    parameters = {"hub_radius": BEAM.hub_radius, "segments": float(segments(session)), **changes}
+    settings = {"engine": engine, "model": model, "parameters": parameters}
+    return session.map(SCENE.name, "frequency", x, y, **settings)
 
 
 def by_speed(session: Session, engine: str = REFERENCE) -> Map:
     """Return frequencies over speed (columns) and mass at the tip (rows, `MASSES`)."""
-    x = ("nondimensional_speed", 0.0, FASTEST, 49 if session.full else 25)
-    return frequency_map(session, x, ("mass", MASSES[0], MASSES[-1], len(MASSES)), engine)
+    x = ("nondimensional_speed", 0.0, 12.0, 49 if session.full else 25)
+    return frequency_map(session, x, MASS_AXIS, engine)
 
 
 def by_ratio(session: Session, engine: str = REFERENCE) -> Map:
     """Return frequencies over mass ratio at the tip (columns) and speed (rows)."""
     x = ("mass_ratio", 0.0, 2.0, 41 if session.full else 17)
-    return frequency_map(session, x, ("nondimensional_speed", 0.0, FASTEST, 4), engine)
+    return frequency_map(session, x, ("nondimensional_speed", 0.0, 12.0, 4), engine)
 
 
 def by_place(session: Session, engine: str = REFERENCE, model: str | None = None) -> Map:
@@ -107,8 +107,7 @@ def by_place(session: Session, engine: str = REFERENCE, model: str | None = None
     """
     places = (4 if engine == REFERENCE else 1) * segments(session)
     x = ("mass_position", 1 / places, 1.0, places)
-    y = ("mass", MASSES[0], MASSES[-1], len(MASSES))
-    return frequency_map(session, x, y, engine, model=model, angular_speed=SPEED)
+    return frequency_map(session, x, MASS_AXIS, engine, model, angular_speed=SPEED)
 
 
 def maximum(place: Array, frequency: Array) -> float:
@@ -122,8 +121,9 @@ def maximum(place: Array, frequency: Array) -> float:
 
 
 class Response(NamedTuple):
-    """Times [s], 0 included, and what was observed."""
+    """A motion of a beam: times [s], 0 included, and observables by name."""
 
+    beam: RotatingBeam
     times: Array
     values: Mapping[str, Array]
 
@@ -136,39 +136,40 @@ SAMPLES = 16
 """Samples of a run per second."""
 
 
-def beam_of(figure: int, mass: float) -> RotatingBeam:
-    """Return the beam of figure 4 or 5."""
-    return CASES[figure].replace(mass=mass)
+def observed(p: RotatingBeam, times: Array, values: Mapping[str, Array]) -> Response:
+    """Return observables with the angle of the free end about the hub's axis [rad]."""
+    along = p.hub_radius + p.length + values["tip_axial"]
+    angle = values["theta"] + np.arctan2(values["tip_deflection"], along)
+    return Response(p, times, {**values, "tip_angle": angle})
+
+
+def solved(scene: Scene, p: RotatingBeam, times: Array) -> Response:
+    """Return a motion by the equations of a scene, with its energy [J]."""
+    states = states_at(scene, p, scene.state({}), times)
+    energy = scene.energy(*np.split(states, 2), scene.coefficients(p))
+    return observed(p, times, {**scene.observe(states, p), "energy": energy})
 
 
 def simulate_beam(p: RotatingBeam, who: str, horizon: float) -> Response | str:
-    """Return a motion by the reference or an engine, or why the engine has none."""
+    """Return a motion by the reference or an engine, or the reason why the engine has none."""
     times = np.arange(round(horizon * SAMPLES) + 1) / SAMPLES
     if who == REFERENCE:
-        states = states_at(SCENE, p, SCENE.state({}), times)
-        energy = SCENE.energy(*np.split(states, 2), SCENE.coefficients(p))
-        return Response(times, with_angle({**SCENE.observe(states, p), "energy": energy}, p))
+        return solved(SCENE, p, times)
     try:
         motion = simulate(SCENE.name, engine=who, parameters=p.as_dict(), times=times)
     except EngineError as error:
         return f"failed: {error}"
-    return Response(times, with_angle(motion.observables, p))
-
-
-def with_angle(values: Mapping[str, Array], p: RotatingBeam) -> Mapping[str, Array]:
-    """Return observables with the angle of the free end about the hub's axis [rad]."""
-    along = p.hub_radius + p.length + values["tip_axial"]
-    return {**values, "tip_angle": values["theta"] + np.arctan2(values["tip_deflection"], along)}
+    return observed(p, times, motion.observables)
 
 
 @once
 def runs(session: Session, figure: int, who: str) -> dict[float, Response | str]:
     """Return the motions of figure 4 or 5 by the reference or an engine, by mass."""
-    count = max(segments(session), SPIN_UP_RODS if figure == 4 else 0)
+    count = segments(session, 24 if figure == 4 else 16)
     horizon = HORIZONS[figure] * (2 if session.full else 1)
-    beams, motions = [beam_of(figure, mass).replace(segments=count) for mass in MASSES], {}
+    beams = [CASES[figure].replace(mass=mass, segments=count) for mass in MASSES]
     run = partial(simulate_beam, who=who, horizon=horizon)
-    report = session.follow(f"runs of figure {figure} {who}")
+    report, motions = session.follow(f"runs of figure {figure} {who}"), {}
     for i, motion in on_this_machine(session.workers)(run, beams):
         motions[MASSES[i]] = motion
         report(len(motions), len(beams))
@@ -209,44 +210,38 @@ def curves_of_figure_3(session: Session, engine: str) -> tuple[Array, Array]:
     return curves.x.values, curves.variables[FIRST_VARIABLE]
 
 
-@once
-def furthest(session: Session, mass: float) -> tuple[float, float]:
-    """Return the converged maximum that lies farthest out, and its speed [rad/s]."""
-    best = minimize_scalar(
-        lambda w: -best_mass_position(loaded(mass, w)), bounds=(4, 15), options={"xatol": 0.2}
-    )
-    return -float(best.fun), float(best.x)
-
-
-@once
-def matched(session: Session, mass: float) -> float:
-    """Return the speed [rad/s] at which two assumed modes have the printed maximum."""
-    return matching_speed(loaded(mass), PRINTED_MAXIMA[mass], 2) / UNIT
-
-
 def crossed(place: float) -> str:
     """Return the place where a mass has no effect, or ``nowhere``."""
     return f"{place:.3f}" if np.isfinite(place) else "nowhere"
 
 
-def peak(motion: Response, p: RotatingBeam) -> float:
+def peak(motion: Response) -> float:
     """Return the largest deflection [m], whatever its sign."""
-    return abs(run_quantities(motion.times, motion.values, p)["tip_peak"][0])
+    return abs(run_quantities(motion.times, motion.values, motion.beam)["tip_peak"][0])
 
 
-def top_speed(motion: Response, p: RotatingBeam) -> float:
-    """Return the largest velocity of the tip in the hub frame [m/s]."""
-    return float(np.max(np.abs(motion.values["tip_deflection_dot"])))
+def properties(motion: Response) -> dict[str, float]:
+    """Return properties of a motion; all but the first two are of the time when nothing drives it.
 
-
-def free(motion: Response, p: RotatingBeam) -> Array:
-    """Return the deflections [m] once nothing drives the hub."""
-    return motion.values["tip_deflection"][motion.times >= drive_end_time(p)]
-
-
-def free_amplitude(motion: Response, p: RotatingBeam) -> float:
-    """Return the largest deflection [m] once nothing drives the hub, whatever its sign."""
-    return float(np.max(np.abs(free(motion, p))))
+    ``peak``, the largest deflection [m], and ``top_speed``, the largest velocity of the tip in the
+    hub frame [m/s], both of any sign. Angles [rad] of free end and hub as the drive ends,
+    ``free_end`` and ``hub``; the ``amplitude`` of the deflection [m], and that of the second half
+    over that of the first; the change of the energy over its largest value.
+    """
+    times, values = motion.times, motion.values
+    free = {name: value[times >= drive_end_time(motion.beam)] for name, value in values.items()}
+    deflection = np.abs(free["tip_deflection"])
+    first, second = np.array_split(deflection, 2)
+    numbers = {
+        "peak": peak(motion),
+        "top_speed": np.max(np.abs(values["tip_deflection_dot"])),
+        "free_end": free["tip_angle"][0],
+        "hub": free["theta"][0],
+        "amplitude": np.max(deflection),
+        "ratio": np.max(second) / np.max(first),
+        "drift": np.ptp(free["energy"]) / np.max(values["energy"]) if "energy" in free else np.nan,
+    }
+    return {name: float(number) for name, number in numbers.items()}
 
 
 # Sections 1 and 2 ---------------------------------------------------------------------------------
@@ -269,15 +264,10 @@ MODES = 16
 
 
 def root(session: Session, who: str, i: int) -> float:
-    """Return beta_i L of the cantilever at rest; an engine's is that of its frequency."""
-    if who == REFERENCE:
-        return float(np.sqrt(ritz(BeamNumbers(), count=3).omega[i - 1]))
+    """Return beta_i L of the cantilever at rest, by its frequency."""
     at_rest = {"angular_speed": 0.0, "segments": segments(session)}
-    modes = session.once(
-        (SCENE.name, "modes at rest", who),
-        lambda: engine_frequencies(SCENE.name, engine=who, parameters=at_rest, count=3).modes,
-    )
-    return float(np.sqrt(modes[i - 1].omega * UNIT))
+    modes = frequencies(SCENE.name, engine=who, parameters=at_rest, count=i).modes
+    return float(np.sqrt(modes[-1].omega * UNIT))
 
 
 def asymptote(session: Session) -> Numbers:
@@ -297,22 +287,20 @@ def axial_frequencies(session: Session) -> Numbers:
     return {"omega": omega, "error": np.max(np.abs(printed / omega - 1))}
 
 
-def quadrature() -> tuple[Array, Array]:
-    """Return places and weights over the beam, 0 to 1."""
-    x, weight = legendre.leggauss(64)
-    return (1 + x) / 2, weight / 2
+QUADRATURE = gauss_points(np.array([0.0, 1.0]), *gauss(56))
+"""Places on the beam, 0 to 1, and weights of an integral over it."""
 
 
 def orthogonality(session: Session) -> Numbers:
     """Return the largest integral between two of four modes of the beam, over that of one."""
-    x, weight = quadrature()
+    x, weight = QUADRATURE
     parts = gram(rest_modes(x, 4)[0], weight)
     return {"error": np.max(np.abs(parts - np.diag(np.diag(parts)))) / np.max(np.diag(parts))}
 
 
 def foreshortening(session: Session) -> Numbers:
     """Return the relative errors of u_f at the free end for deflections of 1 and 10 % of L."""
-    x, weight = quadrature()
+    x, weight = QUADRATURE
     value, slope, _ = rest_modes(np.append(x, 1.0), 1)
     bends = np.array([[0.01], [0.1]]) * slope[0, :-1] / value[0, -1]  # x is the arc length
     errors = -(bends**2 @ weight) / 2 / ((np.sqrt(1 - bends**2) - 1) @ weight) - 1
@@ -343,45 +331,34 @@ def bending_stiffness(session: Session) -> Numbers:
 
 
 def string_frequency(n: BeamNumbers, degree: int = 12) -> float:
-    """Return the first frequency, dimensionless, of a beam without bending stiffness.
-
-    Its slopes are polynomials from the clamp to the mass, and others from there to the tip.
-    """
-    x, weight = places(np.array([0.0, n.beta, 1.0]), *legendre.leggauss(2 * degree))
-    at, slopes, values = np.append(x, n.beta), [], []
-    for start, end in ((0.0, n.beta), (n.beta, 1.0)):
-        local = np.clip(2 * (at - start) / (end - start) - 1, -1, 1)
-        inside = (start < at) & (at < end)
-        slopes += list(legendre.legvander(local, degree).T * inside)
-        integrals = legendre.legint(np.eye(degree + 1), lbnd=-1)
-        values += list((end - start) / 2 * legendre.legval(local, integrals))
-    slope, value = np.array(slopes), np.array(values)
-    mass = gram(value, np.append(weight, n.alpha))
-    pull = gram(slope[:, :-1], weight * tension(n, x))
+    """Return the first frequency, dimensionless, of a beam without bending stiffness."""
+    ends = element_ends(n)
+    at, of_mass = basis(ends, degree, *gauss(degree), times=1), at_mass(n, ends, degree, times=1)
+    pull = gram(at.slope, at.weight * tension(n, at.x))
+    mass = gram(at.value, at.weight) + np.outer(of_mass, of_mass)
     return float(n.gamma * np.sqrt(eigh(pull, mass, eigvals_only=True)[0] - 1))
 
 
 def extension(session: Session) -> Numbers:
-    """Compare a beam that stretches much with one that does not.
+    """Return extension parameters of a beam that stretches much and of this one, at gamma = 5.
 
-    The extension parameter, and the changes of the first frequency by stretch and Coriolis force.
+    And the changes of the first frequency by stretch and by the Coriolis force.
     """
-    n, rows = BeamNumbers(0.0, 5.0), []
-    for slenderness in (100.0, BEAM.area * BEAM.length**2 / BEAM.second_moment):
-        flapwise = stretching(n, slenderness, "flapwise", 1).omega[0]
-        chordwise = stretching(n, slenderness, count=1).omega[0]
-        stretch = flapwise / ritz(n, "flapwise", 1).omega[0] - 1
-        coriolis = chordwise / np.sqrt(flapwise**2 - n.gamma**2) - 1
-        rows.append((n.gamma / np.sqrt(slenderness), stretch, coriolis))
-    (large, much, with_coriolis), (small, little, _) = rows
+    n, this = BeamNumbers(gamma=5.0), BEAM.area * BEAM.length**2 / BEAM.second_moment
+    flapwise, chordwise = (
+        np.array([stretching(n, slenderness, plane, 1).omega[0] for slenderness in (100.0, this)])
+        for plane in ("flapwise", "chordwise")
+    )
+    stretch = flapwise / ritz(n, "flapwise", 1).omega[0] - 1
+    coriolis = chordwise / np.sqrt(flapwise**2 - n.gamma**2) - 1
     return {
-        "large": large,
-        "much": much,
-        "with_coriolis": with_coriolis,
-        "small": small,
-        "little": little,
-        "least": min(abs(much), abs(with_coriolis)),
-        "most": abs(little),
+        "large": n.gamma / np.sqrt(100.0),
+        "much": stretch[0],
+        "with_coriolis": coriolis[0],
+        "small": n.gamma / np.sqrt(this),
+        "little": stretch[1],
+        "least": min(abs(stretch[0]), abs(coriolis[0])),
+        "most": abs(stretch[1]),
     }
 
 
@@ -392,19 +369,17 @@ THRESHOLD = 0.67
 """Printed place at which the curves of figure 3 cross."""
 
 
-def slenderness(session: Session, who: str) -> Numbers:
-    """Return the relative decrease of the first frequency by stretching, most mass at the tip.
+def axial_ratio(session: Session) -> Numbers:
+    """Return the first axial frequency over that of bending, at rest."""
+    return {"ratio": FIRST_AXIAL * UNIT / first_frequency(loaded(0.0, 0.0))}
 
-    For the reference also the first axial frequency over that of bending at rest.
-    """
-    p, numbers = BEAM.replace(mass=LOADS[-1]), {}
-    if who == REFERENCE:
-        soft = frequencies(p, count=1, continuum="extensible").omega[0]
-        bending = frequencies(BEAM.replace(angular_speed=0.0), count=1).omega[0]
-        numbers["ratio"] = FIRST_AXIAL / bending
-    else:
-        soft = by_place(session, who).variables["frequency_1"][-1, -1]
-    return {**numbers, "gap": 1 - float(soft) / float(frequencies(p, count=1).omega[0])}
+
+def softening(session: Session, who: str) -> Numbers:
+    """Return the relative decrease of the first frequency by stretching, most mass at the tip."""
+    p = BEAM.replace(mass=LOADS[-1], segments=segments(session))
+    model = "extensible" if who == REFERENCE else None
+    soft = frequencies(SCENE.name, engine=who, model=model, parameters=p.as_dict(), count=1)
+    return {"gap": 1 - soft.modes[0].omega * UNIT / first_frequency(numbers(p))}
 
 
 def curves_of_figure_2(session: Session, who: str) -> Numbers:
@@ -437,29 +412,18 @@ def best(speed: float, modes: int | None = None) -> list[float]:
     return [best_mass_position(loaded(mass, speed), modes) for mass in LOADS]
 
 
-def crossover_of_0_4(session: Session, who: str) -> float:
-    """Return where the curve of 0.4 kg crosses that without mass."""
-    if who == REFERENCE:
-        return crossover(loaded(LOADS[0]))
-    place, curves = curves_of_figure_3(session, who)
-    return float(CubicSpline(place, curves[1] - curves[0]).roots(extrapolate=False)[-1])
-
-
 def crossovers(session: Session, fast: float, fastest: float) -> Numbers:
     """Return the crossovers by mass, converged and of two modes, and the speed of that at 0.67.
 
     Those of two modes, and their maxima, at the speed too that gives the printed maximum of 0.4 kg.
-
-    Parameters
-    ----------
-    fast, fastest : float
-        Speeds [rad/s] at which the first crossing, and the last, are at the threshold.
+    ``fast`` and ``fastest`` are more speeds [rad/s].
     """
-    speed = matched(session, LOADS[0])
+    speed = best_place(session, LOADS[0])["matched"]
     faster = crossings(speed, 2)
 
-    def beyond(w: float) -> float:
-        return crossover(loaded(LOADS[0], w)) - THRESHOLD
+    def effect(speed: float) -> float:
+        n = loaded(LOADS[0], speed)._replace(beta=THRESHOLD)
+        return first_frequency(n) - first_frequency(n._replace(alpha=0.0))
 
     return {
         "matched": speed,
@@ -468,7 +432,7 @@ def crossovers(session: Session, fast: float, fastest: float) -> Numbers:
         "two_maxima": best(speed, 2),
         "converged": crossings(SPEED),
         "two": crossings(SPEED, 2),
-        "speed": session.once((SCENE.name, "speed"), lambda: brentq(beyond, 5, 40, rtol=1e-4)),
+        "speed": brentq(effect, 5, 40),
         "fast": crossings(fast),
         "fastest_first": crossover(loaded(LOADS[0], fastest)),
     }
@@ -476,11 +440,12 @@ def crossovers(session: Session, fast: float, fastest: float) -> Numbers:
 
 def crossings_inside(session: Session, fast: float, fastest: float) -> Numbers:
     """Return where masses cross each other, and 0.4 kg the beam without mass, by circumstance."""
+    own = loaded(LOADS[0])
     places = {
         "slowly": crossover(loaded(LOADS[0], 4.0)),
-        "still": crossover(loaded(LOADS[0], 0.0)._replace(delta=1)),
-        "no_hub": crossover(loaded(LOADS[0])._replace(delta=0)),
-        "two": crossover(loaded(LOADS[0]), modes=2),
+        "still": crossover(own._replace(gamma=0.0)),
+        "no_hub": crossover(own._replace(delta=0.0)),
+        "two": crossover(own, modes=2),
     }
     last = {
         name: min(crossover(loaded(b, w), loaded(a, w).alpha) for a, b in pairwise(LOADS))
@@ -489,34 +454,46 @@ def crossings_inside(session: Session, fast: float, fastest: float) -> Numbers:
     return last | {name: crossed(place) for name, place in places.items()}
 
 
-def place_of_maximum(session: Session, who: str, mass: float) -> float:
-    """Return where a mass makes the first frequency largest, at the speed of figure 3."""
-    if who == REFERENCE:
-        return best_mass_position(loaded(mass))
-    place, curves = curves_of_figure_3(session, who)
-    return maximum(place, curves[MASSES.index(mass)])
-
-
-def best_place(session: Session, who: str, mass: float) -> Numbers:
-    """Return the best place of a mass; for the reference also other best places and speeds.
+@once
+def best_place(session: Session, mass: float) -> Numbers:
+    """Return other best places of a mass, and their speeds [rad/s].
 
     The best place at any speed and that speed; the best place of two modes, and the speed at which
-    they have the printed one. Speeds are in rad/s.
+    they have the printed one.
     """
-    value = {"value": place_of_maximum(session, who, mass)}
-    if who != REFERENCE:
-        return value
-    top, at = furthest(session, mass)
-    two = best_mass_position(loaded(mass), 2)
-    off = abs(two - PRINTED_MAXIMA[mass])
-    others = {"top": top, "at": at, "matched": matched(session, mass), "two": two, "two_off": off}
-    return value | others
+    farthest = minimize_scalar(
+        lambda w: -best_mass_position(loaded(mass, w)), bounds=(4, 15), options={"xatol": 0.2}
+    )
+    two, printed = best_mass_position(loaded(mass), 2), PRINTED_MAXIMA[mass]
+    return {
+        "top": -float(farthest.fun),
+        "at": float(farthest.x),
+        "matched": matching_speed(loaded(mass), printed, 2) / UNIT,
+        "two": two,
+        "two_off": abs(two - printed),
+    }
 
 
+@once
 def best_places(session: Session, who: str) -> Numbers:
-    """Return the best places by mass, and their least distance from 0.42."""
-    places = np.array([place_of_maximum(session, who, mass) for mass in LOADS])
-    return {"places": places, "outward": np.diff(places), "gap": np.min(np.abs(places - 0.42))}
+    """Return the best places by mass, and their least distance from 0.42.
+
+    And the place where 0.4 kg cross the beam without mass; all at the speed of figure 3.
+    """
+    if who == REFERENCE:
+        crossing, places = crossover(loaded(LOADS[0])), np.array(best(SPEED))
+    else:
+        place, curves = curves_of_figure_3(session, who)
+        crossing = CubicSpline(place, curves[1] - curves[0]).roots(extrapolate=False)[-1]
+        places = np.array([maximum(place, curve) for curve in curves[1:]])
+    gap = np.min(np.abs(places - 0.42))
+    return {"places": places, "outward": np.diff(places), "gap": gap, "crossing": float(crossing)}
+
+
+def place_in_figure_3(session: Session, who: str, mass: float | None = None) -> float:
+    """Return the best place of a mass, or the crossing of 0.4 kg."""
+    found = best_places(session, who)
+    return float(found["crossing"] if mass is None else found["places"][LOADS.index(mass)])
 
 
 def best_places_otherwise(session: Session) -> Numbers:
@@ -530,7 +507,7 @@ def best_places_otherwise(session: Session) -> Numbers:
         "two_outward": np.diff(two),
         "two_gap": np.min(np.abs(two - 0.42)),
         "still": max(best(0.0)),
-        "tops": [furthest(session, mass)[0] for mass in LOADS],
+        "tops": [best_place(session, mass)["top"] for mass in LOADS],
     }
 
 
@@ -564,7 +541,7 @@ def maxima_at_speeds(session: Session, speeds: Sequence[float]) -> Numbers:
 
     At these speeds [rad/s], and at those, ``matched``, that give two modes the printed maxima.
     """
-    own = [matched(session, mass) for mass in LOADS]
+    own = [best_place(session, mass)["matched"] for mass in LOADS]
     every = sorted([*speeds, own[0], own[-1]])
     return {
         "matched": own,
@@ -601,9 +578,6 @@ def maxima_of_modes(session: Session, most: int) -> Numbers:
 # Section 3.2: responses ---------------------------------------------------------------------------
 
 
-Measure = Callable[[Response, RotatingBeam], float]
-
-
 def driven(values: Values) -> Values:
     """Return the scene's drives (22), as an acceleration, and (23) at a time share T/2, and 2 T."""
     end, at = values["T"], np.array([values["share"] / 2, 2.0]) * values["T"]
@@ -617,16 +591,15 @@ def driven(values: Values) -> Values:
     }
 
 
-def by_mass(session: Session, who: str, figure: int, of: Measure) -> Array:
-    """Return a measure of the motions of figure 4 or 5, by mass."""
-    return np.array(
-        [of(response(session, figure, who, mass), beam_of(figure, mass)) for mass in MASSES]
-    )
+def by_mass(session: Session, who: str, figure: int) -> dict[str, Array]:
+    """Return the properties of the motions of figure 4 or 5, by mass."""
+    every = [properties(response(session, figure, who, mass)) for mass in MASSES]
+    return {name: np.array([one[name] for one in every]) for name in every[0]}
 
 
-def against_none(session: Session, who: str, figure: int, of: Measure) -> Numbers:
-    """Return a measure by mass, its ratios to that without mass, and how it grows."""
-    values = by_mass(session, who, figure, of)
+def against_none(session: Session, who: str, figure: int, of: str) -> Numbers:
+    """Return a property by mass, its ratios to that without mass, and how it grows."""
+    values = by_mass(session, who, figure)[of]
     shares = values[1:] / values[0]
     return {
         "values": values,
@@ -638,11 +611,6 @@ def against_none(session: Session, who: str, figure: int, of: Measure) -> Number
     }
 
 
-def angle_after_pulse(motion: Response, p: RotatingBeam, name: str = "tip_angle") -> float:
-    """Return an angle when the pulse ends [rad]: that of the free end, or ``theta`` of the hub."""
-    return float(motion.values[name][motion.times == p.torque_period][0])
-
-
 def order_of_angles(session: Session) -> Numbers:
     """Return the time [s] from which on the angle falls with the mass, and its size then.
 
@@ -651,34 +619,24 @@ def order_of_angles(session: Session) -> Numbers:
     motions = [response(session, 5, REFERENCE, mass) for mass in MASSES]
     paths, times = np.array([motion.values["tip_angle"] for motion in motions]), motions[0].times
     wrong = np.any(np.diff(paths, axis=0) >= 0, axis=0) & (times <= FIGURE_5.torque_period)
-    start = float(times[wrong][-1])
-    little = np.max(paths[:, times == start]) / angle_after_pulse(motions[0], FIGURE_5)
-    return {"start": start, "little": 100 * little}
-
-
-def amplitude_ratio(motion: Response, p: RotatingBeam) -> float:
-    """Return the amplitude of the second half of the free vibration over that of the first."""
-    first, second = np.array_split(np.abs(free(motion, p)), 2)
-    return float(np.max(second)) / float(np.max(first))
+    last = np.flatnonzero(wrong)[-1]
+    little = np.max(paths[:, last]) / properties(motions[0])["free_end"]
+    return {"start": float(times[last]), "little": 100 * little}
 
 
 def decay(session: Session, who: str) -> Numbers:
-    """Return that ratio after the pulse by mass, how far it is from 1, and amplitudes [m]."""
-    ratios = by_mass(session, who, 5, amplitude_ratio)
-    amplitudes = by_mass(session, who, 5, free_amplitude)
-    return {"ratios": ratios, "off": np.abs(ratios - 1), "amplitudes": amplitudes}
+    """Return amplitudes [m] after the pulse by mass, those of the second half over the first's.
 
-
-def energy_change(motion: Response, p: RotatingBeam) -> float:
-    """Return the largest change of the energy after the pulse, over its largest value."""
-    energy = motion.values["energy"]
-    return float(np.ptp(energy[motion.times >= p.torque_period]) / np.max(energy))
-
-
-def energy_drift(session: Session) -> Numbers:
-    """Return that change, the largest of all masses, and amplitudes as `against_none` has them."""
-    drift = np.max(by_mass(session, REFERENCE, 5, energy_change))
-    return {"drift": drift, **against_none(session, REFERENCE, 5, free_amplitude)}
+    And the distances of these ratios from 1; the largest change of the energy over its maximum.
+    """
+    found = by_mass(session, who, 5)
+    ratios = found["ratio"]
+    return {
+        "ratios": ratios,
+        "off": np.abs(ratios - 1),
+        "amplitudes": found["amplitude"],
+        "drift": np.max(found["drift"]),
+    }
 
 
 # The pulse, linear about rest
@@ -686,45 +644,36 @@ def energy_drift(session: Session) -> Numbers:
 
 def linear_pulse(p: RotatingBeam, times: Array, scene: Scene = SCENE) -> Response:
     """Return the motion under the pulse (23), linear about rest: mode by mode, in closed form."""
-    size = len(scene.coordinates)
-    mass, _, stiffness = linearise(scene, p.replace(drive="torque"), np.zeros(2 * size))
+    mass, _, stiffness = linearise(scene, p, np.zeros(2 * len(scene.coordinates)))
     squares, shapes = eigh(stiffness, mass)
     end, w = p.torque_period, 2 * np.pi / p.torque_period
+    squares = np.where(squares > 1e-6 * w**2, squares, 0.0)[:, None]  # the hub turns freely
+    omega = np.sqrt(squares)
     during, after = np.minimum(times, end), np.maximum(times - end, 0.0)
-    q, v = np.zeros((2, size, len(times)))
-    for square, shape in zip(squares, shapes.T, strict=True):
-        omega = np.sqrt(max(square, 0.0))
-        if omega < 1e-3 * w:  # the hub turns freely
-            at = during / w - np.sin(w * during) / w**2
-            rate = (1 - np.cos(w * during)) / w
-        else:
-            gain = 1 / (omega**2 - w**2)
-            at = gain * (np.sin(w * during) - w / omega * np.sin(omega * during))
-            rate = gain * w * (np.cos(w * during) - np.cos(omega * during))
-        cos, sin, lag = np.cos(omega * after), np.sin(omega * after), np.sinc(omega / np.pi * after)
-        push = shape[0] * p.torque_amplitude
-        q += push * np.outer(shape, at * cos + rate * after * lag)
-        v += push * np.outer(shape, rate * cos - omega * at * sin)
-    return Response(times, with_angle(scene.observe(np.concatenate([q, v]), p), p))
+    push = p.torque_amplitude * shapes[0][:, None] / (squares - w**2)
+    at = push * (np.sin(w * during) - w * during * np.sinc(omega * during / np.pi))
+    rate = push * w * (np.cos(w * during) - np.cos(omega * during))
+    cos, lag = np.cos(omega * after), after * np.sinc(omega * after / np.pi)
+    states = shapes @ (at * cos + rate * lag), shapes @ (rate * cos - squares * at * lag)
+    return observed(p, times, scene.observe(np.concatenate(states), p))
 
 
-def pulses(
-    session: Session, hub_inertias: Sequence[float] = (10.0,), hub_radii: Sequence[float] = (0.0,)
-) -> Numbers:
-    """Return the results of figure 5 for several hubs, by hub and mass, linear about rest.
+def pulses(session: Session, **hubs: Sequence[float]) -> Numbers:
+    """Return the results of figure 5 by a parameter of the hub and mass, linear about rest.
 
     The hub's angle after the pulse [rad], the largest deflection [m], its increase over that
     without mass [percent], and the largest deflection after the pulse [m].
     """
     times = np.linspace(0.0, 20.0, 641)
-    angle, largest, left = np.zeros((3, len(hub_inertias) * len(hub_radii), len(MASSES)))
-    hubs = [(inertia, radius) for inertia in hub_inertias for radius in hub_radii]
-    for i, (inertia, radius) in enumerate(hubs):
-        for j, mass in enumerate(MASSES):
-            p = FIGURE_5.replace(hub_inertia=inertia, hub_radius=radius, mass=mass)
-            motion = linear_pulse(p, times)
-            angle[i, j], largest[i, j] = angle_after_pulse(motion, p, "theta"), peak(motion, p)
-            left[i, j] = free_amplitude(motion, p)
+    sets = [{name: one} for name, values in hubs.items() for one in values]
+    found = [
+        [properties(linear_pulse(FIGURE_5.replace(mass=mass, **hub), times)) for mass in MASSES]
+        for hub in sets
+    ]
+    angle, largest, left = (
+        np.array([[one[name] for one in row] for row in found])
+        for name in ("hub", "peak", "amplitude")
+    )
     growth = 100 * (largest[:, 1:] / largest[:, :1] - 1)
     most = np.max(growth, axis=1)
     return {
@@ -742,16 +691,7 @@ def pulses(
 
 def peaks_by_mass(session: Session) -> Numbers:
     """Return the largest deflections [m] of figures 4 and 5, by mass."""
-    return {f"figure_{figure}": by_mass(session, REFERENCE, figure, peak) for figure in (4, 5)}
-
-
-def angles_by_mass(session: Session) -> Numbers:
-    """Return the angles [rad] of the hub and of the free end after the pulse, by mass."""
-    hub, free_end = (
-        by_mass(session, REFERENCE, 5, partial(angle_after_pulse, name=name))
-        for name in ("theta", "tip_angle")
-    )
-    return {"hub": hub, "free_end": free_end}
+    return {f"figure_{n}": by_mass(session, REFERENCE, n)["peak"] for n in CASES}
 
 
 def models_of_figure_4(session: Session) -> Numbers:
@@ -761,19 +701,21 @@ def models_of_figure_4(session: Session) -> Numbers:
     many percent the converged ones overshoot; the speed [rad/s] above which the beam diverges
     without the second-order coupling.
     """
-    times, loads = np.arange(8 * SAMPLES + 1) / SAMPLES, (LOADS[0], LOADS[-1])
+    times, beams = (
+        np.arange(8 * SAMPLES + 1) / SAMPLES,
+        [FIGURE_4, FIGURE_4.replace(mass=LOADS[-1])],
+    )
     scenes = {
         "exact": SCENE,
         "converged": beam_scene("second_order", 8, 0),
         "two_modes": beam_scene("second_order", 2, 1, cantilever_modes),
     }
-    peaks: dict[str, list[float]] = {}
-    for name, scene in scenes.items():
-        for p in (beam_of(4, mass) for mass in loads):
-            values = scene.observe(states_at(scene, p, scene.state({}), times), p)
-            peaks.setdefault(name, []).append(peak(Response(times, values), p))
-    over = 100 * (np.array(peaks["converged"]) / peaks["exact"] - 1)
-    return {**peaks, "over": over, "critical": critical_speed(beam_of(4, loads[0]))}
+    peaks = {
+        name: np.array([peak(solved(scene, p, times)) for p in beams])
+        for name, scene in scenes.items()
+    }
+    over = 100 * (peaks["converged"] / peaks["exact"] - 1)
+    return {**peaks, "over": over, "critical": critical_speed(beams[0])}
 
 
 def damped_shares(session: Session, ratios: Sequence[float]) -> Numbers:
@@ -792,12 +734,14 @@ def hub_radii(session: Session, radii: Sequence[float]) -> Numbers:
 
     In words, of two modes and converged, with the best places; without a crossing there are none.
     """
-    words: dict[str, list[str]] = {"two": [], "two_best": [], "converged": [], "best": []}
-    for radius in radii:
-        n = [numbers(BEAM.replace(hub_radius=radius, mass=mass)) for mass in LOADS]
-        for name, own, modes in (("two", "two_best", 2), ("converged", "best", None)):
-            place = crossover(n[0], modes=modes)
-            words[name].append(crossed(place))
-            best = [best_mass_position(one, modes) for one in n] if np.isfinite(place) else []
-            words[own].append(", ".join(f"{one:.3g}" for one in best) or "none")
-    return {**words, **pulses(session, hub_radii=radii)}
+    beams = [[numbers(BEAM.replace(hub_radius=a, mass=mass)) for mass in LOADS] for a in radii]
+    words = {}
+    for name, own, modes in (("two", "two_best", 2), ("converged", "best", None)):
+        words[name] = [crossed(crossover(by_mass[0], modes=modes)) for by_mass in beams]
+        words[own] = [
+            ", ".join(f"{best_mass_position(n, modes):.3g}" for n in by_mass)
+            if crossing != "nowhere"
+            else "none"
+            for by_mass, crossing in zip(beams, words[name], strict=True)
+        ]
+    return {**words, **pulses(session, hub_radius=radii)}

@@ -37,9 +37,9 @@ from mbcheck.reference.equations import ModelEquations, scene_equations
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.linear import linearise, modes
 from mbcheck.reference.rotating_beam import SCENE, beam_scene
-from mbcheck.reference.rotating_beam.chain import scene_of
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 from mbcheck.reference.scene import Array, Case
+from mbcheck.tests.support.chain import scene_of
 from mbcheck.tests.support.subjects import (
     Subject,
     check_of,

@@ -1,13 +1,14 @@
 """80 columns: nothing that a verb prints is wider, but for an id on a line of its own."""
 
+import io
 import json
 from pathlib import Path
 
 import pytest
 
 from mbcheck import models
-from mbcheck.comparisons.cli.group import VERBS
-from mbcheck.tests.support.command import SMALL, invoke, process, succeeds
+from mbcheck.comparisons.cli.group import VERBS, program
+from mbcheck.tests.support.command import SMALL, invoke, process, refusal, succeeds
 
 WIDTH = 80
 
@@ -63,6 +64,23 @@ def test_a_comparison_of_runs_and_a_judgement_fit(tmp_path: Path) -> None:
     judged = invoke(f"judge {tmp_path}/run.csv --case hula_hoop/rod_aligned --tolerance 1e-3")
     assert judged.exit_code == 1
     assert not too_wide(judged.stdout)
+
+
+class Terminal(io.StringIO):
+    """Standard error on a terminal."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def test_an_error_is_wrapped_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    line = "list zzzzzz"
+    assert len(refusal(line)) > WIDTH
+    monkeypatch.setattr("sys.stderr", screen := Terminal())
+    monkeypatch.setenv("COLUMNS", str(WIDTH))
+    assert program.exit_code(line.split()) == 2
+    assert not too_wide(screen.getvalue())
+    assert " ".join(screen.getvalue().split()) == refusal(line)
 
 
 # Completion

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable
 from pathlib import Path
 from typing import get_args
 
@@ -15,15 +15,18 @@ from mbcheck.comparisons.checks.suite import plan
 from mbcheck.comparisons.checks.table import EVERY_KIND, KINDS
 from mbcheck.comparisons.checks.verdict import PROFILES, Verdict
 from mbcheck.comparisons.cli.explain import explanations, glossary
-from mbcheck.comparisons.inspect.console import inspection_sections
-from mbcheck.comparisons.inspect.inspection import inspect
+from mbcheck.comparisons.compare.gaps import QUANTITIES
+from mbcheck.comparisons.diff.changes import SORTS
+from mbcheck.comparisons.inspect.batch import Sandbox
 from mbcheck.comparisons.inspect.rules.table import RULES as FINDINGS
+from mbcheck.comparisons.inspect.views import Kind as ModeKind
 from mbcheck.comparisons.papers.ledger import VERDICTS
+from mbcheck.comparisons.reports import sections, text
 from mbcheck.comparisons.reports.item import Level
 from mbcheck.comparisons.reports.run.located import HEADS
 from mbcheck.comparisons.reports.run.sections import REASON_HEADS, RESULT_HEADS
 from mbcheck.comparisons.tradeoff import pages, table
-from mbcheck.tests.support.command import invoke, succeeds
+from mbcheck.tests.support.command import SMALL, invoke, succeeds
 
 
 def test_every_kind_and_verdict_has_an_entry() -> None:
@@ -104,29 +107,55 @@ LOOP = """<mujoco><worldbody>
   </worldbody><equality><connect body1="a" body2="b" anchor="0 0 -1"/></equality></mujoco>"""
 """Two pendulums that a loop joins: every table of `inspect` has rows."""
 
-
-def heads_of_inspect(folder: Path) -> Iterator[str]:
-    path = folder / "loop.xml"
-    path.write_text(LOOP)
-    for section in inspection_sections(inspect(str(path)), [], full=True):
-        yield from section.heads
+NAMES = {"force_frequency", "force_amplitude"}
+"""Parameters, which `mbcheck list SCENE` explains."""
 
 
-def heads_of_tradeoff() -> Iterator[str]:
-    yield from (*pages.CHOICE, *pages.LIMIT, *pages.RUNS, *pages.LEFT_OUT)
-    yield from pages.stability_table([])[0]
+def words_of(heads: Iterable[str]) -> set[str]:
+    """Return the words of heads of tables, but for units, numbers, files and parameters."""
+    words = {re.sub(r" *(\[.*\]|\(.*\))", "", part) for head in heads for part in head.split(", ")}
+    return {word for word in words if word and not word.isdigit() and word not in NAMES}
 
 
-def words_of_tradeoff() -> Iterator[str]:
-    yield from (table.STEP, table.MODEL, table.ROUND_OFF, table.FAILED)
-    yield table.percent(None)
-
-
-def test_every_column_and_verdict_of_inspect_and_tradeoff_is_explained(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "line",
+    [
+        "list",
+        "list hula_hoop",
+        "orbit hula_hoop",
+        "frequencies rotor_pendulum",
+        "inspect {a} --full",
+        "judge {run} --case hula_hoop/rod_aligned --tolerance 1e-3",
+        pytest.param(SMALL, marks=pytest.mark.slow),
+    ],
+)
+def test_every_head_of_a_table_is_explained(
+    line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     pytest.importorskip("mujoco")
-    inspected = [*heads_of_inspect(tmp_path)]
-    assert {"omega [rad/s]", "stable up to [s]", "opens by"} <= {*inspected}
-    heads = [*inspected, *heads_of_tradeoff(), *HEADS, *RESULT_HEADS, *REASON_HEADS]
-    words = {re.sub(r" *\[.*\]", "", part) for head in heads for part in head.split(", ")}
-    words |= {*get_args(Level), *words_of_tradeoff(), "rigid", "unstable"}
-    assert not {word for word in words if word and not explanations(word)}
+    heads, files = list[str](), {name: tmp_path / f"{name}.xml" for name in ("a", "run")}
+    files["a"].write_text(LOOP)
+    if "{run}" in line:
+        succeeds(f"simulate hula_hoop --times 0:0.1:0.01 --csv {files['run']}")
+    for module in (text, sections):
+        monkeypatch.setattr(module, "print_rows", lambda _, row, *more: heads.extend(row))
+    monkeypatch.setattr(Sandbox, "run", lambda _, work, alone: work())
+    invoke(line.format(**files))
+    assert heads
+    assert not {word for word in words_of(heads) if not explanations(word)}
+
+
+def test_every_word_of_tradeoff_check_compare_and_diff_is_explained() -> None:
+    heads = [*pages.CHOICE, *pages.LIMIT, *pages.RUNS, *pages.LEFT_OUT, *HEADS, *RESULT_HEADS]
+    heads += [*REASON_HEADS, *pages.stability_table([])[0]]
+    heads += ["difference", "effect on accelerations", "element, A, B", "state"]  # of compare
+    words = words_of(heads) | {*get_args(Level), *get_args(ModeKind), *SORTS.values()}
+    words |= {table.STEP, table.MODEL, table.ROUND_OFF, table.FAILED, table.percent(None)}
+    words |= {name for name, _ in QUANTITIES.values()}
+    assert not {word for word in words if not explanations(word)}
+
+
+def test_a_term_that_shares_a_row_is_explained_alone() -> None:
+    assert "sub-steps" not in succeeds("explain scheme_residual")
+    assert "pair" not in succeeds("explain fold")
+    assert all(explanations(word) for word in ("discrete", "keyframe", "horizon", "seed"))

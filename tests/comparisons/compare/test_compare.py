@@ -106,6 +106,11 @@ WRITTEN = {
 <body name="shin" pos="0 .01 -.4"><joint name="k"/>
 <geom type="capsule" fromto="0 0 0 0 0 -.3" size=".049"/><geom size=".0273" pos=".011 .07 -.3111"/>
 <geom type="box" size=".1 .033 .0271" euler="10 20 30"/></body></body></worldbody></mujoco>""",
+    "thigh and foot of a public humanoid": """<mujoco><compiler angle="radian"/>
+<worldbody><body name="thigh"><joint name="hip"/><geom type="capsule" size=".06 .1822257"
+pos="-5.0684e-08 -.202473 0"/><body name="foot"><joint name="ankle"/><geom type="capsule"
+size=".03 .0543914" pos="-.0269999975006 -.02 -.01"/><geom type="capsule" size=".03 .0543914"
+pos=".0270000024994 -.02 -.01"/></body></body></worldbody></mujoco>""",
     "muscle": """<mujoco><worldbody><site name="hook" pos="0 0 .2"/><body name="load" pos="0 0 .1">
 <geom size=".01" mass="1"/><site name="end"/><joint type="slide" axis="0 0 1"/></body></worldbody>
 <tendon><spatial name="t" limited="true" range=".075 .105"><site site="hook"/><site site="end"/>
@@ -122,8 +127,8 @@ WRITTEN = {
 @pytest.mark.parametrize("order", [1, -1])
 def test_a_copy_that_mujoco_saved_is_no_difference(name: str, order: int, tmp_path: Path) -> None:
     (tmp_path / "written.xml").write_text(WRITTEN[name])
-    texts = [WRITTEN[name], saved(tmp_path / "written.xml")][::order]
-    assert texts_compared(*texts, tmp_path).findings == []
+    one, other = [WRITTEN[name], saved(tmp_path / "written.xml")][::order]
+    assert texts_compared(one, other, tmp_path).findings == []
 
 
 def test_a_lost_range_of_lengths_of_a_muscle_is_named(tmp_path: Path) -> None:
@@ -377,6 +382,41 @@ def test_effects_are_relative_to_each_joint(tmp_path: Path) -> None:
     assert one.effect == pytest.approx(99)  # (0.1 - 0.001) / 0.001: nothing else acts on it
     (still,) = texts_compared(text, text.replace('"s"', '"s" pos=".1 0 0"'), tmp_path).differences
     assert still.effect == 0
+
+
+def test_a_change_that_only_a_step_shows_has_no_effect_and_says_so(tmp_path: Path) -> None:
+    other = SMALL.replace("<worldbody>", '<option timestep=".004"/><worldbody>')
+    (one,) = texts_compared(SMALL, other, tmp_path).differences
+    assert (one.id, one.effect) == ("option timestep", 0)
+    assert one.seen.startswith("step of Euler, ")
+    files = [str(tmp_path / f"{name}.xml") for name in ("one", "other")]
+    assert f"0 (seen: {one.seen})" in " ".join(invoke("compare", *files).stdout.split())
+
+
+SERVO = """<mujoco><worldbody><body><joint name="j" range="-40 40" springref="20" stiffness="3"/>
+<geom size=".1" pos=".2 0 0" mass="1"/></body></worldbody><actuator>
+<position name="p" joint="j" kp="10" dampratio=".7" gear="3"/></actuator></mujoco>"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "named"),
+    [
+        ('kp="10"', 'kp="20"', {"actuator p: kp 10 read as 20"}),
+        ('mass="1"', 'mass="2"', {"body 1 of body world: mass 1 read as 2"}),
+        ('dampratio=".7"', 'dampratio=".8"', {"actuator p: kv 1.08444 read as 1.23936"}),
+        ('springref="20"', "", {"joint j: springref 0.349066 rad dropped"}),
+        (' range="-40 40"', "", {"joint j: range -0.698132 0.698132 rad dropped"}),
+        ('stiffness="3"', 'stiffness="inf"', {"joint j: stiffness 3 read as inf"}),
+    ],
+)
+def test_what_follows_from_a_ratio_is_no_difference_and_angles_have_a_unit(
+    old: str, new: str, named: set[str], tmp_path: Path
+) -> None:
+    """`kv` follows from `kp` and the mass where a file gives `dampratio`; its edit is not lost."""
+    found = texts_compared(SERVO, SERVO.replace(old, new), tmp_path)
+    sentences = {one.sentence for one in found.differences}
+    assert {one for one in sentences if " inertia " not in one} == named
+    assert found.closed or "inf" in new
 
 
 def test_numbers_of_a_table_differ(tmp_path: Path) -> None:

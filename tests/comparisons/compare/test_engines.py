@@ -86,6 +86,14 @@ def test_a_waiver_allows_a_difference_and_a_stale_one_is_reported(arm: str, tmp_
     assert json.loads(invoke(*words, "--json", "-").stdout)["waived"] == {
         "joint shoulder damping": "known"
     }
+    for element in ("shoulder", "joint:shoulder", "joint:shoulder damping"):  # as `inspect` has it
+        waivers.write_text(entry.format(element))
+        assert invoke(*words).exit_code == 0, element
+    waivers.write_text(entry.replace('file = "arm.xml"\n', "").format("joint elbow *"))
+    done = invoke(*words)
+    assert done.exit_code == 1
+    assert "line 1: joint elbow * waives nothing here" in " ".join(done.stdout.split())
+    assert "waiver_unused" not in invoke(*words, "--sarif", "-").stdout
     waivers.write_text(entry.format("joint elbow *"))
     done = invoke(*words)
     assert done.exit_code == 1

@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.inspect.batch import Sandbox
+from mbcheck.comparisons.inspect.console import steps_section
 from mbcheck.comparisons.inspect.inspection import ModelFinding, inspect
 from mbcheck.tests.support.command import invoke
-from mbcheck.tests.support.mjcf.mistakes import KEY, LIMITED, held, written
+from mbcheck.tests.support.mjcf.mistakes import INERTIAL, KEY, LIMITED, SOLID, held, written
 
 SERVO = """<mujoco><compiler angle="radian"/>
   <option timestep="0.002" integrator="{integrator}" gravity="0 0 0"/><worldbody><body>
@@ -71,6 +72,9 @@ def test_a_fix_leaves_no_spin_and_is_not_near_the_limit(tmp_path: Path) -> None:
     path = servo(tmp_path / "model.xml")
     fix = one_of(path, "step_limit").fix
     assert '(not integrator "discrete": a run with a servo\'s joint displaced' in fix
+    rows, lines = zip(*((x.rows, x.lines) for x in steps_section(inspect(path))), strict=True)
+    assert [row[0] for row in rows[0] if str(row[0]).endswith(" *")] == ["discrete *"]
+    assert lines[0][0].startswith("* discrete is no remedy: a run with a servo's joint displaced")
     assert lasting_speed(servo(path, integrator="discrete"), 0.5) > 800
     gain = number(r"([\d.]+) times the gains", fix)
     edits: list[dict[str, object]] = [
@@ -178,6 +182,54 @@ def test_a_sign_is_mended_beside_an_inverted_pendulum(tmp_path: Path) -> None:
     assert "positive_feedback" not in found
     path.write_text(text.format(50))
     assert "unstable_mode" not in {one.rule for one in inspect(path).findings}
+
+
+@pytest.mark.parametrize(
+    ("inertia", "unit"), [(("1e8", "1e8", "1e7"), "g mm^2"), (("1e3", "1e3", "1e2"), "kg cm^2")]
+)
+def test_an_inertia_in_another_unit_is_written_in_ours(
+    inertia: tuple[str, ...], unit: str, tmp_path: Path
+) -> None:
+    path = written(
+        tmp_path, *SOLID, (INERTIAL, INERTIAL.replace("0.1 0.1 0.01", " ".join(inertia)))
+    )
+    match = re.fullmatch(
+        r'write (diaginertia="[^"]*"), if .* is in (.*)', one_of(path, "odd_inertia").fix
+    )
+    assert match is not None
+    assert match[1] == 'diaginertia="0.1 0.1 0.01"'
+    assert match[2] == unit
+    path = written(tmp_path, *SOLID, (INERTIAL, INERTIAL.replace("0.1 0.1 0.01", "5 5 1")))
+    assert one_of(path, "odd_inertia").fix.startswith("write about 0.0")
+
+
+WEAK = 'position kp="{}" kv="9" {}'
+LYING = ('pos="0 0 -0.5" mass="1"', 'pos="-0.5 0 0" mass="1"')
+
+
+@pytest.mark.parametrize(
+    ("servo", "rule", "words"),
+    [
+        (WEAK.format(900, 'forcerange="-4 4"'), "saturated_actuator", "swing needs 4.905 Nm"),
+        (WEAK.format(10, ""), "control_not_holding", "one yields by about -0.491 rad"),
+        (WEAK.format(900, 'forcerange="-6 6"'), None, ""),
+    ],
+)
+def test_a_servo_too_weak_for_its_load_is_seen_as_the_file_opens(
+    servo: str, rule: str | None, words: str, tmp_path: Path
+) -> None:
+    key = f"<keyframe>\n    {KEY}\n  </keyframe>"
+    path = written(tmp_path, *held(servo), LYING, (key, ""), (' stiffness="5"', ""))
+    found = {one.rule: one.message for one in inspect(path).findings}
+    assert [*found] == [rule] * (rule is not None)
+    assert words in found.get(str(rule), "")
+
+
+def test_an_overdamped_joint_decays_and_has_no_frequency(tmp_path: Path) -> None:
+    path = written(tmp_path, (' damping="0.1"', ' damping="90"'))
+    report = " ".join(invoke(f"inspect {path} --full").stdout.split())
+    assert "2 modes, 2 decaying" in report
+    assert re.search(r" - 1 -[\d.]+ swing decaying", report)
 
 
 def test_waivers_to_paste(tmp_path: Path) -> None:

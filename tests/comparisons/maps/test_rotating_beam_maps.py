@@ -15,10 +15,10 @@ from mbcheck.comparisons.maps.run import compute
 from mbcheck.comparisons.scenes.quantity import NO_VALUE, Points, QuantityValues
 from mbcheck.comparisons.scenes.rotating_beam import maps
 from mbcheck.reference.rotating_beam import SCENE, critical_speed
-from mbcheck.reference.rotating_beam.chain import chain_frequencies
 from mbcheck.reference.rotating_beam.frequencies.numbers import numbers, time_unit
 from mbcheck.reference.rotating_beam.frequencies.stretching import frequencies
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
+from mbcheck.tests.support.chain import chain_frequencies
 from mbcheck.tests.support.command import invoke
 from mbcheck.tests.support.exact.shooting import shooting
 

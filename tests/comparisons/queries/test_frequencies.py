@@ -10,6 +10,7 @@ from mbcheck.comparisons.engines.adapter import BoundModel
 from mbcheck.reference.errors import (
     EngineError,
 )
+from mbcheck.tests.support.command import succeeds
 from mbcheck.tests.support.documents import validated
 
 ENGINES = ("reference", "mujoco", "exudyn")
@@ -40,6 +41,21 @@ def test_damped_frequencies(engine: str) -> None:
     assert slide.im == pytest.approx(ALIGNED * np.sqrt(1 - 0.1**2), rel=1e-8)
     assert [mode.omega for mode in found.modes] == sorted(mode.omega for mode in found.modes)
     assert len(mbcheck.frequencies("hula_hoop", engine=engine, count=1).modes) == 1
+
+
+@pytest.mark.parametrize(
+    ("scene", "words", "steady"),
+    [
+        ("hula_hoop", "damped modes, with force_amplitude=0", ()),
+        ("speed_regulator", "damped modes", ()),
+        ("rotating_beam", ", theta keeps its speed", ("theta",)),
+    ],
+)
+def test_what_drives_the_scene_is_said(scene: str, words: str, steady: tuple[str, ...]) -> None:
+    document = validated("frequencies", mbcheck.frequencies(scene, count=1).as_json())
+    assert document["steady"] == list(steady)
+    first = " ".join(succeeds(f"frequencies {scene} --count 1").partition("parameters:")[0].split())
+    assert first.endswith(words)
 
 
 def test_a_beam_that_shears_has_a_first_mode() -> None:

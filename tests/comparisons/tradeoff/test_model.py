@@ -14,7 +14,7 @@ import pytest
 
 from mbcheck.comparisons.inspect.inspection import inspect
 from mbcheck.comparisons.inspect.mujoco.model import load
-from mbcheck.comparisons.tradeoff.bench import Bench
+from mbcheck.comparisons.tradeoff.bench import Bench, Converged, Setting, converge
 from mbcheck.comparisons.tradeoff.model import ModelTradeoff, setting_of
 from mbcheck.comparisons.tradeoff.request import TradeoffRequest
 from mbcheck.comparisons.tradeoff.table import Cost, Trial
@@ -79,6 +79,35 @@ def test_the_recommended_setting_meets_its_target_with_other_controls(tmp_path: 
     other = advised(file, horizon=0.25, seed=7)
     (again,) = [one for one in other.trials if setting_of(one) == setting_of(choice)]
     assert again.error <= 0.01
+
+
+@pytest.mark.parametrize("changes", [{}, {"kp": "2000", "damping": "2"}])
+def test_what_is_not_run_would_not_be_chosen(changes: dict[str, str], tmp_path: Path) -> None:
+    """All settings left out are run after the choice, and each integrator has one before."""
+    file = written(tmp_path, **changes)
+    advice, bench = advised(file, horizon=0.25), Bench(load(file), asked(file, horizon=0.25))
+    choice, known = advice.choice, {setting_of(one) for one in advice.trials}
+    left = [one for one in bench.settings() if one not in known]
+    assert choice is not None
+    assert left
+    assert advice.next_setting(bench) is None
+    for setting in left:
+        advice.tried(bench, setting)
+    assert advice.choice is not None
+    assert setting_of(advice.choice) == setting_of(choice)
+
+
+def test_a_smooth_motion_converges_at_an_eighth_of_the_step(tmp_path: Path) -> None:
+    """Its bound holds against a run with a 64th."""
+    file = written(tmp_path)
+    bench = Bench(load(file), asked(file, horizon=0.25))
+    start = next(bench.starts((1,)))
+    truth = converge(bench, start)
+    assert isinstance(truth, Converged)
+    assert truth.setting == bench.file._replace(integrator="RK4", step=0.002 / 8)
+    finer = bench.run(start, truth.setting._replace(step=0.002 / 64), sharp=True)
+    assert np.all(bench.apart(finer, truth.run, truth.size) <= truth.error + 1e-12)
+    assert float(np.max(truth.error)) <= BENCH.known_share * BENCH.enough * 0.01
 
 
 LIMITED = """<mujoco><option timestep="0.01" gravity="0 0 0"/><worldbody><body>
@@ -199,9 +228,9 @@ def test_a_model_at_rest_has_nothing_to_compare(tmp_path: Path) -> None:
     still = 'gravity="0 0 0"'
     done = invoke(f"tradeoff {written(tmp_path, option=still, kp='0')} --horizon 0.1")
     assert done.exit_code == 1
-    assert "no run converges: as opened, constant controls: nothing moves" in " ".join(
-        done.stdout.split()
-    )
+    text = " ".join(done.stdout.split())
+    assert "no run converges: as opened, constant controls; as opened, moving controls (1);" in text
+    assert ": nothing moves by 1e-06 m or rad" in text
 
 
 def test_sites_may_be_observed(tmp_path: Path) -> None:
@@ -293,6 +322,9 @@ def test_soft_closures_are_told_and_hardened(tmp_path: Path) -> None:
     assert own.largest("softness") == pytest.approx(exact.largest("softness"), rel=0.1)
     assert {setting_of(one).closure for one in own.trials} == {None}
     # as soft as in the file a short step does not meet the target; with hard closures it does
+    bench, short_step = Bench(load(file), exact.request), Setting("RK4", 0.0005)
+    for setting in (short_step, short_step._replace(closure=BENCH.closure_steps * 0.0005)):
+        exact.tried(bench, setting)
     errors = {setting_of(one): one.error for one in exact.trials}
     short = {one: errors[one] for one in errors if one.integrator == "RK4" and one.step <= 0.002}
     soft, hard = (

@@ -213,7 +213,7 @@ def test_orbits_are_stable_on_the_side_that_is_told(
         curve = tracer.curve(LINE, parts, 0, x)
         orbit = correct(curve.equations, np.array([*z[:4], x, y]), row, y, 30)
         assert orbit is not None
-        values = tracer.rate(curve, orbit, row)[0].multipliers
+        values = tracer.rate(curve, orbit)[0].multipliers
         assert sign * (np.max(np.abs(values)) - 1) < 0
 
 

@@ -14,9 +14,11 @@ from mbcheck.reference.speed_regulator.theory import least_torque
 REGULATOR = get_scene("speed_regulator")
 
 
-def sought(damping: float, torque: float, *near: float) -> ConnectionAlong:
+def sought(
+    damping: float, torque: float, rest: str = "bottom", offset: float = 0.01
+) -> ConnectionAlong:
     p = REGULATOR.parameters().replace(damping=damping, torque=torque)
-    return ConnectionAlong(REGULATOR, p, "homoclinic", "torque", *(near or (4.7,)))
+    return ConnectionAlong(REGULATOR, p, "homoclinic", "torque", rest, offset)
 
 
 def found(along: ConnectionAlong) -> tuple[float, float]:
@@ -33,7 +35,7 @@ def test_the_torque_is_that_of_shooting_over_the_angle(damping: float, torque: f
     limit = least_torque(along.parameters)
     off = []
     for offset in (0.02, 0.01):
-        value, bound = found(sought(damping, torque, 4.7, offset))
+        value, bound = found(sought(damping, torque, offset=offset))
         assert bound < 1e-11
         off.append(value / limit.torque - 1)
     assert 0 < off[1] < 4e-7
@@ -49,8 +51,8 @@ def test_it_does_not_depend_on_where_it_is_sought_from() -> None:
 
 def test_where_there_is_none_it_says_so() -> None:
     """A position of rest that is stable; a torque by which nothing comes round; steps astray."""
-    with pytest.raises(NoOrbitError, match="no saddle near 0 rad"):
-        _ = sought(2.0, 0.0525, 0.0).solution
+    with pytest.raises(NoOrbitError, match="'right' of speed_regulator is no saddle"):
+        _ = sought(2.0, 0.0525, "right").solution
     with pytest.raises(NoOrbitError, match="no motion from the saddle"):
         _ = sought(2.0, 0.03).solution
     along = sought(2.0, 0.0525)

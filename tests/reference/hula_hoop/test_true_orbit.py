@@ -36,7 +36,7 @@ def true_orbit(p: HulaHoop, solution: ApproximateSolution) -> TrueOrbit:
     assert orbits.closed[0]
     found = Orbit(
         float(orbits.periods[0]), orbits.states[:, 0], orbits.multipliers[:, 0],
-        orbits.monodromy[0], np.zeros(4),
+        orbits.monodromy[0],
     )  # fmt: skip
     states = orbit_samples(SCENE, p, found)
     t = found.period * np.arange(states.shape[1]) / states.shape[1]

@@ -8,16 +8,11 @@ import numpy as np
 import pytest
 
 from mbcheck.reference.errors import UnknownNameError
-from mbcheck.reference.rotating_beam.chain import (
-    chain_frequencies,
-    chain_scene,
-    embedding,
-    layout,
-    scene_of,
-)
+from mbcheck.reference.rotating_beam.chain import chain_scene, embedding, layout
 from mbcheck.reference.rotating_beam.frequencies.numbers import time_unit
 from mbcheck.reference.rotating_beam.frequencies.stretching import frequencies
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
+from mbcheck.tests.support.chain import chain_frequencies, scene_of
 
 STEADY = RotatingBeam(ramp_time=0.0)
 UNIT = time_unit(STEADY)

@@ -306,7 +306,7 @@ def test_orbit_and_theory_meet() -> None:
         one = shoot(SCENE, p, guess[:, None], steps=64)
         assert np.all(one.closed)
         parts = one.periods[0], one.states[:, 0], one.multipliers[:, 0], one.monodromy[0]
-        orbit = Orbit(*parts, 0 * guess)
+        orbit = Orbit(*parts)
         speed = 2 * np.pi / orbit.period
         found = SCENE.orbit.quantities(orbit_samples(SCENE, p, orbit), SCENE.coefficients(p))
         assert set(found) == set(SCENE.orbit.units)

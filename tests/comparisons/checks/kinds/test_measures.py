@@ -82,7 +82,7 @@ def test_a_drift_is_predicted_and_no_more_is_granted(engine: str, model: str, me
 def orbit(*multipliers: float, trivial: int | None) -> Orbit:
     """Return an orbit of two states whose period map is diagonal."""
     values = np.array(multipliers)
-    return Orbit(1.0, np.zeros(2), values, np.diag(values), np.zeros(2), trivial)
+    return Orbit(1.0, np.zeros(2), values, np.diag(values), trivial)
 
 
 @pytest.mark.parametrize(

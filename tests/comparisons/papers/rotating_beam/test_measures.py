@@ -28,9 +28,7 @@ BY_NAME = {row.name: row for row in read_paper("rotating_beam").rows}
 
 @pytest.mark.slow
 def test_responses_are_those_that_were_measured(with_engines: Session) -> None:
-    peaks, own = (
-        measures.by_mass(with_engines, who, 4, measures.peak) for who in (REFERENCE, "exudyn")
-    )
+    peaks, own = (measures.by_mass(with_engines, who, 4)["peak"] for who in (REFERENCE, "exudyn"))
     np.testing.assert_allclose(peaks, [1.083, 1.864, 2.456, 3.332], atol=6e-4)
     np.testing.assert_allclose(own, peaks, rtol=1e-3)
 
@@ -47,10 +45,10 @@ def test_an_engine_that_fails_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
         raise EngineError("clock", "went back")
 
     monkeypatch.setattr(measures, "simulate", fails)
-    failure = measures.simulate_beam(measures.beam_of(5, 0.4), "exudyn", 1.0)
+    failure = measures.simulate_beam(FIGURE_5, "exudyn", 1.0)
     assert isinstance(failure, str)
     session = Session(engines=("exudyn",))
-    still = measures.Response(np.zeros(1), {"theta": np.zeros(1)})
+    still = measures.Response(FIGURE_5, np.zeros(1), {"theta": np.zeros(1)})
     for who, motion in (("exudyn", failure), (REFERENCE, still)):
         session.cache["rotating_beam.runs", 5, who] = {0.4: motion}
     row = row_of("a", each=lambda session, who: len(measures.response(session, 5, who, 0.4).times))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
@@ -16,11 +17,13 @@ from mbcheck.comparisons.papers.session import Session
 from mbcheck.comparisons.papers.speed_regulator import measures
 from mbcheck.comparisons.papers.speed_regulator.figures import turns_apart
 from mbcheck.comparisons.queries.frequencies import frequencies
+from mbcheck.comparisons.scenes.quantity import Points
 from mbcheck.comparisons.scenes.speed_regulator.limit_cycles import REGIMES, theory_regimes
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import NoOrbitError
 from mbcheck.reference.speed_regulator.theory import least_torque, rotation
 
+PLACES = np.array([[0, 0], [1, 0]])
 BY_NAME = {row.name: row for row in read_paper("speed_regulator").rows}
 
 
@@ -44,7 +47,8 @@ def test_turns_of_a_run() -> None:
     run = measures.recorded_motion(Session(), "frictionless")
     speeds = measures.turn_speeds(run)
     assert np.all(np.diff(speeds) > 0)
-    assert measures.turn_speeds(run, 1)[3] == pytest.approx(speeds[3], rel=1e-3)
+    two = 2 / (1 / speeds[2] + 1 / speeds[3])
+    assert measures.turn_speeds(run, 2)[1] == pytest.approx(two, rel=1e-12)
     y, rate = measures.last_turn(run)
     assert y[0] == pytest.approx(y[-1], abs=1e-3)
     assert abs(rate[0] - rate[-1]) > 1e-4  # it gets faster
@@ -61,11 +65,16 @@ def test_without_the_damper_there_is_no_steady_rotation() -> None:
 @pytest.mark.slow
 def test_rotations_begin_at_the_least_torque() -> None:
     """Of all parameters that readings try, by the regime just below and above it."""
-    sets = {p: None for group in measures.VARIANTS.values() for p in group}
-    for p in sets:
+    rows = ("missing_parameters", "spring_reference", "braking_of_figure_6")
+    calls = [BY_NAME[name].numbers for name in rows]
+    sets = [one for call in calls if isinstance(call, partial) for one in call.keywords["sets"]]
+    assert len(sets) == 17
+    for p in {measures.EXAMPLE.replace(**changes) for changes in sets}:
         torque = least_torque(p).torque * np.array([0.998, 1.002])
-        values = {name: np.repeat(getattr(p, name), 2) for name in p.names()}
-        at = measures.points(REFERENCE, **(values | {"torque": torque}))
+        both = p.replace(**{name: np.repeat(getattr(p, name), 2) for name in p.names()})
+        at = Points(
+            get_scene(measures.SCENE), both.replace(torque=torque), PLACES, {}, REFERENCE, ""
+        )
         assert (theory_regimes(at) == REGIMES.index("rest")).tolist() == [True, False], p
 
 
