@@ -198,16 +198,14 @@ def values(row: RowEntry) -> str:
 
 
 def measures_of(entry: RowEntry) -> Markdown:
-    """Return the functions and formulas that compute a row's numbers, besides its equations."""
+    """Return the names of the functions that compute a row's numbers, besides its equations."""
     rows = [row for row in read_paper(entry.scene).rows if row.name == entry.name]
     calls = [call for row in rows for call in (row.numbers, row.each) if call]
-    names = [
-        [f"{name} = {text}" for name, text in call.texts.items()]
-        if isinstance(call, Formulas)
-        else [getattr(call, "func", call).__name__]
+    names = (
+        "formulas" if isinstance(call, Formulas) else code(getattr(call, "func", call).__name__)
         for call in calls
-    ]
-    return Markdown(" and ".join(", ".join(map(code, one)) for one in names))
+    )
+    return Markdown(" and ".join(names))
 
 
 def threshold(item: RowThreshold) -> str:

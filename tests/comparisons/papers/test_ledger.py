@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.papers import ledger, pages
-from mbcheck.comparisons.papers.assess import assess, attempt, fill
+from mbcheck.comparisons.papers.assess import assess, attempt, fill, measure
 from mbcheck.comparisons.papers.claims import (
     read_condition,
     read_paper,
@@ -149,10 +149,8 @@ def test_printed_number_is_a_number_with_unit_and_tolerance() -> None:
 def test_formulas_use_those_before_them_names_of_measures_and_who_computes() -> None:
     keys = {"numbers": {"a": "NATURAL", "value": "a - NATURAL + 1"}, "each": {"last": "who[-1]"}}
     row = read_row("hula_hoop", "a", {"section": "1", "claim": "a claim", **keys}, {})
-    assert row.numbers is not None
-    assert row.each is not None
-    assert row.numbers(Session())["value"] == 1
-    assert row.each(Session(), "mujoco") == {"last": "o"}
+    numbers, engines = measure(row, Session(("mujoco",)))
+    assert (numbers["value"], engines) == (1, {"mujoco": {"unit": "", "last": "o"}})
     keys = {"numbers": {"a": "ab"}}
     wrong = read_row("rotor_pendulum", "a", {"section": "1", "claim": "a claim", **keys}, {})
     assert attempt(lambda: assess(wrong, Session()))[1] == "NameError: name 'ab' is not defined"
