@@ -457,8 +457,8 @@ def number_of(model: Compiled, label: str) -> int:
 def neutral(model: Compiled, element: ModelElement) -> Iterator[Edit]:
     """Yield what leaves an element without effect."""
     for name, value in NEUTRAL.get(element.kind, {}).items():
-        shape = model.field(name)[[element.number]].shape
-        yield name, [element.number], np.full(shape, value).tolist()
+        rows = element.attribute(name.partition("_")[2]).rows.get(name, [element.number])
+        yield name, list(rows), np.full(model.field(name)[rows].shape, value).tolist()
 
 
 def renamed(one: Compiled, other: Compiled, match: Match) -> Iterator[str]:

@@ -50,6 +50,9 @@ ROWS: Mapping[str, tuple[str, str]] = {
     "wrap": ("tendon", "tendon_adr"),
     "mesh_vert": ("mesh", "mesh_vertadr"),
     "hfield_data": ("hfield", "hfield_adr"),
+    "actuator_ctrlrange": ("actuator", "actuator_ctrladr"),
+    "actuator_gear": ("actuator", "actuator_outadr"),
+    "actuator_lengthrange": ("actuator", "actuator_outadr"),
 }
 """Field, or its first word -> the kind of element of its rows, and the field of their addresses."""
 
@@ -240,6 +243,11 @@ class Compiled:
         kind, address, width = COLUMNS[name]
         spans = self.spans(kind, address, self.field(name).shape[1] // width)
         return [range(one.start * width, one.stop * width) for one in spans]
+
+    @property
+    def outputs(self) -> list[range]:
+        """The forces of each actuator: several since MuJoCo 4.0."""
+        return self.spans("actuator", "actuator_outadr", len(self.field("actuator_gear")))
 
     @cached_property
     def labels(self) -> dict[str, list[str]]:

@@ -81,14 +81,20 @@ class Side:
             names, columns = self.model.labels[PARTS[part]], self.model.columns(f"key_{part}")
             owner = {row: n for n, span in zip(names, columns, strict=True) for row in span}
             owners[part] = [owner[row] for row in rows]
+        outputs = [
+            label
+            for number, label in self.labels["actuator"].items()
+            for _ in self.model.outputs[number]
+        ]
         step = [*owners["qpos"], *owners["qvel"], *owners["act"]]
-        return {**labels, "joint": owners["qvel"], "step": step}
+        return {**labels, "output": outputs, "joint": owners["qvel"], "step": step}
 
     def in_order(self, answer: Mapping[str, Any]) -> dict[str, Any]:
         """Return the answer at a state with the elements of A, in the order of A."""
         dofs = self.rows["qvel"]
         rows = {**{kind: [*one] for kind, one in self.labels.items()}, "joint": dofs}
         rows["step"] = self.steps
+        rows["output"] = [row for number in rows["actuator"] for row in self.model.outputs[number]]
         own = {
             name: value[rows[QUANTITIES.get(name.removesuffix("_floor"), ("", "joint"))[1]]]
             for name, value in answer.items()
@@ -225,9 +231,11 @@ def ends_of(model: Compiled, ranges: str) -> Any:
 
 
 def outer_ends(sides: tuple[Side, Side], kind: str, ranges: str) -> Any:
-    """Return the outer ends (n, 2) of the ranges of A and of B, for the elements of A."""
+    """Return the outer ends (n, 2) of the ranges of A and of B, for elements or controls of A."""
     ends, other = (ends_of(side.model, ranges) for side in sides)
-    mine, theirs = (list(side.labels[kind]) for side in sides)
+    mine, theirs = (
+        side.rows[kind] if kind in side.rows else list(side.labels[kind]) for side in sides
+    )
     ends[mine] = SIGNS * np.fmax(SIGNS * ends[mine], SIGNS * other[theirs])
     return ends
 
@@ -256,12 +264,10 @@ def draw(model: Compiled, random: np.random.Generator) -> State:
         else:
             position[rows] += random.uniform(-1, 1) * (ANGLE if kind == "hinge" else LENGTH)
     velocity = random.normal(size=int(model.field("nv")))
+    activations = owned(model, "act", ends_of(model, "actuator_actrange"))
     act, ctrl = (
-        random.uniform(*owned(model, part, np.where(np.isnan(ends), SIGNS, ends)).T)
-        for part, ends in (
-            ("act", ends_of(model, "actuator_actrange")),
-            ("ctrl", ends_of(model, "actuator_ctrlrange")),
-        )
+        random.uniform(*np.where(np.isnan(ends), SIGNS, ends).T)
+        for ends in (activations, ends_of(model, "actuator_ctrlrange"))
     )
     parts = zip(PARTS, (position, velocity, act, ctrl), strict=True)
     return {part: values.tolist() for part, values in parts}
@@ -277,17 +283,20 @@ def beyond_controls(sides: tuple[Side, Side], state: State) -> Iterator[tuple[st
     force = abs(outer_ends(sides, "actuator", "actuator_forcerange")).max(axis=1)
     on_joint = np.isin(model.field("actuator_trntype"), ("joint", "jointinparent"))
     joints = model.field("actuator_trnid")[on_joint, 0]
-    gear, gain = (abs(model.field(f"actuator_{name}")[:, 0]) for name in ("gear", "gainprm"))
+    first = [span.start for span in model.outputs]
+    gear, gain = (
+        abs(values[:, 0])
+        for values in (model.field("actuator_gear")[first], model.field("actuator_gainprm"))
+    )
     of_joints = abs(outer_ends(sides, "joint", "jnt_actfrcrange")).max(axis=1)[joints]
     force[on_joint] = np.fmax(force[on_joint], of_joints / np.where(gear, gear, 1.0)[on_joint])
     alone = SIGNS * (1 + BEYOND_RANGE * np.nan_to_num(force) / np.where(gain, gain, 1.0))[:, None]
-    controls, activations = (
-        outer_ends(sides, "actuator", f"actuator_{name}") for name in ("ctrlrange", "actrange")
-    )
+    controls = outer_ends(sides, "ctrl", "actuator_ctrlrange")
+    activations = outer_ends(sides, "actuator", "actuator_actrange")
     outside = controls + SIGNS * np.diff(controls)
-    ctrl = np.where(np.isnan(outside), np.nan_to_num(activations) + alone, outside)
-    act = np.where(np.isnan(activations), alone, activations)
-    ctrl, act = owned(model, "ctrl", ctrl), owned(model, "act", act)
+    free = owned(model, "ctrl", np.nan_to_num(activations) + alone)
+    ctrl = np.where(np.isnan(outside), free, outside)
+    act = owned(model, "act", np.where(np.isnan(activations), alone, activations))
     for end, name in enumerate(("below", "above") if len(ctrl) else ()):
         both = {"ctrl": ctrl[:, end].tolist(), "act": act[:, end].tolist()}
         yield f"controls {name} their ranges", {**state, **both}

@@ -141,6 +141,35 @@ def test_a_lost_range_of_lengths_of_a_muscle_is_named(tmp_path: Path) -> None:
     assert found.closed
 
 
+SEVERAL = """<mujoco><worldbody>
+<body><joint name="j" type="slide"/><geom size=".1"/></body>
+<body pos="1 0 0"><joint name="b" type="ball"/><geom size=".1"/></body>
+<body pos="2 0 0"><joint name="k"/><geom size=".1"/></body></worldbody><actuator>
+<dcmotor name="d" joint="j" motorconst="1" resistance="1" input="pos vel" controller="10 0 5"/>
+<orientation name="o" joint="b" kp="1"/>
+<motor name="m" joint="k" ctrllimited="true" ctrlrange="-3 3" gear="7"/></actuator></mujoco>"""
+
+
+@pytest.mark.skipif(int(mujoco.__version__[0]) < 4, reason="actuators have one control before 4.0")
+@pytest.mark.parametrize(
+    ("old", "new", "named"),
+    [
+        ('ctrllimited="true" ctrlrange="-3 3"', "", "actuator m ctrlrange"),
+        ('gear="7"', 'gear="1"', "actuator m gear"),
+        ('kp="1"', 'kp="2"', "actuator o"),
+    ],
+)
+def test_actuators_with_several_controls_and_forces(
+    old: str, new: str, named: str, tmp_path: Path
+) -> None:
+    assert old in SEVERAL
+    found = texts_compared(SEVERAL, SEVERAL.replace(old, new), tmp_path)
+    assert found.differences
+    assert all(one.id.startswith(named) for one in found.differences)
+    assert found.closed
+    assert texts_compared(SEVERAL, disguised(SEVERAL), tmp_path).findings == []
+
+
 SMALL = """<mujoco><worldbody><geom type="plane" size="1 1 .1"/><body name="b" pos="0 0 1">
 <joint name="j" axis="0 1 0" damping="1"/><joint name="k" axis="1 0 0"/><geom name="g" size=".1"/>
 <geom name="drawn" size=".1" pos="0 0 .3" contype="0" conaffinity="0" mass="0"/><site name="s"/>
