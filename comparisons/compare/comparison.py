@@ -380,9 +380,10 @@ def differences_of(one: Compiled, other: Compiled, match: Match) -> Iterator[Dif
             single = any(one.answer[key].dtype == np.float32 for key in fields)
             before, after = (attribute.values for attribute in pair)
             share = difference_share(before, after, 1.0 if mine.kind == "key" else 0.0)
-            if name == "kv":  # which the compiler computes from kp where a file has dampratio
+            if name == "kv" and share:  # computed from kp where a file has dampratio
                 ratios = damping_ratio(one, mine), damping_ratio(other, theirs)
-                share = min(share, abs(ratios[1] - ratios[0]) / ratios[0] if all(ratios) else 1.0)
+                apart = abs(ratios[1] - ratios[0]) / ratios[0] if all(ratios) else 1.0
+                share = min(share, max(apart, EQUAL))  # rounding, whose edit is made
                 if share <= EQUAL and mine.attribute("kp").values != theirs.attribute("kp").values:
                     continue  # the edit of kp has both
             if share:

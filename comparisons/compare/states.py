@@ -135,10 +135,10 @@ class Side:
 
 def numbered(rows: Sequence[tuple[str, str, Row]]) -> dict[tuple[str, str, int], Row]:
     """Return rows by kind and label, and their count of both."""
-    found: dict[tuple[str, str, int], Row] = {}
+    by_key: dict[tuple[str, str, int], Row] = {}
     for kind, label, row in rows:
-        found[kind, label, sum(key[:2] == (kind, label) for key in found)] = row
-    return found
+        by_key[kind, label, sum(key[:2] == (kind, label) for key in by_key)] = row
+    return by_key
 
 
 def sides_of(one: Compiled, other: Compiled, match: Match) -> tuple[Side, Side] | str:

@@ -432,7 +432,7 @@ SERVO = """<mujoco><worldbody><body><joint name="j" range="-40 40" springref="20
     [
         ('kp="10"', 'kp="20"', {"actuator p: kp 10 read as 20"}),
         ('mass="1"', 'mass="2"', {"body 1 of body world: mass 1 read as 2"}),
-        ('dampratio=".7"', 'dampratio=".8"', {"actuator p: kv 1.08444 read as 1.23936"}),
+        ('dampratio=".7"', 'dampratio=".8"', {"actuator p: kv 0.309552 read as 0.353773"}),
         ('springref="20"', "", {"joint j: springref 0.349066 rad dropped"}),
         (' range="-40 40"', "", {"joint j: range -0.698132 0.698132 rad dropped"}),
         ('stiffness="3"', 'stiffness="inf"', {"joint j: stiffness 3 read as inf"}),
