@@ -71,8 +71,8 @@ def explanations(name: str) -> list[str]:
 
 def print_terms(screen: Console) -> None:
     """Print the terms that are explained."""
-    rules = {"rule": dict.fromkeys([*CAUTIONS, *FINDINGS])}
-    for sort, entries in {**by_sort(), **rules}.items():
+    listed = {sort: [*entries] for sort, entries in by_sort().items()}
+    for sort, entries in {**listed, "rule": list(dict.fromkeys([*CAUTIONS, *FINDINGS]))}.items():
         print_line(screen, f"{sort}: {', '.join(entries)}", hanging="  ")
 
 

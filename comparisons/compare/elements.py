@@ -86,6 +86,7 @@ REFERENCES = {
 
 REFERRED = {
     "jointinparent": "joint",
+    "so3": "joint",
     "slidercrank": "site",
     "sphere": "geom",
     "cylinder": "geom",

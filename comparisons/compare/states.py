@@ -264,13 +264,15 @@ def draw(model: Compiled, random: np.random.Generator) -> State:
         else:
             position[rows] += random.uniform(-1, 1) * (ANGLE if kind == "hinge" else LENGTH)
     velocity = random.normal(size=int(model.field("nv")))
-    activations = owned(model, "act", ends_of(model, "actuator_actrange"))
-    act, ctrl = (
-        random.uniform(*np.where(np.isnan(ends), SIGNS, ends).T)
-        for ends in (activations, ends_of(model, "actuator_ctrlrange"))
-    )
-    parts = zip(PARTS, (position, velocity, act, ctrl), strict=True)
-    return {part: values.tolist() for part, values in parts}
+    ends = {
+        "act": owned(model, "act", ends_of(model, "actuator_actrange")),
+        "ctrl": ends_of(model, "actuator_ctrlrange"),
+    }
+    within = {
+        part: random.uniform(*np.where(np.isnan(values), SIGNS, values).T).tolist()
+        for part, values in ends.items()
+    }
+    return {"qpos": position.tolist(), "qvel": velocity.tolist(), **within}
 
 
 def beyond_controls(sides: tuple[Side, Side], state: State) -> Iterator[tuple[str, State]]:

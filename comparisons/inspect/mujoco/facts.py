@@ -186,6 +186,7 @@ def facts(loaded: Loaded, file: str) -> Facts:
     """Return the content of a model that was read from a file, as it was given."""
     m, lib = loaded.model, loaded.mujoco
     counts = {name: int(getattr(m, field)) for name, field in COUNTED.items()}
+    counts["actuators"] = len(m.actuator_trntype)
     depths = [-1]  # the world; a parent comes before its children
     for parent in m.body_parentid[1:]:
         depths.append(depths[parent] + 1)

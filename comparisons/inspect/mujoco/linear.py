@@ -374,11 +374,14 @@ class LinearProbe:
         m, data = self.model, self.data
         self.forces(np.zeros(m.nv))
         on_joints = data.qfrc_actuator[m.jnt_dofadr]
-        for limited, bounds, force in (
-            (m.actuator_forcelimited, m.actuator_forcerange, data.actuator_force),
-            (m.jnt_actfrclimited, m.jnt_actfrcrange, on_joints),
+        outputs = getattr(m, "actuator_outnum", 1)  # an actuator may have several since 4.0
+        for limited, bounds, force, count in (
+            (m.actuator_forcelimited, m.actuator_forcerange, data.actuator_force, outputs),
+            (m.jnt_actfrclimited, m.jnt_actfrcrange, on_joints, 1),
         ):
-            limited[(bounds[:, 0] < force) & (force < bounds[:, 1])] = 0
+            owner = np.repeat(np.arange(len(bounds)), count)
+            reached = (force <= bounds[owner, 0]) | (bounds[owner, 1] <= force)
+            limited[np.setdiff1d(owner, owner[reached])] = 0
 
     def put(self, position: Array, velocity: Array) -> None:
         """Set a state."""

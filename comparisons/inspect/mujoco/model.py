@@ -185,6 +185,14 @@ class Loaded:
             getattr(self.model, field), [self.member(*KINDS[field], kind) for kind in kinds]
         )
 
+    def first(self, what: str) -> Numbers:
+        """Return the first control ("ctrl") or force ("out") of each actuator (n_u,).
+
+        Before MuJoCo 4.0 each has one of both.
+        """
+        count = len(self.model.actuator_trntype)
+        return np.asarray(getattr(self.model, f"actuator_{what}adr", np.arange(count)))
+
     @cached_property
     def states(self) -> tuple[State, ...]:
         """Distinct states of the file, the one in which it opens first."""

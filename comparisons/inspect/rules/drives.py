@@ -66,6 +66,7 @@ def drives(s: InspectedModel) -> list[Drive]:
         kind("actuator_trntype", "tendon"),
     )
     affine, holds = kind("actuator_biastype", "affine"), pulls_to_control(s)
+    controls = s.loaded.first("ctrl")
     motor = kind("actuator_gaintype", "fixed") & kind("actuator_biastype", "none")
     motor &= kind("actuator_dyntype", "none")  # its force is proportional to its control
     listed = []
@@ -78,8 +79,8 @@ def drives(s: InspectedModel) -> list[Drive]:
         limits = [
             (m.actuator_forcelimited[i], m.actuator_forcerange[i], gear),
             (
-                motor[i] & m.actuator_ctrllimited[i],
-                m.actuator_ctrlrange[i],
+                motor[i] & m.actuator_ctrllimited[controls[i]],
+                m.actuator_ctrlrange[controls[i]],
                 gear * m.actuator_gainprm[i, 0],
             ),
             (m.jnt_actfrclimited[joint], m.jnt_actfrcrange[joint], 1.0),
@@ -187,10 +188,10 @@ def command_ranges(s: InspectedModel) -> Iterator[CommandRange]:
     """
     m, integrates = s.model, s.loaded.of_kind("actuator_dyntype", "integrator")
     for one in drives(s):
-        name = "act" if integrates[one.actuator] else "ctrl"
-        limited, ends = (
-            getattr(m, f"actuator_{name}{what}")[one.actuator] for what in ("limited", "range")
-        )
+        name, row = "ctrl", s.loaded.first("ctrl")[one.actuator]
+        if integrates[one.actuator]:
+            name, row = "act", one.actuator
+        limited, ends = (getattr(m, f"actuator_{name}{what}")[row] for what in ("limited", "range"))
         if one.holds and limited:
             low, high = np.sort(np.asarray(ends) / one.gear).tolist()
             ranges = [(m.jnt_limited[one.joint], m.jnt_range[one.joint], 1.0)]
@@ -303,7 +304,8 @@ def undamped_servo(s: InspectedModel) -> Iterator[Hit]:
 
 def two_servos(s: InspectedModel) -> Iterator[Hit]:
     m, seen = s.model, dict[tuple[str, int], str]()
-    idle = (m.actuator_ctrllimited != 0) & np.any(m.actuator_ctrlrange == 0, 1)
+    controls = s.loaded.first("ctrl")
+    idle = (m.actuator_ctrllimited != 0)[controls] & np.any(m.actuator_ctrlrange == 0, 1)[controls]
     for words, acts in (
         ("position {}: with different controls they work against each other", lambda x: x.holds),
         ("drive {}: their forces add", lambda x: x.motor and not idle[x.actuator]),

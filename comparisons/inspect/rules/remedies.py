@@ -322,13 +322,14 @@ def servos(loaded: Loaded) -> Flags:
 
 
 def moments(loaded: Loaded, state: State) -> Array:
-    """Return the moment arms (n_u, n_v) of actuators in a state."""
+    """Return the moment arms (n_u, n_v) of actuators in a state, the sum of all their forces."""
     m, data = loaded.model, loaded.data(state)
     loaded.mujoco.mj_forward(m, data)
-    arms = np.zeros((m.nu, m.nv))
+    arms = np.zeros((len(data.moment_rownnz), m.nv))
     if m.nu:
         rows = data.moment_rownnz, data.moment_rowadr, data.moment_colind
         loaded.mujoco.mju_sparse2dense(arms, data.actuator_moment, *rows)
+        arms = np.add.reduceat(arms, loaded.first("out"), axis=0)
     return arms
 
 
