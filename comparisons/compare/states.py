@@ -269,7 +269,7 @@ def draw(model: Compiled, random: np.random.Generator) -> State:
         "ctrl": ends_of(model, "actuator_ctrlrange"),
     }
     within = {
-        part: random.uniform(*np.where(np.isnan(values), SIGNS, values).T).tolist()
+        part: np.asarray(random.uniform(*np.where(np.isnan(values), SIGNS, values).T)).tolist()
         for part, values in ends.items()
     }
     return {"qpos": position.tolist(), "qvel": velocity.tolist(), **within}

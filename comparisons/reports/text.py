@@ -15,7 +15,7 @@ from rich.cells import cell_len
 from rich.console import Console
 from rich.text import Text
 
-from .words import Markdown, number, printable, shell_lines, wrapped
+from .words import Markdown, broken_lines, number, printable, shell_lines
 
 STYLES: Mapping[str, str] = {
     "pass": "green",
@@ -45,7 +45,7 @@ def print_line(
     console: Console, text: str, style: str = "", indent: str = "", hanging: str = ""
 ) -> None:
     """Print text, broken between words only; lines after the first are indented further."""
-    for line in wrapped(encodable(text, console), console.width, indent, indent + hanging):
+    for line in broken_lines(encodable(text, console), console.width, indent, indent + hanging):
         print_unbroken(console, line, style)
 
 

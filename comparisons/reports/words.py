@@ -28,7 +28,7 @@ def shell_lines(command: str, width: int) -> list[str]:
     return lines
 
 
-def wrapped(text: str, width: int, first: str = "", others: str = "") -> list[str]:
+def broken_lines(text: str, width: int, first: str = "", others: str = "") -> list[str]:
     """Return the lines of a text, broken between words only, with indents."""
     return textwrap.wrap(
         text,

@@ -20,7 +20,7 @@ import click
 
 from ...reference.errors import MbcheckError, UsageError
 from ..reports.files import Destination, collect_unwritten, discard_output
-from ..reports.words import printable, shell_lines, wrapped
+from ..reports.words import broken_lines, printable, shell_lines
 from .options import NUMBER
 
 if TYPE_CHECKING:
@@ -128,7 +128,7 @@ def complain(message: str, code: int) -> int:
     """Print one line on standard error, wrapped on a terminal, and return an exit code."""
     line = one_line(f"Error: {message}")
     if sys.stderr.isatty():
-        line = "\n".join(wrapped(line, shutil.get_terminal_size().columns, "", "  "))
+        line = "\n".join(broken_lines(line, shutil.get_terminal_size().columns, "", "  "))
     click.echo(line, err=True)
     return code
 

@@ -185,7 +185,7 @@ class Loaded:
             getattr(self.model, field), [self.member(*KINDS[field], kind) for kind in kinds]
         )
 
-    def first(self, what: str) -> Numbers:
+    def first_of(self, what: str) -> Numbers:
         """Return the first control ("ctrl") or force ("out") of each actuator (n_u,).
 
         Before MuJoCo 4.0 each has one of both.

@@ -66,7 +66,7 @@ def drives(s: InspectedModel) -> list[Drive]:
         kind("actuator_trntype", "tendon"),
     )
     affine, holds = kind("actuator_biastype", "affine"), pulls_to_control(s)
-    controls = s.loaded.first("ctrl")
+    controls = s.loaded.first_of("ctrl")
     motor = kind("actuator_gaintype", "fixed") & kind("actuator_biastype", "none")
     motor &= kind("actuator_dyntype", "none")  # its force is proportional to its control
     listed = []
@@ -188,7 +188,7 @@ def command_ranges(s: InspectedModel) -> Iterator[CommandRange]:
     """
     m, integrates = s.model, s.loaded.of_kind("actuator_dyntype", "integrator")
     for one in drives(s):
-        name, row = "ctrl", s.loaded.first("ctrl")[one.actuator]
+        name, row = "ctrl", s.loaded.first_of("ctrl")[one.actuator]
         if integrates[one.actuator]:
             name, row = "act", one.actuator
         limited, ends = (getattr(m, f"actuator_{name}{what}")[row] for what in ("limited", "range"))
@@ -304,7 +304,7 @@ def undamped_servo(s: InspectedModel) -> Iterator[Hit]:
 
 def two_servos(s: InspectedModel) -> Iterator[Hit]:
     m, seen = s.model, dict[tuple[str, int], str]()
-    controls = s.loaded.first("ctrl")
+    controls = s.loaded.first_of("ctrl")
     idle = (m.actuator_ctrllimited != 0)[controls] & np.any(m.actuator_ctrlrange == 0, 1)[controls]
     for words, acts in (
         ("position {}: with different controls they work against each other", lambda x: x.holds),

@@ -329,7 +329,7 @@ def moments(loaded: Loaded, state: State) -> Array:
     if m.nu:
         rows = data.moment_rownnz, data.moment_rowadr, data.moment_colind
         loaded.mujoco.mju_sparse2dense(arms, data.actuator_moment, *rows)
-        arms = np.add.reduceat(arms, loaded.first("out"), axis=0)
+        arms = np.add.reduceat(arms, loaded.first_of("out"), axis=0)
     return arms
 
 
