@@ -120,7 +120,7 @@ class ModelDescription:
     equations: tuple[EquationsOfMotion, Any] | None = None
     elements: EquationsOfMotion | None = None
     element_order: int = 0
-    unplaceable_reason: str | None = "it is no MJCF, the text of which could be turned"
+    unplaceable_reason: str | None = "the engine reads no MJCF, so its model cannot be turned"
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from mbcheck.comparisons.checks.rules.cautions import RULES as CAUTIONS
 from mbcheck.comparisons.checks.suite import plan
 from mbcheck.comparisons.checks.table import EVERY_KIND, KINDS
 from mbcheck.comparisons.checks.verdict import PROFILES, Verdict
-from mbcheck.comparisons.cli.explain import explanations, glossary
+from mbcheck.comparisons.cli.explain import by_sort, explanations, glossary
 from mbcheck.comparisons.compare.gaps import QUANTITIES
 from mbcheck.comparisons.diff.changes import SORTS
 from mbcheck.comparisons.inspect.batch import Sandbox
@@ -92,7 +92,7 @@ def test_words_of_papers_and_curves_are_explained(words: str) -> None:
 
 def test_factors_of_profiles_are_those_of_the_code() -> None:
     for name, factor in PROFILES.items():
-        assert f"`{name}` {factor:g}" in glossary()["term"]["tolerance, profile"]
+        assert f"`{name}` {factor:g}" in by_sort()["term"]["profile"]
 
 
 def test_quantities_of_parts_differ_in_their_explanations() -> None:
