@@ -338,11 +338,12 @@ def planned(kind: str, case: Case, engine_name: str) -> list[Check]:
         return []  # `execution.unavailable` tells it
 
 
-def quick(checks: Iterable[Check]) -> list[Check]:
+def quick(checks: Sequence[Check]) -> list[Check]:
     """Return checks that give a quick answer: each level once, in its first case.
 
     *parts*, *algebra* and *step* of each model but twins, *step* also of twins with another case
-    than the default model's, and *trajectory* by the best method of the default model.
+    than the default model's, and *trajectory* by the best method of the default model; one of each
+    scene that an engine does not support, which says why.
     """
     seen, first, steps = set[tuple[str, ...]](), list[Check](), set[tuple[str, ...]]()
     for check in checks:
@@ -359,7 +360,13 @@ def quick(checks: Iterable[Check]) -> list[Check]:
         seen.add(key)
         steps.add(here)
         first.append(check)
-    return first
+    supported = {(check.case.scene, check.engine) for check in first}
+    refused = {
+        (check.case.scene, check.engine): check
+        for check in reversed(checks)
+        if check.unsupported_reason is not None
+    }
+    return [*first, *(one for pair, one in refused.items() if pair not in supported)]
 
 
 def kinds_of(case: Case) -> tuple[str, ...]:

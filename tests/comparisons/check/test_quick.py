@@ -47,6 +47,15 @@ def test_the_trajectory_is_that_of_the_best_method() -> None:
     assert one.method.order == max(method.order for method in one.setup().engine.methods)
 
 
+def test_a_scene_that_is_not_supported_is_listed_with_its_reason() -> None:
+    checks = [
+        replace(check, unsupported_reason="only hoops" * (check.case.scene != "hula_hoop") or None)
+        for check in plan(["hula_hoop", "rotor_pendulum"], ["mujoco"])
+    ]
+    refused = [check for check in quick(checks) if check.unsupported_reason]
+    assert [check.case.scene for check in refused] == ["rotor_pendulum"]
+
+
 def test_it_is_told_of() -> None:
     document = json.loads(
         succeeds("check hula_hoop --engine mujoco --quick --kind algebra --json -")
