@@ -360,13 +360,11 @@ def quick(checks: Sequence[Check]) -> list[Check]:
         seen.add(key)
         steps.add(here)
         first.append(check)
-    supported = {(check.case.scene, check.engine) for check in first}
-    refused = {
-        (check.case.scene, check.engine): check
-        for check in reversed(checks)
-        if check.unsupported_reason is not None
+    supported = {
+        (check.case.scene, check.engine) for check in checks if check.unsupported_reason is None
     }
-    return [*first, *(one for pair, one in refused.items() if pair not in supported)]
+    refused = {(check.case.scene, check.engine): check for check in reversed(checks)}
+    return [*first, *(check for pair, check in refused.items() if pair not in supported)]
 
 
 def kinds_of(case: Case) -> tuple[str, ...]:
