@@ -84,7 +84,8 @@ def explain_term(screen: Console, name: str) -> None:
     UsageError
         If there is no such term; the message names a close one, if there is one.
     """
-    matches = explanations(name) or explanations(name.lower())
+    spellings = (name, name.lower(), name.replace(" ", "_"), name.removesuffix("s"))
+    matches = next(filter(None, map(explanations, spellings)), [])
     if name in CAUTIONS and name not in FINDINGS:
         matches.append(f"{name} (rule for a run of a scene): {CAUTIONS[name].meaning}")
     for entry in matches:
