@@ -123,7 +123,7 @@ def print_frequencies(console: Console, result: Frequencies) -> None:
     words = f"{kind} modes{', with ' * bool(result.unforced)}{assignments(result.unforced)}"
     words += "".join(f", {name} keeps its speed" for name in result.steady)
     print_line(console, f"{result.scene}: {result.engine}, model {result.model}, {words}")
-    print_parameters(console, result.parameters)
+    print_parameters(console, {**result.parameters, **result.unforced})
     print_line(console, f"about {result.about}: {assignments(result.state)}")
     rows = [
         [
