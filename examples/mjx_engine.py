@@ -43,7 +43,9 @@ class MjxEngine(mbcheck.Engine):
         )
         model = from_file(system.path) if system.path else from_text(system.mjcf)
         ended = any(term.until is not None and at[0] >= term.until for term in system.terms)
-        model.opt.timestep, model.opt.disableactuator = step, int(ended)
+        model.opt.disableactuator = int(ended)
+        if not system.path:  # the timestep of a file limits its solref
+            model.opt.timestep = step
         model.opt.integrator = getattr(self.mujoco.mjtIntegrator, f"mjINT_{method.upper()}")
         data = self.mujoco.MjData(model)
         data.time, data.qpos[:], data.qvel[:] = at

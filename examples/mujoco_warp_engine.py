@@ -44,7 +44,9 @@ class MujocoWarpEngine(mbcheck.Engine):
         model = from_file(system.path) if system.path else from_text(system.mjcf)
         time, q, v = at
         ended = any(term.until is not None and time >= term.until for term in system.terms)
-        model.opt.timestep, model.opt.disableactuator = step, int(ended)
+        model.opt.disableactuator = int(ended)
+        if not system.path:  # the timestep of a file limits its solref
+            model.opt.timestep = step
         model.opt.disableflags &= ~int(self.mujoco.mjtDisableBit.mjDSBL_AUTORESET)  # not supported
         model.opt.integrator = getattr(self.mujoco.mjtIntegrator, f"mjINT_{method.upper()}")
         data = self.mujoco.MjData(model)

@@ -103,6 +103,8 @@ def modes(state: Any) -> Any:
         parameters=MappingProxyType({"mass": np.float64(2.0), "placement": "absolute"}),
         versions=MappingProxyType({}),
         undamped=np.bool_(True),
+        unforced=MappingProxyType({"force": 0.0}),
+        steady=(),
         more=print,
     )
 

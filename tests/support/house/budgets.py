@@ -60,10 +60,10 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
     "comparisons/terminal": (308, 508),
     "comparisons/tradeoff": (1687, 3207),
     "docs": (611, 1337),  # generated tables of pages, a picture (#39)
-    "examples": (494, 779),
+    "examples": (498, 783),
     "models": (1989, 3720),
     "reference": (8201, 16306),
-    "tests": (24844, 42958),  # engines as readers, import bugs, pages, 80 columns (#38, #39)
+    "tests": (24844, 42960),  # engines as readers, import bugs, pages, 80 columns (#38, #39)
 }
 """Folder -> statements and lines of Python."""
 
