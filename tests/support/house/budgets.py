@@ -70,7 +70,7 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
 CLAIMS: Mapping[str, int] = {
     "hula_hoop": 1304,
     "rotating_beam": 1140,
-    "rotor_pendulum": 1364,
+    "rotor_pendulum": 1365,
     "speed_regulator": 691,
 }
 """Lines of ``claims.toml`` of each paper that are not empty."""
