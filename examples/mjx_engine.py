@@ -37,11 +37,10 @@ class MjxEngine(mbcheck.Engine):
 
     def load(self, system: mbcheck.System, method: str, step: float, at: Any) -> tuple[Any, Any]:
         """Return model and data at a time, positions and velocities, with the controls of then."""
-        from_text, from_file = (
-            self.mujoco.MjModel.from_xml_string,
-            self.mujoco.MjModel.from_xml_path,
+        read = self.mujoco.MjModel
+        model = (
+            read.from_xml_path(system.path) if system.path else read.from_xml_string(system.mjcf)
         )
-        model = from_file(system.path) if system.path else from_text(system.mjcf)
         ended = any(term.until is not None and at[0] >= term.until for term in system.terms)
         model.opt.disableactuator = int(ended)
         if not system.path:  # the timestep of a file limits its solref

@@ -167,8 +167,8 @@ NOT_PHYSICAL = re.compile(
     r"|^map|^names|^paths|^dof_(bodyid|jntid|parentid|length)$|^body_(contype|conaffinity|margin)$"
     r"|^(mesh|hfield)_(?!vert$|data$|size$)|_(iquat|group|rgba|matid|castshadow|user|width|flatskin"
     r"|texcoord|objtype|reftype|rootid|weldid|treeid|treenum|actuatorid|sameframe|simple|simplenum"
-    r"|subtreemass|invweight0|M0|Madr|acc0|length0|aabb|rbound|needstage|datatype|ctrlspec|plugin"
-    r")$|limited$|^pair_signature$|(adr|num)$"
+    r"|subtreemass|invweight0|M0|Madr|acc0|length0|aabb|rbound|needstage|datatype|ctrlspec|plugin)$"
+    r"|limited$|^pair_signature$|(adr|num)$"
 )
 """Fields that are drawn, that index others, or that follow from the rest."""
 

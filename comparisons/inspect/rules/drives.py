@@ -187,8 +187,9 @@ def command_ranges(s: InspectedModel) -> Iterator[CommandRange]:
     The control of an integrating servo is a speed; its activation is the position.
     """
     m, integrates = s.model, s.loaded.of_kind("actuator_dyntype", "integrator")
+    controls = s.loaded.first_of("ctrl")
     for one in drives(s):
-        name, row = "ctrl", s.loaded.first_of("ctrl")[one.actuator]
+        name, row = "ctrl", controls[one.actuator]
         if integrates[one.actuator]:
             name, row = "act", one.actuator
         limited, ends = (getattr(m, f"actuator_{name}{what}")[row] for what in ("limited", "range"))

@@ -692,7 +692,7 @@ def unstable_regions(session: Session, plate: bool, printed: str) -> Numbers:
 
 
 def near(where: Any, cells: int = 2) -> Any:
-    """Return which points (n_y, n_x) lie within some cells of others."""
+    """Return the points (n_y, n_x) within some cells of others."""
     return binary_dilation(where, np.ones((3, 3)), iterations=cells)
 
 

@@ -50,7 +50,7 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
     "comparisons/engines": (2720, 5050),
     "comparisons/extremes": (101, 187),
     "comparisons/faults": (616, 1127),  # those of tests came in: audits need them
-    "comparisons/inspect": (3585, 6999),  # printed fixes have a margin, tried from displaced joints
+    "comparisons/inspect": (3586, 7000),  # printed fixes have a margin, tried from displaced joints
     "comparisons/judge": (649, 1242),
     "comparisons/maps": (799, 1484),
     "comparisons/papers": (3293, 6284),
@@ -60,7 +60,7 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
     "comparisons/terminal": (308, 508),
     "comparisons/tradeoff": (1687, 3207),
     "docs": (611, 1337),  # generated tables of pages, a picture (#39)
-    "examples": (498, 783),
+    "examples": (498, 781),
     "models": (1989, 3720),
     "reference": (8201, 16306),
     "tests": (24844, 42960),  # engines as readers, import bugs, pages, 80 columns (#38, #39)
