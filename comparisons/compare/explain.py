@@ -179,8 +179,12 @@ def find_edits(
             after = np.full_like(start, np.inf)
         return after if np.all(np.isfinite(after)) else np.full_like(start, np.linalg.norm(start))
 
-    while len(picks) < MAX_EDITS and not is_closed(edits(factors)):
-        moved = [left - remaining(factors + unit) for unit in np.eye(len(picks))]
+    def is_allowed() -> bool:
+        return all(map(Guess.allows, picks, factors))
+
+    while len(picks) < MAX_EDITS and not (is_allowed() and is_closed(edits(factors))):
+        scaled = np.flatnonzero([not one.is_discrete for one in picks])
+        moved = [left - remaining(factors + unit) for unit in np.eye(len(picks))[scaled]]
         basis = np.linalg.qr(np.reshape(moved, (-1, len(left))).T)[0]
         gains: dict[Guess, tuple[float, float]] = {}
         for guess in candidates:
@@ -198,7 +202,7 @@ def find_edits(
         first = np.append(factors, 1 + gains[pick][1] * (pick.factor - 1))
         factors = fitted(remaining, first, np.array([one.factor for one in picks]))
         left = remaining(factors)
-    if not all(map(Guess.allows, picks, factors)):
+    if not is_allowed():
         return []
     pairs = zip(picks, factors.tolist(), strict=True)
     return [(one, f) for one, f in pairs if one.is_discrete or abs(f - 1) > MIN_CHANGE]
