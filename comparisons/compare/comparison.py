@@ -614,7 +614,7 @@ class EditTrial:
         return gaps_between(own or self.own, answers, list(self.states), labels, self.eps)
 
     def misfit(self, edits: Sequence[Edit], weight: float) -> Any:
-        """Return how far A, after edits, is from the accelerations and mass matrices of B.
+        """Return the errors of A, after edits, in the accelerations and mass matrices of B.
 
         First the forces M (a_B - a_A), relative to the largest of each joint, which are linear in
         inertias and forces of A where there are no constraints; then the differences of mass
@@ -622,7 +622,7 @@ class EditTrial:
         """
         size = abs(np.array([one["mass"] @ one["qacc"] for one in self.own])).max(axis=0)
         scale = np.maximum(size, MIN_FORCE * size.max(initial=0.0) or 1.0)
-        forces, masses = [], []
+        forces, masses = list[Any](), list[Any]()
         for own, one, other in zip(self.own, self.answers(edits, True), self.other, strict=True):
             forces.append(one["mass"] @ (other["qacc"] - one["qacc"]) / scale)
             unit = np.sqrt(np.diag(own["mass"]))
@@ -644,8 +644,8 @@ class EditTrial:
         """Return the attributes that an engine multiplied, with their factors.
 
         Masses, inertias and armatures are among them only if the mass matrices then agree, or, of
-        an engine that has none, if nothing is left open. As long as something is, other attributes
-        are named only if lost completely: what is left open distorts the factors of a fit.
+        an engine that has none, if no gap is left. If one is left, it distorts the factors of the
+        fit, and other attributes are named only if lost completely.
         """
         candidates = list(guesses(self.first.model, [pair[0] for pair in self.match.pairs]))
 

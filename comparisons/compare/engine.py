@@ -178,9 +178,9 @@ class EngineReading(Reading):
         )
         moves = function == "accelerations"
         position = convention.positions(self.layout, q)
-        state_of_engine = (0.0, position, turn @ v) if moves else (position,)
+        arguments: tuple[Any, ...] = (0.0, position, turn @ v) if moves else (position,)
         by_method = self.engine.by_method(function, None)
-        ask = partial(by_method, replace(self.system, terms=terms), *state_of_engine)
+        ask = partial(by_method, replace(self.system, terms=terms), *arguments)
         shape = v.shape if moves else turn.shape
         try:
             answer = numbers(function, call_engine(ask), shape, finite=True)
@@ -196,8 +196,8 @@ class EngineReading(Reading):
     ) -> list[Convention]:
         """Return the convention in which the engine has MuJoCo's accelerations.
 
-        If there is none, return the protocol's, and another that is much closer: what the engine
-        lost must then decide between both.
+        If there is none, return the protocol's and, if its errors are much smaller, another one:
+        the edits that explain the rest then decide.
         """
         errors: dict[Convention, float] = {}
         for one in conventions(self.model, self.layout):
