@@ -210,9 +210,26 @@ def find_edits(
 
 def fitted(remaining: Callable[[Any], Any], factors: Any, whole: Any) -> Any:
     """Return the factors that leave least of a gap; complete losses where these do as well."""
-    best = least_squares(
-        remaining, factors, diff_step=1e-4, max_nfev=12, xtol=1e-15, ftol=1e-15, gtol=1e-15
-    ).x
-    rounded = np.where(abs(best - whole) < WHOLE, whole, best)
+    best = refitted(remaining, factors, np.ones(len(factors), dtype=bool))
+    lost = abs(best - whole) < WHOLE
+    rounded = np.where(lost, whole, best)
+    if lost.any() and not lost.all():
+        rounded = refitted(remaining, rounded, ~lost)
     ends = [float(np.linalg.norm(remaining(one))) for one in (rounded, best)]
     return rounded if ends[0] <= 2 * ends[1] else best
+
+
+def refitted(remaining: Callable[[Any], Any], factors: Any, free: Any) -> Any:
+    """Return the factors of which those that are free leave least of a gap."""
+
+    def placed(values: Any) -> Any:
+        every = factors.copy()
+        every[free] = values
+        return every
+
+    return placed(
+        least_squares(
+            lambda values: remaining(placed(values)), factors[free],
+            diff_step=1e-4, max_nfev=12, xtol=1e-15, ftol=1e-15, gtol=1e-15,
+        ).x
+    )  # fmt: skip
