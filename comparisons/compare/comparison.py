@@ -649,7 +649,7 @@ class EditTrial:
         """
         candidates = list(guesses(self.first.model, [pair[0] for pair in self.match.pairs]))
 
-        def fit(weight: float, candidates: Sequence[Guess]) -> list[tuple[Guess, float]]:
+        def explained_by(weight: float, candidates: Sequence[Guess]) -> list[tuple[Guess, float]]:
             return find_edits(
                 lambda edits: self.misfit([*before, *edits], weight),
                 lambda edits: not self.gaps([*before, *edits]),
@@ -659,10 +659,10 @@ class EditTrial:
         def edits_of(picks: Sequence[tuple[Guess, float]]) -> list[Edit]:
             return [*before, *(one.edit(factor) for one, factor in picks)]
 
-        picks = fit(MASS_WEIGHT, candidates)
+        picks = explained_by(MASS_WEIGHT, candidates)
         left = {gap.quantity for gap in self.gaps(edits_of(picks))}
         if left and ("mass" not in self.other[0] or "mass matrix" in left):
-            picks = fit(0.0, [one for one in candidates if one.field not in INERTIAL])
+            picks = explained_by(0.0, [one for one in candidates if one.field not in INERTIAL])
             left = {gap.quantity for gap in self.gaps(edits_of(picks))}
         if left:
             inertial = [one for one in picks if one[0].field in INERTIAL]
