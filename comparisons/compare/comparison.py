@@ -320,8 +320,8 @@ def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelCo
     if not isinstance(sides, str):
         trial = EditTrial(first, second, match, sides, edits_in(rounding))
         if isinstance(second, EngineReading):
-            trial, found = read_by_engine(trial, second, edits_in(differences))
-            differences += found
+            trial, lost = read_by_engine(trial, second, edits_in(differences))
+            differences += lost
         gaps = trial.gaps()
         left = trial.gaps(edits_in(differences)) if gaps else []
         differences = [*map(trial.measured, differences[:MEASURED]), *differences[MEASURED:]]
@@ -356,8 +356,8 @@ def read_by_engine(
     A convention other than the protocol's counts only if edits close the gap in it, and do not in
     the protocol's.
     """
-    found = list(trial.read_differently(before)) if trial.gaps() else []
-    if len(engine.likely) > 1 and trial.gaps([*before, *edits_in(found)]):
+    lost = list(trial.read_differently(before)) if trial.gaps() else []
+    if len(engine.likely) > 1 and trial.gaps([*before, *edits_in(lost)]):
         protocol, other = engine.likely
         engine.likely = [other]
         another = EditTrial(trial.first, engine, trial.match, trial.sides, trial.always)
@@ -365,7 +365,7 @@ def read_by_engine(
         if not another.gaps([*before, *edits_in(explained)]):
             return another, explained
         engine.likely = [protocol]
-    return trial, found
+    return trial, lost
 
 
 def edits_in(differences: Sequence[Difference]) -> list[Edit]:
