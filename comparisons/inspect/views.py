@@ -96,7 +96,8 @@ def shapes(directions: Array, mass: Array, damping: Array, stiffness: Array) -> 
     if n := len(m):
         values, vectors = eig(first_order(Vibrations(m, c, k, c)))
         upper, top = values.imag >= 0, np.max(np.abs(values))
-        values[np.abs(values) < NUMERICS.zero_rate * top] = 0  # round-off of the largest
+        least = max(NUMERICS.zero_rate * top, NUMERICS.slowest)
+        values[np.abs(values) < least] = 0  # round-off of the largest
         for part in (values.real, values.imag):
             part[np.abs(part) < NUMERICS.free * top] = 0
         pairs += [
@@ -133,7 +134,9 @@ def longest_step(
     """Return the longest step [s] that keeps small motions bounded, and the mode that sets it.
 
     Up to a number of degrees of freedom the matrix of a step decides, above it each mode alone,
-    which is exact where damping does not couple modes. The mode is None if all steps are stable.
+    which is exact where damping does not couple modes. Rigid modes are split off from that matrix,
+    see `shapes`: round-off of their multiple eigenvalue 1 is no growth. The mode is None if all
+    steps are stable.
 
     Parameters
     ----------
@@ -147,9 +150,16 @@ def longest_step(
         return np.inf, None
     motion = at(NUMERICS.short_step)
     scheme, full = SCHEMES[integrator], len(motion.mass) <= full_up_to
+    unit = scaled(motion)
+    late = np.vstack([unit.damping, unit.late_damping, unit.late_stiffness])
+    _, elastic = rigid_and_elastic(unit.mass, late, unit.stiffness, NUMERICS.free)
+    if not elastic.shape[1]:
+        return np.inf, None
 
     def reduced(motion: LinearMotion) -> LinearMotion:
-        return scaled(motion) if full else modal(motion, modes)
+        if not full:
+            return modal(motion, modes)
+        return LinearMotion(*(elastic.T @ matrix @ elastic for matrix in scaled(motion)))
 
     short = reduced(motion)
     fixed = vibrations(*short[:4]) if full and not np.any(short.late_stiffness) else None
@@ -179,7 +189,7 @@ def longest_step(
     if full:
         values, vectors = np.linalg.eig(AMPLIFICATION[scheme](beyond.vibrations(step), step))
         worst = np.argmax(excess(values, beyond))
-        return limit, most_similar(vectors[: len(beyond.mass), worst], motion, modes)
+        return limit, most_similar(elastic @ vectors[: len(beyond.mass), worst], motion, modes)
     single = [LinearMotion(*(part[i : i + 1] for part in beyond)) for i in range(len(modes))]
     factors = (amplification_factors(scheme, x.vibrations(step), step) for x in single)
     most = [np.max(excess(f, x)) for f, x in zip(factors, single, strict=True)]
