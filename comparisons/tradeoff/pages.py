@@ -226,15 +226,15 @@ stepping per simulated second on one machine; compare times by their ratios only
 
 *Cheapest settings*: the cheapest setting whose error meets the target, as with all shorter steps;
 the shortest step of all counts only at its floor. *Step of each method*: the same of one method
-alone, without other options, for each target; `-`: none meets it. *limited by*: the largest part of the error, from
-the step or from a limit that no step removes. *margin*: largest stable step by theory over this
-step. *Smallest models*: the fewest segments and the coarsest option of an engine from which on all
-models meet the target, with the cheapest step. *What may be left out*: errors of a model with a
-part and without it, by the same short step, and the cost of both; errors of theories are against
-the one with the part. *What limits the methods*: the order fitted above the floor, the floor and
-its name, and the step from which on halving is wasted. *What a step costs in stability*: shift of
-the parameter at which a periodic orbit loses its stability, by steps of a share of the period T; the
-order of the last halving above the floor, which is round-off.
+alone, without other options, for each target; `-`: none meets it. *limited by*: the largest part of
+the error, from the step or from a limit that no step removes. *margin*: largest stable step by
+theory over this step. *Smallest models*: the fewest segments and the coarsest option of an engine
+from which on all models meet the target, with the cheapest step. *What may be left out*: errors of
+a model with a part and without it, by the same short step, and the cost of both; errors of theories
+are against the one with the part. *What limits the methods*: the order fitted above the floor, the
+floor and its name, and the step from which on halving is wasted. *What a step costs in stability*:
+shift of the parameter at which a periodic orbit loses its stability, by steps of a share of the
+period T; the order of the last halving above the floor, which is round-off.
 """
 
 
