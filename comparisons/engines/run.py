@@ -26,7 +26,7 @@ EPS = float(np.finfo(float).eps)
 VIOLATIONS = ("position_violation", "velocity_violation")
 """Largest residual of a closed loop's constraints [m], and of their rates [m/s]."""
 
-OURS = f"{Path(__file__).resolve().parents[2]}{os.sep}"
+OURS = f"{Path(__file__).parents[2]}{os.sep}"
 """Folder of this package."""
 
 LOADERS = ("<frozen importlib", importlib.__file__)
