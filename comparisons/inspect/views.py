@@ -150,9 +150,11 @@ def longest_step(
         return np.inf, None
     motion = at(NUMERICS.short_step)
     scheme, full = SCHEMES[integrator], len(motion.mass) <= full_up_to
-    unit = scaled(motion)
-    late = np.vstack([unit.damping, unit.late_damping, unit.late_stiffness])
-    _, elastic = rigid_and_elastic(unit.mass, late, unit.stiffness, NUMERICS.free)
+    elastic = np.eye(len(motion.mass))
+    if full:
+        unit = scaled(motion)
+        resisting = np.vstack([unit.damping, unit.late_damping, unit.late_stiffness])
+        elastic = rigid_and_elastic(unit.mass, resisting, unit.stiffness, NUMERICS.free)[1]
     if not elastic.shape[1]:
         return np.inf, None
 
