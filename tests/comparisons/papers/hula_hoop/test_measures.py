@@ -125,6 +125,17 @@ def test_regions_are_connected_and_sorted() -> None:
     assert not measures.near(where, 1)[5, 3]
 
 
+def test_regions_are_counted_with_several_choices(monkeypatch: pytest.MonkeyPatch) -> None:
+    calm = np.ones((20, 20), dtype=bool)
+    for corner in ((0, 0), (0, 17), (17, 0), (17, 17)):
+        calm[corner[0] : corner[0] + 3, corner[1] : corner[1] + 3] = False
+    monkeypatch.setattr(measures, "stable", lambda *which: calm)
+    found = [measures.unstable_regions(Session(), False, count) for count in (4, 9)]
+    assert set(found[0]["counts"].values()) == {4}
+    assert 0 < found[0]["fitting"] < 1
+    assert found[1]["fitting"] == 0
+
+
 COUNT = 6
 """Points along an axis of maps that are made up."""
 
