@@ -706,7 +706,7 @@ BEFORE, AFTER, ANY = (0.1, 1.0), (1.0, 7.0), (0.0, 8.0)
 def kinds_in_regions(
     session: Session, who: str, angle: str, regions: Sequence[tuple[Span, Span]]
 ) -> Numbers:
-    """Return shares of the kinds of synchronism in regions of (n_x, n_phi), by region.
+    """Return shares of the kinds of synchronism, for each region of (n_x, n_phi).
 
     By the orbits of the reference or an engine, and by theory, which alone is judged: in the whole
     region, ``theory``, and away from resonance, ``apart``, and there with mu_1 as printed. Other
@@ -714,34 +714,27 @@ def kinds_in_regions(
     """
     beta = BETAS[angle]
     plane = phase_map(session, beta, who)
-    names = ["n_x {:g}-{:g}, n_phi {:g}-{:g}:".format(*x, *y) for x, y in regions]
     places = [inside(plane, *region) for region in regions]
     shares = [class_shares(plane, where) if np.any(where) else "no point there" for where in places]
-    orbits = [{name: own} for name, own in zip(names, shares, strict=True)]
     if who != REFERENCE:
-        return {"orbits": orbits}
+        return {"orbits": shares}
     synphase: list[list[float]] = []  # of each region in whole, and away from resonance
     for region in regions:
         n_x, n_phi = np.meshgrid(*(np.linspace(*ends, FINE + 2)[1:-1] for ends in region))
-        n, far = (
-            theory.Ratios(n_x, n_phi, beta=beta),
-            (abs(n_x - 1) > SMALL) & (abs(n_phi - 1) > SMALL),
-        )
+        far = (abs(n_x - 1) > SMALL) & (abs(n_phi - 1) > SMALL)
+        n = theory.Ratios(n_x, n_phi, beta=beta)
         own, by_print = (
             np.cos(theory.stable_phase_difference(n, how)) > 0 for how in (False, True)
         )
         synphase.append([np.mean(own), np.mean(own[far]), np.mean(by_print[far])])
     whole, apart, printed = np.array(synphase).T
-    words = {
-        kind: [
-            {name: {"synphase": one, "antiphase": 1 - one}}
-            for name, one in zip(names, own, strict=True)
-        ]
-        for kind, own in (("theory", whole), ("apart", apart), ("by_print", printed))
+    kinds = {
+        name: [{"synphase": one, "antiphase": 1 - one} for one in own]
+        for name, own in (("theory", whole), ("apart", apart), ("by_print", printed))
     }
     return {
-        "orbits": orbits,
-        **words,
+        "orbits": shares,
+        **kinds,
         "turn": 1 / np.cos(beta),
         "synphase": apart,
         "antiphase": 1 - apart,
