@@ -408,16 +408,8 @@ class Dynamics:
         rates, numbers = self._rates(c, partial(_accelerations, self, c)), None
         if all(np.ndim(value) == 0 for value in c):
             single = type(c)(*map(float, c))
-            numbers = self._rates(single, self.scalar_accelerations(single))
-        return RightHandSide(rates, numbers, self._is_traceable)
-
-    def scalar_accelerations(self, c: Any) -> Callable[..., Any]:
-        """Return the accelerations ``(u, q, v, xp)`` of plain numbers, as the coefficients are."""
-        return _scalar_accelerations(self, c)
-
-    @property
-    def _is_traceable(self) -> bool:
-        return self.continuum is NO_CONTINUUM  # matrices are none of kernels
+            numbers = self._rates(single, scalar_accelerations(self, single))
+        return RightHandSide(rates, numbers, self.continuum is NO_CONTINUUM)
 
     def _rates(self, c: Any, accelerations: Callable[..., Any]) -> Callable[..., Any]:
         """Return the accelerations ``(t, q, v, xp)``, from those of the drive."""
@@ -434,10 +426,13 @@ def _accelerations(dynamics: Dynamics, c: Any, u: Any, q: Any, v: Any, xp: Any) 
 
 
 @lru_cache(maxsize=64)
-def _scalar_accelerations(dynamics: Dynamics, c: Any) -> Callable[..., Any]:
-    """Return them; their source code is made once."""
+def scalar_accelerations(dynamics: Dynamics, c: Any) -> Callable[..., Any]:
+    """Return the accelerations ``(u, q, v, xp)`` of plain numbers, as the coefficients are.
+
+    Their source code is made once; none is made of a continuum, whose matrices it cannot write.
+    """
     accelerations = partial(_accelerations, dynamics, c)
-    return written_out(accelerations) if dynamics._is_traceable else accelerations
+    return written_out(accelerations) if dynamics.continuum is NO_CONTINUUM else accelerations
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -9,6 +9,7 @@ of the equations to the last bit.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from types import CodeType
@@ -20,6 +21,9 @@ from ..cost import watched
 
 MANY_CALLS = 500
 """Evaluations of plain numbers from which source code pays, which takes milliseconds to make."""
+
+RESULT = re.compile(r"\by\d+\b")
+"""The name of an operation's result in source code."""
 
 Rates = Callable[..., Sequence[Any]]
 
@@ -137,7 +141,9 @@ class Trace:
         return call
 
 
-def source(rates: Rates, n: int, functions: Mapping[str, Any]) -> Rates | None:
+def source(
+    rates: Rates, n: int, functions: Mapping[str, Any], kind: np.dtype[Any] | None = None
+) -> Rates | None:
     """Return accelerations ``(t, *q, *v)`` as a function without branches.
 
     None where the equations need more than can be written down.
@@ -149,6 +155,9 @@ def source(rates: Rates, n: int, functions: Mapping[str, Any]) -> Rates | None:
         Number of coordinates.
     functions : mapping of str to callable
         `MATH` or `NUMPY`.
+    kind : dtype, optional
+        Type of the arrays' numbers, which constants then have, too: NumPy converts numbers of
+        Python at each operation, and its own numbers are slow.
     """
     trace = Trace()
     time, *x = (Symbol(trace, name) for name in ("t", *(f"x{i}" for i in range(2 * n))))
@@ -156,12 +165,18 @@ def source(rates: Rates, n: int, functions: Mapping[str, Any]) -> Rates | None:
         ends = [trace.name(end) for end in rates(time, x[:n], x[n:], trace)]
     except (UntraceableError, TypeError):  # symbols know neither comparisons nor abs()
         return None
-    lines = "".join(f"    {made.name} = {line}\n" for line, made in trace.lines.items())
+    lines, alive = [], set(ends)
+    for line, made in reversed(trace.lines.items()):
+        done = set(RESULT.findall(line)) - alive
+        alive |= done
+        lines += [f"    del {name}\n" for name in sorted(done)]  # arrays stay in the cache
+        lines.append(f"    {made.name} = {line}\n")
     inputs = ", ".join(one.name for one in (time, *x))
-    text = f"def function({inputs}):\n{lines}    return [{', '.join(ends)}]\n"
+    text = f"def function({inputs}):\n{''.join(lines[::-1])}    return [{', '.join(ends)}]\n"
     space = dict(functions)
-    for name, value in trace.constants.values():  # NumPy's numbers are slow, and widen others
-        space[name] = value.item() if isinstance(value, np.generic) else value
+    for name, value in trace.constants.values():
+        plain = np.array(value, kind)
+        space[name] = value if plain.ndim else plain.item() if kind is None else plain
     exec(compiled(text), space)
     function: Rates = space["function"]
     return function
@@ -211,7 +226,7 @@ class RightHandSide:
 
     def __init__(self, rates: Rates, numbers: Rates | None, is_traceable: bool) -> None:
         self.rates, self.numbers, self.is_traceable = rates, numbers, is_traceable
-        self.arrays: Rates | None = None
+        self.arrays: dict[Any, Rates] = {}
         self.call = watched(self.value)
 
     def __call__(self, t: Any, x: Any) -> Any:
@@ -229,15 +244,16 @@ class RightHandSide:
             except (OverflowError, ValueError, ZeroDivisionError):  # NumPy gives inf or nan
                 rates = [math.nan] * n
         else:
-            rates = self.of_arrays(n)(t, *x)
+            rates = self.of_arrays(n, x.dtype)(t, *x)
         out[:n] = x[n:]
         for row, rate in enumerate(rates, n):
             out[row] = rate
         return out
 
-    def of_arrays(self, n: int) -> Rates:
-        """Return the accelerations ``(t, *q, *v)`` of arrays, n of each."""
-        if self.arrays is None:
-            traced = source(self.rates, n, NUMPY) if self.is_traceable else None
-            self.arrays = traced or (lambda t, *x: self.rates(t, x[:n], x[n:], np))
-        return self.arrays
+    def of_arrays(self, n: int, kind: np.dtype[Any]) -> Rates:
+        """Return the accelerations ``(t, *q, *v)`` of arrays of a type of numbers, n of each."""
+        if kind not in self.arrays:
+            of = kind if kind.kind in "fc" else None
+            traced = source(self.rates, n, NUMPY, of) if self.is_traceable else None
+            self.arrays[kind] = traced or (lambda t, *x: self.rates(t, x[:n], x[n:], np))
+        return self.arrays[kind]

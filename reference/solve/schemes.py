@@ -19,7 +19,7 @@ from scipy.integrate import RK45
 
 from ..differences import PROBE
 from ..quaternions import product
-from ..scene import Array, Dynamics
+from ..scene import Array, Dynamics, scalar_accelerations
 
 Step = Callable[[Any, list[float], float], list[float]]
 
@@ -74,7 +74,7 @@ class ScalarEquations:
         self.c = type(dynamics.coefficients(parameters))(
             *(float(value) for value in dynamics.coefficients(parameters))
         )
-        self.accelerations = dynamics.scalar_accelerations(self.c)
+        self.accelerations = scalar_accelerations(dynamics, self.c)
         self.clock = clock and dynamics.drive is not None and hasattr(self.c, "omega")
         self.n = len(dynamics.coordinates) + self.clock
         self.damping = np.zeros((self.n, self.n))

@@ -122,6 +122,7 @@ def test_orbit_at_100_newton_is_unstable() -> None:
     assert residual(p, found) < 1e-10
 
 
+@pytest.mark.slow
 def test_stability_is_lost_between_86_and_87_newton() -> None:
     """A pair of multipliers meets on the real axis, and one of them leaves through +1."""
     found = find_orbit(SCENE, HulaHoop(force_amplitude=85.5))

@@ -44,6 +44,7 @@ def located(results: Sequence[Result]) -> list[str]:
         if level is None:
             continue
         here = [item for item in mine if item.kind == level]
+        here.sort(key=lambda item: item.verdict == "error")
         before = [name for name in list(KINDS)[: list(KINDS).index(level)] if name in ran]
         right = f", {' and '.join(before)} right" if before else ""
         lines.append(f"{engine}: {head(level, here)}{right}")
@@ -61,14 +62,16 @@ def located(results: Sequence[Result]) -> list[str]:
 
 def head(level: str, here: Sequence[Result]) -> str:
     """Return the heading of a level, by the results that fail there."""
-    if any(item.verdict == "deviation" for item in here):
-        same = all(item.cause == ANOTHER_MODEL for item in here)
-        return ANOTHER_MODEL if same else f"{KINDS[level].level} is wrong"
+    causes = [item.cause for item in here if item.verdict == "deviation"]
+    same = all(cause == ANOTHER_MODEL for cause in causes)
+    said = [ANOTHER_MODEL if same else f"{KINDS[level].level} is wrong"] if causes else []
     other = {True: "it raised an exception", False: f"{KINDS[level].level} could not be judged"}
-    kinds = ((item.reason.partition(":")[0], item.traceback) for item in here)
-    return " and ".join(
-        dict.fromkeys(FAILED.get(one) or other[bool(raised)] for one, raised in kinds)
-    )
+    said += [
+        FAILED.get(item.reason.partition(":")[0]) or other[bool(item.traceback)]
+        for item in here
+        if item.verdict == "error"
+    ]
+    return " and ".join(dict.fromkeys(said))
 
 
 def faults(results: Sequence[Result], every: Sequence[Result]) -> Iterator[str]:

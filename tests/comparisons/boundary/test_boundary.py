@@ -61,6 +61,7 @@ def test_a_finished_file_stays_as_it_is(folder: Path, small: dict[str, Any]) -> 
     assert (folder / "small.json").read_bytes() == before
 
 
+@pytest.mark.slow
 def test_a_file_does_not_depend_on_the_number_of_processes(
     folder: Path, small: dict[str, Any]
 ) -> None:

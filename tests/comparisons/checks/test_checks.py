@@ -114,6 +114,7 @@ CHEAP = (
 """Ids of quick checks of all scenes, engines and kinds but stability; some are skipped."""
 
 
+@pytest.mark.slow
 def test_results_do_not_depend_on_the_number_of_processes() -> None:
     checks = plan(ids=CHEAP)
     assert {check.case.scene for check in checks} == set(SCENES)

@@ -229,3 +229,11 @@ def test_every_kind_names_a_level(kind: str, words: str) -> None:
 def test_a_header_fits_the_errors_below_it(reason: str, traceback: str | None, words: str) -> None:
     wrong = changed(result(verdict="error", error=None, reason=reason), traceback=traceback)
     assert located([wrong])[0] == f"mujoco: {words}"
+
+
+def test_a_level_that_deviates_and_fails_says_both_and_deviations_first() -> None:
+    failed = changed(result(verdict="error", error=None, reason="ValueError: no"), traceback="at")
+    wrong = result(verdict="deviation", quantity="q", error=0.25, reason="by itself")
+    first, *more = located([failed, wrong])
+    assert first == "mujoco: a free run is wrong and it raised an exception"
+    assert more == ["  RK4 q off by 0.25 rad (hula_hoop)", "  ValueError: no (hula_hoop)"]

@@ -63,6 +63,7 @@ def number(pattern: str, text: str) -> float:
     return float(match[1])
 
 
+@pytest.mark.slow
 def test_a_fix_leaves_no_spin_and_is_not_near_the_limit(tmp_path: Path) -> None:
     """By `discrete` it reverses its largest force every other step, at 870 rad/s, for ever.
 

@@ -177,6 +177,7 @@ def stiffnesses(p: RotorPendulum) -> dict[str, float]:
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ["mujoco", "exudyn"])
 def test_engines_have_orbits_of_their_own(engine: str) -> None:
     found = evaluate("phase", points([CASE_2, CASE_3], engine, None))

@@ -101,6 +101,7 @@ def test_regimes_are_those_of_the_theory_point_by_point(name: str) -> None:
 QUICK = ("ordinary", "no torque, no damper", "lengths")
 
 
+@pytest.mark.slow
 def test_a_mean_speed_near_the_homoclinic_torque_has_a_bound() -> None:
     p = SpeedRegulator(torque=0.0527)
     cycles, orbit = rotations(points(torque=[p.torque])), find_orbit(SCENE, p)

@@ -53,6 +53,7 @@ def test_a_third_dimension_changes_nothing_but_the_cost() -> None:
     assert differences[0] / differences[1] == pytest.approx(4, rel=0.1)
 
 
+@pytest.mark.slow
 def test_theories_are_compared_with_the_one_that_has_it() -> None:
     found = compare(pairs("rotating_beam", "mujoco", "large deflections")[0])
     assert found.error < 1e-9 < 1e-3 < found.error_without

@@ -163,6 +163,7 @@ def least_curves(scene: Scene, window: ParameterWindow, *count: int) -> list[Bif
     return tracer.least_curves(*count)
 
 
+@pytest.mark.slow
 def test_the_rotation_ends_at_homoclinic_orbits() -> None:
     """The curve begins where the least torque comes into the window."""
     scene = get_scene("speed_regulator")

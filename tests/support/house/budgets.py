@@ -62,7 +62,7 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
     "docs": (611, 1337),  # generated tables of pages, a picture (#39)
     "examples": (498, 781),
     "models": (1989, 3720),
-    "reference": (8201, 16306),
+    "reference": (8206, 16317),  # arrays in a third of the time: constants of their type
     "tests": (24844, 42960),  # engines as readers, import bugs, pages, 80 columns (#38, #39)
 }
 """Folder -> statements and lines of Python."""
