@@ -12,7 +12,7 @@ from mbcheck.comparisons.engines.registry import REFERENCE
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.papers.assess import assess
 from mbcheck.comparisons.papers.claims import read_paper
-from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED, REPRODUCED
+from mbcheck.comparisons.papers.ledger import DEPENDS, NOT_REPRODUCED, REPRODUCED
 from mbcheck.comparisons.papers.rotor_pendulum import measures
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.comparisons.queries.query import choose_engine, choose_method
@@ -50,10 +50,9 @@ def test_coupling_is_absent_by_one_measure() -> None:
 
 
 def test_an_upright_rod_has_a_stable_orbit_with_the_springs_of_case_1() -> None:
-    p, session = CASE_1.replace(installation_angle=np.pi / 2), Session()
-    assert measures.kind_of(measures.synchronous_orbit(session, p)) == "antiphase"
-    (coupled, _) = assess(BY_NAME["critical_phase"], session).numbers[REFERENCE]["holds"]
-    assert coupled == pytest.approx(theory.coupling_amplitude(p), rel=0.01)
+    p = CASE_1.replace(installation_angle=np.pi / 2)
+    assert measures.kind_of(measures.synchronous_orbit(Session(), p)) == "antiphase"
+    assert assess(BY_NAME["critical_phase"], Session()).verdict == DEPENDS
 
 
 def test_curve_of_the_motor_has_the_slope_of_14_and_its_largest_torque() -> None:
