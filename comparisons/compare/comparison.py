@@ -31,7 +31,7 @@ from .elements import (
     touches_nothing,
 )
 from .engine import EngineReading
-from .explain import find_edits, guesses
+from .explain import INERTIAL, OPEN_SHARE, Guess, find_edits, guesses
 from .gaps import Gap, acceleration_roundoff, distinct, gaps_between
 from .reading import Edit, Operand, Reading
 from .states import Side, sides_of, states_of, translated
@@ -59,6 +59,9 @@ RULE, UNUSED = "compare", "waiver_unused"
 
 MIN_FORCE = 1e-6
 """Share of the largest force below which the force of a joint counts as that large."""
+
+MASS_WEIGHT = 1e4
+"""Weight of errors of a mass matrix relative to those of forces: edits explain the former first."""
 
 MAX_VALUES = 6
 """Numbers of an attribute that are shown at the most."""
@@ -316,10 +319,11 @@ def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelCo
     trial, gaps, left, idle = None, list[Gap](), list[Gap](), list[Difference]()
     if not isinstance(sides, str):
         trial = EditTrial(first, second, match, sides, edits_in(rounding))
+        if isinstance(second, EngineReading):
+            trial, found = read_by_engine(trial, second, edits_in(differences))
+            differences += found
         gaps = trial.gaps()
-        if gaps and isinstance(second, EngineReading):
-            differences += trial.read_differently(edits_in(differences))
-        left = trial.left(edits_in(differences), gaps) if gaps else []
+        left = trial.gaps(edits_in(differences)) if gaps else []
         differences = [*map(trial.measured, differences[:MEASURED]), *differences[MEASURED:]]
         differences.sort(key=lambda d: -1.0 if d.effect is None else d.effect, reverse=True)
         idle = [d for d in differences if (d.effect, d.seen) == (0, "") and why_idle(one, other, d)]
@@ -331,7 +335,7 @@ def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelCo
         a=names[0],
         b=names[1],
         versions={"a": first.version, "b": second.version},
-        conventions=second.conventions,
+        conventions=second.conventions if isinstance(second, EngineReading) else [],
         renamed=list(renamed(one, other, match)),
         differences=differences,
         idle_defaults=[f"{d.sentence} ({why_idle(one, other, d)})" for d in idle],
@@ -342,6 +346,26 @@ def compared(first: Reading, second: Reading, names: tuple[str, str]) -> ModelCo
         rounded=sum(d.share > EQUAL for d in rounding),
         not_compared=sorted(physical[0] ^ physical[1]),
     )
+
+
+def read_by_engine(
+    trial: EditTrial, engine: EngineReading, before: Sequence[Edit]
+) -> tuple[EditTrial, list[Difference]]:
+    """Return a trial in the convention of an engine, and what the engine read differently.
+
+    A convention other than the protocol's counts only if edits close the gap in it, and do not in
+    the protocol's.
+    """
+    found = list(trial.read_differently(before)) if trial.gaps() else []
+    if len(engine.likely) > 1 and trial.gaps([*before, *edits_in(found)]):
+        protocol, other = engine.likely
+        engine.likely = [other]
+        another = EditTrial(trial.first, engine, trial.match, trial.sides, trial.always)
+        explained = list(another.read_differently(before))
+        if not another.gaps([*before, *edits_in(explained)]):
+            return another, explained
+        engine.likely = [protocol]
+    return trial, found
 
 
 def edits_in(differences: Sequence[Difference]) -> list[Edit]:
@@ -560,79 +584,102 @@ class EditTrial:
         sides: tuple[Side, Side],
         always: Sequence[Edit],
     ) -> None:
-        self.first, self.second, self.sides, self.always = first, second, sides, always
+        self.first, self.match, self.sides, self.always = first, match, sides, always
         self.states = states_of(first, sides)
         if isinstance(second, EngineReading):  # which has no activations
             rest = [0.0] * int(first.model.field("na"))
             self.states = {name: {**one, "act": rest} for name, one in self.states.items()}
         self.eps = max(first.eps, second.eps)
-        self.elements = [pair[0] for pair in match.pairs]
         theirs = [translated(state, *sides) for state in self.states.values()]
         self.other = [sides[1].in_order(one) for one in second.at(theirs)]
         self.own = self.answers(())
         self.accelerations = np.array([one["qacc"] for one in self.own])
-        self.masses = np.array([one["mass"] for one in self.own])
 
     def answers(self, edits: Sequence[Edit], brief: bool = False) -> list[dict[str, Any]]:
-        """Return the answers of A after edits; in brief its accelerations alone."""
+        """Return the answers of A after edits; in brief accelerations and mass matrices alone."""
         answers = self.first.at(list(self.states.values()), [*self.always, *edits], brief)
         return [self.sides[0].in_order(one) for one in answers]
 
-    def edited(self, edits: Sequence[Edit]) -> Any:
-        """Return the accelerations of A after edits (states, n)."""
-        return np.array([one["qacc"] for one in self.answers(edits, brief=True)])
-
     def gaps(self, edits: Sequence[Edit] = ()) -> list[Gap]:
-        """Return the gaps between A, with edits, and B."""
-        return self.gaps_of(self.other, self.answers(edits) if edits else self.own)
+        """Return the gaps between A, with edits, and B; edits that cannot be made close none."""
+        try:
+            own = self.answers(edits) if edits else self.own
+        except MbcheckError:
+            own = self.own
+        return self.gaps_of(self.other, own)
 
     def gaps_of(self, answers: Any, own: Any = None) -> list[Gap]:
         """Return the gaps between answers and those of A, or others."""
-        labels, states = self.sides[0].row_labels, list(self.states)
-        return gaps_between(own or self.own, answers, states, labels, self.eps)
+        labels = {kind: list(one.values()) for kind, one in self.sides[0].vectors.items()}
+        return gaps_between(own or self.own, answers, list(self.states), labels, self.eps)
 
-    def force_gap(self, edits: Sequence[Edit]) -> Any:
-        """Return the differences of accelerations as forces, relative to each joint's largest."""
-        theirs = np.array([one["qacc"] for one in self.other])
-        forces, apart = (
-            np.einsum("sij,sj->si", self.masses, one)
-            for one in (self.accelerations, theirs - self.edited(edits))
-        )
-        size = abs(forces).max(axis=0)
+    def misfit(self, edits: Sequence[Edit], weight: float) -> Any:
+        """Return the errors of A, after edits, in the accelerations and mass matrices of B.
+
+        First the forces M (a_B - a_A), relative to the largest of each joint, which are linear in
+        inertias and forces of A where there are no constraints; then the differences of mass
+        matrices, as far as B has these, in units of sqrt(M_ii M_jj), times a weight.
+        """
+        size = abs(np.array([one["mass"] @ one["qacc"] for one in self.own])).max(axis=0)
         scale = np.maximum(size, MIN_FORCE * size.max(initial=0.0) or 1.0)
-        return np.ravel(apart / scale)
+        forces, masses = list[Any](), list[Any]()
+        for own, one, other in zip(self.own, self.answers(edits, True), self.other, strict=True):
+            forces.append(one["mass"] @ (other["qacc"] - one["qacc"]) / scale)
+            unit = np.sqrt(np.diag(own["mass"]))
+            masses.append((one["mass"] - other.get("mass", one["mass"])) / np.outer(unit, unit))
+        return np.concatenate([np.ravel(forces), weight * np.ravel(masses)])
 
     def read_differently(self, before: Sequence[Edit]) -> Iterator[Difference]:
         """Yield the attributes that an engine lost or scaled, after edits that are known."""
-        picks = find_edits(
-            lambda edits: self.force_gap([*before, *edits]),
-            lambda edits: not self.gaps([*before, *edits]),
-            list(guesses(self.first.model, self.elements)),
-        )
-        elements = {one.label: one for one in self.elements}
+        picks = self.explanation(before)
+        elements = {one.label: one for one, _ in self.match.pairs}
         for one, factor in picks:
             values, read = one.cells(factor)
             cells = distinct(*shortened(values, read), 6) if values else ("", str(read[0]))
-            unit = unit_of(elements.get(one.element, self.elements[0]), one.attribute)
+            unit = unit_of(elements.get(one.element, self.match.pairs[0][0]), one.attribute)
             edits = [one.edit(factor)]
             yield Difference(one.element, one.attribute, *cells, unit=unit, edits=edits)
 
-    def left(self, edits: Sequence[Edit], gaps: list[Gap]) -> list[Gap]:
-        """Return the gaps that edits leave; all of them if the edits cannot be made."""
-        try:
-            return self.gaps(edits)
-        except MbcheckError:
-            return gaps
+    def explanation(self, before: Sequence[Edit]) -> list[tuple[Guess, float]]:
+        """Return the attributes that an engine multiplied, with their factors.
+
+        Masses, inertias and armatures are among them only if the mass matrices then agree, or, of
+        an engine that has none, if no gap is left. If one is left, it distorts the factors of the
+        fit, and other attributes are named only if lost completely.
+        """
+        candidates = list(guesses(self.first.model, [pair[0] for pair in self.match.pairs]))
+
+        def explained_by(weight: float, candidates: Sequence[Guess]) -> list[tuple[Guess, float]]:
+            return find_edits(
+                lambda edits: self.misfit([*before, *edits], weight),
+                lambda edits: not self.gaps([*before, *edits]),
+                candidates,
+            )
+
+        def edits_of(picks: Sequence[tuple[Guess, float]]) -> list[Edit]:
+            return [*before, *(one.edit(factor) for one, factor in picks)]
+
+        picks = explained_by(MASS_WEIGHT, candidates)
+        left = {gap.quantity for gap in self.gaps(edits_of(picks))}
+        if left and ("mass" not in self.other[0] or "mass matrix" in left):
+            picks = explained_by(0.0, [one for one in candidates if one.field not in INERTIAL])
+            left = {gap.quantity for gap in self.gaps(edits_of(picks))}
+        if left:
+            inertial = [one for one in picks if one[0].field in INERTIAL]
+            picks = [one for one in picks if one in inertial or one[0].is_lost(one[1])]
+            ends = [np.linalg.norm(self.misfit(edits, 0.0)) for edits in (before, edits_of(picks))]
+            return picks if ends[1] <= OPEN_SHARE * ends[0] else inertial
+        return picks
 
     def measured(self, difference: Difference) -> Difference:
         """Return a difference with its effect on accelerations."""
         if not difference.edits:
             return difference
         try:
-            apart = abs(self.edited(difference.edits) - self.accelerations)
+            edited = np.array([one["qacc"] for one in self.answers(difference.edits, brief=True)])
         except MbcheckError:
             return difference
-        least = self.roundoff
+        apart, least = abs(edited - self.accelerations), self.roundoff
         scale = np.maximum(abs(self.accelerations).max(axis=0, initial=0.0), least)
         effect = np.max(np.where(apart > least, apart / scale, 0.0), initial=0.0)
         if effect == 0.0:
@@ -644,6 +691,4 @@ class EditTrial:
     @cached_property
     def roundoff(self) -> Any:
         """Round-off of each acceleration at each state (states, n)."""
-        return np.array(
-            [acceleration_roundoff(one, self.eps) + 4 * one["qacc_floor"] for one in self.own]
-        )
+        return np.array([acceleration_roundoff(one, self.eps) for one in self.own])

@@ -29,7 +29,7 @@ TRIED_STATES = 4
 """Number of states at which an engine's conventions are tried."""
 
 CLEARER = 0.5
-"""A convention is adopted if it reduces the error of accelerations to this share or less."""
+"""A convention is tried if it reduces the error of accelerations to this share or less."""
 
 FILE_ORDER = "the order of the file"
 
@@ -128,6 +128,9 @@ class EngineReading(Reading):
         If there is no such engine, or it reads no MJCF.
     """
 
+    likely: Sequence[Convention] = ()
+    """Conventions that may be the engine's, the one in which it answers first."""
+
     def __init__(self, operand: Operand) -> None:
         self.engine = get_engine(operand.reader)
         if not self.engine.reads_mjcf:
@@ -149,6 +152,11 @@ class EngineReading(Reading):
         )
 
     @property
+    def conventions(self) -> list[str]:
+        """Departures from the protocol of engines, in words."""
+        return self.likely[0].sentences if self.likely else []
+
+    @property
     def version(self) -> str:
         """Name and version of the engine."""
         return f"{self.engine.name} {self.engine.version}"
@@ -168,33 +176,37 @@ class EngineReading(Reading):
             Term("actuator", name, {}, amplitude=state["ctrl"][rows.start])
             for name, rows in zip(names, self.model.columns("key_ctrl"), strict=True)
         )
-        arguments: list[Any] = [
-            replace(self.system, terms=terms),
-            convention.positions(self.layout, q),
-        ]
-        if function == "accelerations":
-            arguments = [arguments[0], 0.0, arguments[1], turn @ v]
-        ask = partial(self.engine.by_method(function, None), *arguments)
-        shape = v.shape if function == "accelerations" else turn.shape
+        moves = function == "accelerations"
+        position = convention.positions(self.layout, q)
+        arguments: tuple[Any, ...] = (0.0, position, turn @ v) if moves else (position,)
+        by_method = self.engine.by_method(function, None)
+        ask = partial(by_method, replace(self.system, terms=terms), *arguments)
+        shape = v.shape if moves else turn.shape
         try:
             answer = numbers(function, call_engine(ask), shape, finite=True)
         except MbcheckError as error:
             message = f"{self.engine.name} cannot evaluate {self.operand.file}: {error}"
             raise EngineError("engine", message, error.traceback) from error
-        if function == "accelerations":
+        if moves:
             return np.asarray(np.linalg.solve(turn, answer - drift), dtype=float)
         return np.asarray(turn.T @ answer @ turn)
 
-    def find_convention(self, states: Sequence[State], wanted: Sequence[Array]) -> Convention:
-        """Return the convention in which the engine agrees best with MuJoCo's accelerations."""
+    def likely_conventions(
+        self, states: Sequence[State], wanted: Sequence[Array]
+    ) -> list[Convention]:
+        """Return the convention in which the engine has MuJoCo's accelerations.
+
+        If there is none, return the protocol's and, if its errors are much smaller, another one:
+        the edits that explain the rest then decide.
+        """
         errors: dict[Convention, float] = {}
         for one in conventions(self.model, self.layout):
             answers = [self.ask_engine("accelerations", state, one) for state in states]
             errors[one] = float(np.linalg.norm(np.subtract(answers, wanted)))
             if errors[one] <= OPERATIONS * self.eps * np.linalg.norm(wanted):
-                return one
+                return [one]
         first, best = next(iter(errors)), min(errors, key=lambda one: errors[one])
-        return best if errors[best] < CLEARER * errors[first] else first
+        return [first, best][: 1 + (errors[best] < CLEARER * errors[first])]
 
     def at(
         self, states: Sequence[State], edits: Sequence[Edit] = (), brief: bool = False
@@ -205,10 +217,12 @@ class EngineReading(Reading):
         """
         mujoco = super().at(states)
         smooth = [i for i, one in enumerate(mujoco) if not len(one["row_type"])]
-        sample = (smooth or range(len(states)))[-TRIED_STATES:]
-        quiet = [{**states[i], "ctrl": [0.0] * len(states[i]["ctrl"])} for i in sample]
-        convention = self.find_convention(quiet, [one["qacc"] for one in super().at(quiet)])
-        self.conventions = convention.sentences
+        if not self.likely:
+            sample = (smooth or range(len(states)))[-TRIED_STATES:]
+            quiet = [{**states[i], "ctrl": [0.0] * len(states[i]["ctrl"])} for i in sample]
+            wanted = [one["qacc"] for one in super().at(quiet, (), brief=True)]
+            self.likely = self.likely_conventions(quiet, wanted)
+        convention = self.likely[0]
         answers: list[Answer] = []
         for i, state in enumerate(states):
             qacc = self.ask_engine("accelerations", state, convention)

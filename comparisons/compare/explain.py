@@ -20,6 +20,9 @@ MIN_SHARE, OPEN_SHARE = 0.03, 0.3
 """Smallest share of the remaining squared gap that an edit must explain, and largest share of the
 gap that an explanation may leave open."""
 
+DEPENDENT = 1e-8
+"""Share of an effect below which those of edits already selected have it, too."""
+
 ALIKE, WHOLE = 0.999, 1e-3
 """Share of the best explanation from which another is as good, and distance from a complete loss
 within which the complete loss is tried."""
@@ -38,6 +41,9 @@ FACTORS: Mapping[str, float] = {
 }
 """Field -> the factor of a complete loss, or of another value by which its effect is measured."""
 
+INERTIAL = ("body_mass", "body_inertia", "body_ipos", "dof_armature")
+"""Fields of which the mass matrix consists."""
+
 MIN_CHANGE = 1e-4
 """Smaller relative changes of an attribute are not named; they follow errors of the fit."""
 
@@ -45,6 +51,9 @@ FACTORS_ALLOWED, POSITIVE_FACTORS = (-1e4, 1e4), (0.0, 100.0)
 """Bounds of the factors by which a reader may have scaled attributes, and those of `POSITIVE`.
 
 The loss of all forces has the same effect as a mass a thousand times as large."""
+
+MIN_INERTIA = 1e-3
+"""Smallest factor of a mass or inertia: without any, no force is left over in a fit."""
 
 POSITIVE = ("mass", "inertia", "damping", "armature", "stiffness", "frictionloss", "density")
 """Ends of fields that no reader makes negative."""
@@ -82,9 +91,15 @@ class Guess:
         """True if a reader either keeps it or not."""
         return self.field.endswith(DISCRETE)
 
+    def is_lost(self, factor: float) -> bool:
+        """Return True if a factor is the one of a complete loss."""
+        return self.is_discrete or abs(factor - self.factor) < WHOLE
+
     def allows(self, factor: float) -> bool:
         """Return True if a reader may have multiplied the attribute by a factor."""
         low, high = POSITIVE_FACTORS if self.field.endswith(POSITIVE) else FACTORS_ALLOWED
+        if self.field in ("body_mass", "body_inertia"):
+            return MIN_INERTIA < factor < high
         return self.is_discrete or low - WHOLE < factor < high
 
     def edit(self, factor: float) -> Edit:
@@ -134,8 +149,8 @@ def find_edits(
 ) -> list[tuple[Guess, float]]:
     """Return the edits, each with its factor, that together close most of a gap.
 
-    One edit after the other is selected, by the part of the remaining gap that it explains, as in
-    orthogonal matching pursuit; all factors are then fitted again by least squares.
+    One edit after the other is selected, by the part of the remaining gap that it explains after
+    all factors are fitted again (orthogonal least squares); they are then fitted.
 
     Parameters
     ----------
@@ -147,8 +162,8 @@ def find_edits(
 
     References
     ----------
-    Mallat and Zhang, Matching pursuits with time-frequency dictionaries, IEEE Transactions on
-    Signal Processing 41 (1993).
+    Chen, Billings and Luo, Orthogonal least squares methods and their application to non-linear
+    system identification, International Journal of Control 50 (1989).
     """
     start = left = gap(())
     picks: list[Guess] = []
@@ -164,11 +179,18 @@ def find_edits(
             after = np.full_like(start, np.inf)
         return after if np.all(np.isfinite(after)) else np.full_like(start, np.linalg.norm(start))
 
-    while len(picks) < MAX_EDITS and not is_closed(edits(factors)):
+    def is_allowed() -> bool:
+        return all(map(Guess.allows, picks, factors))
+
+    while len(picks) < MAX_EDITS and not (is_allowed() and is_closed(edits(factors))):
+        scaled = np.flatnonzero([not one.is_discrete for one in picks])
+        moved = [left - remaining(factors + unit) for unit in np.eye(len(picks))[scaled]]
+        basis = np.linalg.qr(np.reshape(moved, (-1, len(left))).T)[0]
         gains: dict[Guess, tuple[float, float]] = {}
         for guess in candidates:
-            effect = left - remaining(factors, guess.edit(guess.factor))
-            if guess not in picks and effect.any():
+            whole = left - remaining(factors, guess.edit(guess.factor))
+            effect = whole - basis @ (basis.T @ whole)
+            if guess not in picks and np.linalg.norm(effect) > DEPENDENT * np.linalg.norm(whole):
                 share = 1.0 if guess.is_discrete else float(left @ effect / (effect @ effect))
                 gains[guess] = float(left @ left - np.sum((left - share * effect) ** 2)), share
         candidates = sorted(gains, key=lambda one: gains[one][0], reverse=True)[:TRIED_AGAIN]
@@ -180,8 +202,7 @@ def find_edits(
         first = np.append(factors, 1 + gains[pick][1] * (pick.factor - 1))
         factors = fitted(remaining, first, np.array([one.factor for one in picks]))
         left = remaining(factors)
-    is_open = np.linalg.norm(left) > OPEN_SHARE * np.linalg.norm(start)
-    if is_open or not all(map(Guess.allows, picks, factors)):
+    if not is_allowed():
         return []
     pairs = zip(picks, factors.tolist(), strict=True)
     return [(one, f) for one, f in pairs if one.is_discrete or abs(f - 1) > MIN_CHANGE]
@@ -189,9 +210,26 @@ def find_edits(
 
 def fitted(remaining: Callable[[Any], Any], factors: Any, whole: Any) -> Any:
     """Return the factors that leave least of a gap; complete losses where these do as well."""
-    best = least_squares(
-        remaining, factors, diff_step=1e-4, max_nfev=12, xtol=1e-15, ftol=1e-15, gtol=1e-15
-    ).x
-    rounded = np.where(abs(best - whole) < WHOLE, whole, best)
+    best = refitted(remaining, factors, np.ones(len(factors), dtype=bool))
+    lost = abs(best - whole) < WHOLE
+    rounded = np.where(lost, whole, best)
+    if lost.any() and not lost.all():
+        rounded = refitted(remaining, rounded, ~lost)
     ends = [float(np.linalg.norm(remaining(one))) for one in (rounded, best)]
     return rounded if ends[0] <= 2 * ends[1] else best
+
+
+def refitted(remaining: Callable[[Any], Any], factors: Any, free: Any) -> Any:
+    """Return the factors of which those that are free leave least of a gap."""
+
+    def placed(values: Any) -> Any:
+        every = factors.copy()
+        every[free] = values
+        return every
+
+    return placed(
+        least_squares(
+            lambda values: remaining(placed(values)), factors[free],
+            diff_step=1e-4, max_nfev=12, xtol=1e-15, ftol=1e-15, gtol=1e-15,
+        ).x
+    )  # fmt: skip

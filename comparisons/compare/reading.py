@@ -134,9 +134,6 @@ class Reading:
     eps = EPS
     """Rounding unit of its numbers."""
 
-    conventions: Sequence[str] = ()
-    """Departures from the protocol of engines, in words."""
-
     def __init__(self, operand: Operand, python: str) -> None:
         if not os.path.isfile(operand.file):
             there = "it is no file" if os.path.exists(operand.file) else "no such file"

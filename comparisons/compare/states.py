@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -65,36 +66,28 @@ class Side:
     labels: Mapping[str, dict[int, str]]
     rows: Mapping[str, list[int]]
 
-    @property
-    def steps(self) -> list[int]:
-        """Rows of the state after a step: positions, velocities, activations."""
-        nq, nv = (int(self.model.field(name)) for name in ("nq", "nv"))
-        velocities = [nq + row for row in self.rows["qvel"]]
-        return [*self.rows["qpos"], *velocities, *(nq + nv + row for row in self.rows["act"])]
-
-    @property
-    def row_labels(self) -> dict[str, list[str]]:
-        """Labels of the rows of quantities of A, by their kinds, see `gaps.QUANTITIES`."""
-        labels = {kind: list(one.values()) for kind, one in self.labels.items()}
-        owners = dict[str, list[str]]()
+    @cached_property
+    def vectors(self) -> dict[str, dict[int, str]]:
+        """Kind of rows, see `gaps.QUANTITIES` -> rows in the order of A, each with its label."""
+        parts = dict[str, dict[int, str]]()
         for part, rows in self.rows.items():
-            names, columns = self.model.labels[PARTS[part]], self.model.columns(f"key_{part}")
-            owner = {row: n for n, span in zip(names, columns, strict=True) for row in span}
-            owners[part] = [owner[row] for row in rows]
-        outputs = [
-            label
-            for number, label in self.labels["actuator"].items()
-            for _ in self.model.outputs[number]
-        ]
-        step = [*owners["qpos"], *owners["qvel"], *owners["act"]]
-        return {**labels, "output": outputs, "joint": owners["qvel"], "step": step}
+            columns, labels = self.model.columns(f"key_{part}"), self.labels[PARTS[part]]
+            owners = {row: label for i, label in labels.items() for row in columns[i]}
+            parts[part] = {row: owners[row] for row in rows}
+        starts = np.cumsum([0, self.model.field("nq"), self.model.field("nv")]).tolist()
+        step = {
+            start + row: label
+            for start, part in zip(starts, ("qpos", "qvel", "act"), strict=True)
+            for row, label in parts[part].items()
+        }
+        actuators = self.labels["actuator"].items()
+        outputs = {row: label for i, label in actuators for row in self.model.outputs[i]}
+        return {**self.labels, "output": outputs, "joint": parts["qvel"], "step": step}
 
     def in_order(self, answer: Mapping[str, Any]) -> dict[str, Any]:
         """Return the answer at a state with the elements of A, in the order of A."""
-        dofs = self.rows["qvel"]
-        rows = {**{kind: [*one] for kind, one in self.labels.items()}, "joint": dofs}
-        rows["step"] = self.steps
-        rows["output"] = [row for number in rows["actuator"] for row in self.model.outputs[number]]
+        rows = {kind: list(vector) for kind, vector in self.vectors.items()}
+        dofs = rows["joint"]
         own = {
             name: value[rows[QUANTITIES.get(name.removesuffix("_floor"), ("", "joint"))[1]]]
             for name, value in answer.items()

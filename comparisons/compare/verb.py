@@ -162,7 +162,7 @@ def conclusion(result: ModelComparison) -> Iterator[str]:
     for one in result.idle_defaults:
         yield f"A default that changed between the releases, without effect here: {one}."
     if result.rounded:
-        yield f"{result.rounded} attributes differ only by the six digits of a text."
+        yield f"The six digits of a text explain {plural(result.rounded, 'further difference')}."
     if result.not_compared:
         yield f"Fields of one release alone, not compared: {', '.join(result.not_compared)}."
     yield from (*result.unused_waivers, *result.idle_waivers)

@@ -170,7 +170,7 @@ def solved(model: Any, state: Mapping[str, Any], start: Any = 0.0) -> Any:
 
 
 def evaluated(model: Any, states: Sequence[Mapping[str, Any]], brief: bool) -> Iterator[Answer]:
-    """Yield what a model does at states; in brief its accelerations alone.
+    """Yield what a model does at states; in brief accelerations and mass matrices alone.
 
     The solver starts twice, the answer is the first and its error the distance of both: ``_floor``.
     """
@@ -181,10 +181,11 @@ def evaluated(model: Any, states: Sequence[Mapping[str, Any]], brief: bool) -> I
         ("opt.noslip_iterations", None, 0),  # they depend on the order of joints
     ]
     exact = edited(model, settings, False)
-    others = {one: edited(exact, [("opt.integrator", None, [one])], False) for one in INTEGRATORS}
+    integrators = () if brief else INTEGRATORS
+    others = {one: edited(exact, [("opt.integrator", None, [one])], False) for one in integrators}
     for state in states:
         data = solved(exact, state)
-        answer = {"qacc": data.qacc.copy()}
+        answer = {"qacc": data.qacc.copy(), "mass": matrix(mujoco.mj_mulM, exact, data)}
         if brief:
             yield answer
             continue
@@ -208,7 +209,7 @@ def smooth(model: Any, state: Mapping[str, Any]) -> Answer:
     at_rest, data = (data_at(model, one) for one in ({"qpos": state["qpos"]}, state))
     mujoco.mj_forward(model, at_rest)
     mujoco.mj_forward(model, data)
-    answer: Answer = {"gravity": at_rest.qfrc_bias, "mass": matrix(mujoco.mj_mulM, model, data)}
+    answer: Answer = {"gravity": at_rest.qfrc_bias}
     for name in PARTS:
         if hasattr(data, name):  # releases tell fewer forces apart
             answer[name.removeprefix("qfrc_")] = getattr(data, name)

@@ -36,6 +36,69 @@ NAMED = {
 """Reader -> what it lost or misread, in words."""
 
 
+CHAIN = """<mujoco><compiler angle="radian"/><worldbody>
+<body name="a" pos="0 0 1"><joint name="ja" axis="0 1 0" damping=".4" armature=".2" stiffness="2"/>
+<inertial pos=".2 0 .01" mass="1.5" diaginertia=".01 .02 .025"/>
+<body name="b" pos=".4 0 0"><joint name="jb" axis="1 0 0" damping=".2" armature=".1" stiffness="3"
+springref=".3"/><inertial pos=".15 0 .02" mass=".7" diaginertia=".004 .01 .0105"/>
+<body name="c" pos=".3 0 0"><joint name="jc" axis="0 0 1" damping=".1" armature=".05"
+stiffness="5"/><inertial pos=".1 .05 0" mass=".4" diaginertia=".001 .002 .0025"/>
+</body></body></body></worldbody>
+<actuator><motor name="m1" joint="ja" gear="50" ctrlrange="-1 1" ctrllimited="true"/></actuator>
+</mujoco>"""
+
+ARMATURES = "every joint: armature 0.2 0.1 0.05 dropped"
+DAMPINGS = "every joint: damping 0.4 0.2 0.1 dropped"
+
+SEVERAL = {
+    "JointsLost": {ARMATURES, DAMPINGS, "every joint: stiffness 2 3 5 dropped"},
+    "MassMisread": {ARMATURES, DAMPINGS, "body b: mass 0.7 read as 0.91"},
+    "MotorLost": {
+        ARMATURES,
+        "option: gravity 0 0 -9.81 dropped",
+        "actuator m1: gear 50 read as 1",
+    },
+}
+"""Reader -> what it lost or misread at once."""
+
+
+@pytest.fixture
+def chain(tmp_path: Path) -> str:
+    path = tmp_path / "chain.xml"
+    path.write_text(CHAIN)
+    return str(path)
+
+
+@pytest.mark.parametrize("mass_matrix", ["", "ByMass"])
+@pytest.mark.parametrize("reader", SEVERAL)
+def test_several_losses_are_named_and_no_wrong_masses(
+    chain: str, reader: str, mass_matrix: str
+) -> None:
+    result = compare(chain, f"{chain}@{READERS}:{reader}{mass_matrix}")
+    assert {one.sentence for one in result.differences} == SEVERAL[reader]
+    assert result.closed
+
+
+def test_masses_are_named_only_with_a_proof(chain: str) -> None:
+    """A drag remains that no edit of the file explains."""
+    result = compare(chain, f"{chain}@{READERS}:Drag")
+    assert result.closed is False
+    named = {one.attribute for one in result.differences}
+    assert not named & {"mass", "inertia", "inertial pos", "armature"}
+    result = compare(chain, f"{chain}@{READERS}:DragByMass")
+    assert result.closed is False
+    named = {one.sentence for one in result.differences}
+    assert ARMATURES in named
+    assert not {word for word in named if "mass" in word or "inertia" in word}
+    assert "mass matrix" not in {gap.quantity for gap in result.left}
+
+
+def test_a_convention_is_told_only_if_edits_then_close_the_gap(arm: str) -> None:
+    result = compare(arm, f"{arm}@{READERS}:OtherOrderWithDrag")
+    assert result.closed is False
+    assert list(result.conventions) == []
+
+
 @pytest.fixture
 def arm(tmp_path: Path) -> str:
     path = tmp_path / "arm.xml"

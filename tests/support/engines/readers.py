@@ -19,13 +19,23 @@ class FileReader(mbcheck.Engine):
     def edit(self, model: Any) -> None:
         """Lose nothing."""
 
-    def accelerations(self, system: mbcheck.System, time: float, q: Any, v: Any) -> Any:
-        """Return what MuJoCo computes after the edit."""
+    def force(self, v: Any) -> Any:
+        """Return forces (n,) that the file does not have."""
+        return 0 * v
+
+    def read(self, system: mbcheck.System) -> Any:
+        """Return the model after the edit."""
         model = mujoco.MjModel.from_xml_path(system.path)
         self.edit(model)
         mujoco.mj_setConst(model, mujoco.MjData(model))  # as after compiling what it has read
+        return model
+
+    def accelerations(self, system: mbcheck.System, time: float, q: Any, v: Any) -> Any:
+        """Return what MuJoCo computes after the edit."""
+        model = self.read(system)
         data = mujoco.MjData(model)
         data.qpos, data.qvel, data.ctrl = q, v, system.controls(time)
+        data.qfrc_applied = self.force(v)
         mujoco.mj_forward(model, data)
         return data.qacc
 
@@ -67,6 +77,91 @@ class DegreesAndArmature(FileReader):
         model.dof_armature[:] = 0
 
 
+class WithMassMatrix(FileReader):
+    """Has a mass matrix, too."""
+
+    def mass_matrix(self, system: mbcheck.System, q: Any) -> Any:
+        """Return MuJoCo's after the edit."""
+        model = self.read(system)
+        data = mujoco.MjData(model)
+        data.qpos = q
+        mujoco.mj_forward(model, data)
+        rows = np.zeros((model.nv, model.nv))
+        for row, unit in zip(rows, np.eye(model.nv), strict=True):
+            mujoco.mj_mulM(model, data, row, unit)
+        return rows
+
+
+class JointsLost(FileReader):
+    """Drops armature, stiffness and damping of all joints."""
+
+    name = "joints_lost"
+
+    def edit(self, model: Any) -> None:
+        model.dof_armature[:] = 0
+        model.jnt_stiffness[:] = 0
+        model.dof_damping[:] = 0
+
+
+class JointsLostByMass(JointsLost, WithMassMatrix):
+    """The same, with a mass matrix."""
+
+    name = "joints_lost_by_mass"
+
+
+class MassMisread(FileReader):
+    """Reads the mass of the second body 1.3 times as large, and drops armature and damping."""
+
+    name = "mass_misread"
+
+    def edit(self, model: Any) -> None:
+        model.body_mass[2] *= 1.3
+        model.dof_armature[:] = 0
+        model.dof_damping[:] = 0
+
+
+class MassMisreadByMass(MassMisread, WithMassMatrix):
+    """The same, with a mass matrix."""
+
+    name = "mass_misread_by_mass"
+
+
+class MotorLost(FileReader):
+    """Drops armature and gravity, and reads the gear of the first motor as 1."""
+
+    name = "motor_lost"
+
+    def edit(self, model: Any) -> None:
+        model.dof_armature[:] = 0
+        model.opt.gravity[:] = 0
+        model.actuator_gear[0, 0] = 1
+
+
+class MotorLostByMass(MotorLost, WithMassMatrix):
+    """The same, with a mass matrix."""
+
+    name = "motor_lost_by_mass"
+
+
+class Drag(FileReader):
+    """Drops damping and armature, and adds a cubic drag, for which MJCF of hinges has no word."""
+
+    name = "drag"
+
+    def edit(self, model: Any) -> None:
+        model.dof_armature[:] = 0
+        model.dof_damping[:] = 0
+
+    def force(self, v: Any) -> Any:
+        return -0.3 * np.sinh(v)
+
+
+class DragByMass(Drag, WithMassMatrix):
+    """The same, with a mass matrix."""
+
+    name = "drag_by_mass"
+
+
 class SinglePrecision(FileReader):
     """Answers in 32 bits, and drops the damping of the second joint."""
 
@@ -98,6 +193,15 @@ class OtherConventions(FileReader):
         rates = np.concatenate([v[7:], v[:1], v[1:4], axes.T @ v[4:7]])
         a = super().accelerations(system, time, own, rates)
         return np.concatenate([a[1:2], a[2:5], axes @ a[5:8], a[:1]])
+
+
+class OtherOrderWithDrag(OtherConventions):
+    """Joints in another order, and a drag that no edit explains."""
+
+    name = "other_order_with_drag"
+
+    def force(self, v: Any) -> Any:
+        return -0.3 * np.sinh(v)
 
 
 class Raises(FileReader):
