@@ -70,7 +70,8 @@ class BoundaryPoint:
     period : float or None
         after which the orbit closes [s]; null for an equilibrium
     multipliers : tuple of complex
-        of the map that closes the orbit, descending in modulus, that of a shift too
+        of the map over the `parts` of the curve, descending in modulus, that of a shift too; those
+        over half a period have the multipliers over a period as their squares
     eigenvalues : tuple of complex
         of the equations about an equilibrium [1/s], descending in their real parts
     critical : complex

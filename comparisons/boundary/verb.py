@@ -76,6 +76,13 @@ def boundary(
         if before:
             result.restore(before)
 
+    click.echo(
+        f"looks for bifurcations of {' and '.join(result.networks)} along "
+        f"{len(result.networks) * len(result.lines)} lines, then follows the curves through them: "
+        "minutes mostly; finished lines give an estimate",
+        err=True,
+    )
+
     def write() -> None:
         if output and not output.standard_output:
             output.write(json_text(result.as_json()))

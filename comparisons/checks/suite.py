@@ -30,7 +30,7 @@ from ..engines.registry import (
     get_engine,
     resolve_selection,
 )
-from ..engines.run import describe, excerpt, noting, traceback_of
+from ..engines.run import describe, excerpt, noting, place_of, traceback_of
 from ..engines.setup import Setup
 from ..faults.variants import Variant
 from .comparison import Measured
@@ -482,7 +482,7 @@ def run_check(
     except MbcheckError as error:
         return check.failed(str(error), error.traceback)
     except (Exception, SystemExit) as error:  # must not take the other checks along
-        reason = origin(setup, error) + describe(error, "")
+        reason = origin(setup, error) + describe(error) + place_of(error)
         return check.failed(reason, traceback_of(error))
     work = {"seconds": perf_counter() - begin}
     about, results = check.subject, list[Result]()

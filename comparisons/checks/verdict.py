@@ -177,8 +177,8 @@ class Result(Subject):
         one line: where the tolerance comes from and what was seen; for `skipped` and `error`, why;
         which numbers are null because they are not finite
     work : mapping of str to float
-        what the check cost, the same in all its results: `seconds` of wall time; empty if it did
-        not run to its end
+        what the check cost, the same in all its results: `seconds` of wall time, that of a shared
+        reference in the first check that needs it; empty if it did not run to its end
     series : Series, optional
     known : str or None
         why a deviation is known, as the user gave it; null for other verdicts

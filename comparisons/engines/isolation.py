@@ -437,7 +437,7 @@ def outcome(call: Callable[[], Any], seconds: float | None, megabytes: float | N
         return error
     except MemoryError as error:
         limit = "" if megabytes is None else f", limited to {megabytes:g} MB"
-        reason = f"no more memory{limit}: {describe(error, '')}"
+        reason = f"no more memory{limit}: {describe(error)}"
         return EngineError("memory", reason, traceback_of(error))
     except BaseException as error:  # whatever it is, the other calls go on
         return engine_error(error)

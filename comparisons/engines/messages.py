@@ -115,7 +115,7 @@ def encoded(message: tuple[bool, Any], plain: bool) -> bytes:
             raise ValueError(f"{len(data)} bytes are more than {MAX_BYTES}")
         return data
     except BaseException as error:  # of whatever the result is made of
-        reason = f"its answer cannot be sent: {describe(error, '')}"
+        reason = f"its answer cannot be sent: {describe(error)}"
         return encoded((True, EngineError("returned", reason)), plain)
 
 
@@ -129,7 +129,7 @@ def decoded(data: bytes, plain: bool) -> tuple[bool, Any]:
         ended, result = json.loads(data)
         return bool(ended), from_plain(result)
     except Exception as error:  # whatever broken bytes lead to
-        reason = f"what its process sent is no answer: {describe(error, '')}"
+        reason = f"what its process sent is no answer: {describe(error)}"
         return True, EngineError("returned", reason)
 
 

@@ -11,7 +11,7 @@ from contextlib import chdir, contextmanager, nullcontext, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from pathlib import Path
-from traceback import TracebackException
+from traceback import TracebackException, walk_tb
 from typing import Any, TypeVar
 
 import numpy as np
@@ -26,7 +26,7 @@ EPS = float(np.finfo(float).eps)
 VIOLATIONS = ("position_violation", "velocity_violation")
 """Largest residual of a closed loop's constraints [m], and of their rates [m/s]."""
 
-OURS = f"{Path(__file__).resolve().parents[2]}{os.sep}"
+OURS = f"{Path(__file__).parents[2]}{os.sep}"
 """Folder of this package."""
 
 LOADERS = ("<frozen importlib", importlib.__file__)
@@ -198,19 +198,29 @@ def engine_error(error: BaseException, console: str = "") -> EngineError:
     """Return the `EngineError` of an exception of third-party code, with its console."""
     parts = [traceback_of(error), console and f"its console:\n{console}"]
     traceback = excerpt("\n\n".join(filter(None, parts)))
-    return EngineError("raised", describe(error, console), traceback)
+    message = append_console_tail(describe(error) + place_of(error), console)
+    return EngineError("raised", message, traceback)
 
 
-def describe(error: BaseException, console: str) -> str:
-    """Return one line about an exception, with the last line of the engine's console.
+def describe(error: BaseException) -> str:
+    """Return one line about an exception.
 
     A first line that ends in a colon only announces the reason.
     """
     lines = (str(error).strip() or "no message").splitlines()
     reason = " ".join(lines[:2]) if lines[0].endswith(":") else lines[0]
-    return append_console_tail(
-        printable_text(f"{type(error).__name__}: {reason}", LONGEST_REASON), console
-    )
+    return printable_text(f"{type(error).__name__}: {reason}", LONGEST_REASON)
+
+
+def place_of(error: BaseException) -> str:
+    """Return the file and line in an engine's module that led to an exception; empty if none did.
+
+    The module is the first outside this package; the line is the last that was reached there.
+    """
+    frames = [(at.f_code.co_filename, line) for at, line in walk_tb(error.__traceback__)]
+    modules = [name for name, _ in frames if not name.startswith((OURS, *LOADERS))]
+    lines = [line for name, line in frames if name == next(iter(modules), None)]
+    return f" ({printable_text(Path(modules[0]).name, 80)}:{lines[-1]})" if lines else ""
 
 
 def traceback_of(error: BaseException) -> str:

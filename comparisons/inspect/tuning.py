@@ -210,7 +210,7 @@ class Numerics:
         Kinetic energy at the end of a run that its step must have caused: relative to that of a run
         with shorter steps, and to the largest in that run.
     steps_per_radian, min_steps_per_radian : float
-        Steps of a run that confirms growth, and the fewest for modes that do not grow: RK4 is
+        Steps of a run that confirms growth of a mode, and the fewest for all other modes: RK4 is
         stable up to 2.78 radians in a step, so it feeds none of these.
     probe_speed : float
         Speed [rad/s, m/s] at which the damping of a joint is measured.

@@ -96,7 +96,8 @@ def shapes(directions: Array, mass: Array, damping: Array, stiffness: Array) -> 
     if n := len(m):
         values, vectors = eig(first_order(Vibrations(m, c, k, c)))
         upper, top = values.imag >= 0, np.max(np.abs(values))
-        values[np.abs(values) < NUMERICS.zero_rate * top] = 0  # round-off of the largest
+        least = max(NUMERICS.zero_rate * top, NUMERICS.slowest)
+        values[np.abs(values) < least] = 0  # round-off of the largest
         for part in (values.real, values.imag):
             part[np.abs(part) < NUMERICS.free * top] = 0
         pairs += [
@@ -133,7 +134,9 @@ def longest_step(
     """Return the longest step [s] that keeps small motions bounded, and the mode that sets it.
 
     Up to a number of degrees of freedom the matrix of a step decides, above it each mode alone,
-    which is exact where damping does not couple modes. The mode is None if all steps are stable.
+    which is exact where damping does not couple modes. Rigid modes are split off from that matrix,
+    see `shapes`: round-off of their multiple eigenvalue 1 is no growth. The mode is None if all
+    steps are stable.
 
     Parameters
     ----------
@@ -147,9 +150,18 @@ def longest_step(
         return np.inf, None
     motion = at(NUMERICS.short_step)
     scheme, full = SCHEMES[integrator], len(motion.mass) <= full_up_to
+    elastic = np.eye(len(motion.mass))
+    if full:
+        unit = scaled(motion)
+        resisting = np.vstack([unit.damping, unit.late_damping, unit.late_stiffness])
+        elastic = rigid_and_elastic(unit.mass, resisting, unit.stiffness, NUMERICS.free)[1]
+    if not elastic.shape[1]:
+        return np.inf, None
 
     def reduced(motion: LinearMotion) -> LinearMotion:
-        return scaled(motion) if full else modal(motion, modes)
+        if not full:
+            return modal(motion, modes)
+        return LinearMotion(*(elastic.T @ matrix @ elastic for matrix in scaled(motion)))
 
     short = reduced(motion)
     fixed = vibrations(*short[:4]) if full and not np.any(short.late_stiffness) else None
@@ -179,7 +191,7 @@ def longest_step(
     if full:
         values, vectors = np.linalg.eig(AMPLIFICATION[scheme](beyond.vibrations(step), step))
         worst = np.argmax(excess(values, beyond))
-        return limit, most_similar(vectors[: len(beyond.mass), worst], motion, modes)
+        return limit, most_similar(elastic @ vectors[: len(beyond.mass), worst], motion, modes)
     single = [LinearMotion(*(part[i : i + 1] for part in beyond)) for i in range(len(modes))]
     factors = (amplification_factors(scheme, x.vibrations(step), step) for x in single)
     most = [np.max(excess(f, x)) for f, x in zip(factors, single, strict=True)]
@@ -475,13 +487,13 @@ def fed_growth(loaded: Loaded, views: Sequence[View]) -> Iterator[tuple[View, Sh
 def growth_in_run(loaded: Loaded, view: View, mode: Shape, horizon: float) -> float | None:
     """Return the growth factor along a mode in a run of a length [s]; None if it is too long.
 
-    The step resolves all modes by `Numerics.steps_per_radian` if there is time for that, else this
-    one, and all others by `Numerics.min_steps_per_radian`.
+    The step resolves this mode by `Numerics.steps_per_radian`, and all others, which RK4 must only
+    not feed, by `Numerics.min_steps_per_radian`.
     """
     fastest, timestep = max(one.omega for one in view.simulated), float(loaded.model.opt.timestep)
     many, few = NUMERICS.steps_per_radian, NUMERICS.min_steps_per_radian
-    step = max(min(timestep, 1 / (many * fastest)), horizon / NUMERICS.run_steps)
-    if step > min(timestep, 1 / max(many * mode.omega, few * fastest)):
+    step = min(timestep, 1 / max(many * mode.omega, few * fastest))
+    if horizon > NUMERICS.run_steps * step:
         return None
     tell((f"a run of {horizon:.3g} s to see growth",))
     lib, model, size = loaded.mujoco, loaded.sharp(), NUMERICS.perturbation
@@ -490,7 +502,7 @@ def growth_in_run(loaded: Loaded, view: View, mode: Shape, horizon: float) -> fl
     direction = np.real(mode.vector)
     largest = float(np.max(np.abs(direction))) or 1.0
     lib.mj_integratePos(model, runs[1].qpos, size * direction / largest, 1.0)
-    steps = max(10, min(NUMERICS.run_steps, int(horizon / step)))
+    steps = max(10, int(horizon / step))
     difference, most = np.empty(model.nv), 0.0
     for i in range(steps):
         for data in runs:

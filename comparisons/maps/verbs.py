@@ -153,6 +153,8 @@ def print_agreement(console: Any, result: Any, curves: Any) -> None:
         x, y = result.x.values[column], result.y.values[row]
         words += f"; mbcheck boundary --near {x:.6g},{y:.6g} looks about the first of them"
     print_line(console, words)
+    if any(curve["kind"] == "symmetry_breaking" for curve in curves["curves"]):
+        print_line(console, "curves of symmetry breaking part no classes: twins are of one class")
 
 
 @click.command(

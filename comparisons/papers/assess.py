@@ -178,7 +178,7 @@ def attempt(call: Callable[[], T]) -> tuple[T | None, str]:
     except MbcheckError as error:
         return None, str(error)
     except Exception as error:  # of an engine or of matplotlib
-        return None, describe(error, "")
+        return None, describe(error)
 
 
 def verdict_of(row: LedgerRow, numbers: Numbers, engines: Mapping[str, Numbers | str]) -> str:

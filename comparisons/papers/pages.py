@@ -172,8 +172,9 @@ def row_links(names: Iterable[str]) -> str:
 def figures_of(section: str) -> list[int]:
     """Return the figures that a row is about.
 
-    >>> [figures_of(text) for text in ("5.1, figures 2(a), 3(a)", "equation (4)", "figures 2-5")]
-    [[2, 3], [], [2, 3, 4, 5]]
+    >>> places = "figures 2(a), 3(a)", "figure 4, 5.2", "equation (4), section 5", "figures 2-5"
+    >>> list(map(figures_of, places))
+    [[2, 3], [4], [], [2, 3, 4, 5]]
     """
     numbers: list[int] = []
     for text in re.findall(r"figures? (\d(?:[\d. ,()a-z-]|and)*)", section):

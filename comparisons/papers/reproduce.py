@@ -15,12 +15,14 @@ from typing import Annotated
 import msgspec
 
 from ...reference import SCENES
+from ...reference.cost import words
 from ...reference.errors import UnknownNameError, UsageError
 from ..documents.fields import JOBS, OptionMark, takes_fields_of
 from ..engines.registry import available, get_engine
 from ..queries.environment import own_commit, versions
 from ..reports.drawing import import_pyplot, save_and_close
 from ..reports.files import write_whole
+from ..reports.words import plural
 from .assess import Assessment, assess, attempt
 from .claims import PaperData, read_paper, scenes_with_ledger
 from .ledger import ERROR, LedgerRow, PaperFigure
@@ -161,6 +163,9 @@ class Folder:
 
 Progress = Callable[[int, int, str], None]
 
+FIGURE_TIME, SLOW_ROW_TIME = 90.0, 15.0
+"""Mean times [s] of the figures, and of the rows that take more than two seconds, of all papers."""
+
 
 @dataclass(frozen=True)
 class ReproduceRequest:
@@ -234,6 +239,16 @@ def reproduce(request: ReproduceRequest) -> Findings:
             folder.make(scene, sessions[scene], item)
         request.progress(done + 1, len(names), names[done])
     return folder.selection(papers)
+
+
+def announced(papers: Papers, full: bool) -> str:
+    """Return the figures and rows of papers in numbers, and an estimate of their time."""
+    figures = sum(len(paper.figures) for paper in papers.values())
+    rows = [row for paper in papers.values() for row in paper.rows]
+    seconds = FIGURE_TIME * figures + SLOW_ROW_TIME * sum(row.slow for row in rows)
+    about = f"about {words(seconds)}" if seconds else "a few seconds"
+    what = f"{plural(figures, 'figure')} and {plural(len(rows), 'row')} of {', '.join(papers)}"
+    return f"{what}: {about}{', and hours for maps at full size' if full else ''}"
 
 
 def contents(out: str | Path) -> Findings:

@@ -19,7 +19,8 @@ from ..terminal.program import (
     progress_bar,
     to_stdout,
 )
-from .reproduce import ReproduceRequest, contents, reproduce
+from .claims import scenes_with_ledger
+from .reproduce import ReproduceRequest, announced, contents, reproduce, selected
 
 if TYPE_CHECKING:
     from .outcomes import Findings
@@ -45,6 +46,8 @@ def reproduce_papers(json_file: Destination | None, **options: Any) -> int:
     from . import pages
 
     out = Path(options["out"])
+    papers = selected(options["scenes"] or scenes_with_ledger(), options["figure"], options["rows"])
+    click.echo(announced(papers, options["full"]), err=True)
     try:
         with progress_bar(True, "figures and rows", lines=True) as advance:
             result = reproduce(**options, progress=advance)

@@ -14,7 +14,15 @@ from ..terminal.program import console, json_text, to_stdout
 from .model import ModelTradeoff
 from .report import Tradeoff
 from .stability import StabilityShift
-from .table import Choice, StepSeries, Trial, percent, settings_text
+from .table import (
+    Choice,
+    StepSeries,
+    Trial,
+    cheapest_run,
+    percent,
+    settings_text,
+    trials_of,
+)
 
 DIGITS = 2
 """Significant digits of errors and times."""
@@ -29,6 +37,9 @@ CHOICE = (
 LIMIT = (
     "scene", "engine, model", "method", "order", "fitted", "floor", "from step [s]", "named",
 )  # fmt: skip
+EACH = ("scene", "engine, model", "method", "stable up to [s]", "smallest error")
+"""Heads of the steps of each method, before those of the targets."""
+
 RUNS = (
     "", "integrator", "step [ms]", "error", "energy", "violation", "time [s/s]", "limit [ms]",
 )  # fmt: skip
@@ -61,6 +72,7 @@ def sections(result: Tradeoff | ModelTradeoff) -> list[Section]:
         models = [one for one in result.recommendations if one.axis != "step"]
         tables = [
             ("Cheapest settings", CHOICE, [choice_cells(one) for one in steps]),
+            ("Step of each method that meets a target", *steps_table(result)),
             ("Smallest models", CHOICE, [choice_cells(one) for one in models]),
             (
                 "What may be left out",
@@ -101,7 +113,10 @@ def sections(result: Tradeoff | ModelTradeoff) -> list[Section]:
                     for one in result.series
                 ],
             ),
-            ("What a step costs in stability", *stability_table(result.stability)),
+            (
+                "What a step costs in stability (T: period)",
+                *stability_table(result.stability),
+            ),
         ]
         targets = ", ".join(map(percent, result.targets))
         lines, last = [f"targets: {targets} of the motion (--target)"], list[str]()
@@ -127,10 +142,24 @@ def choice_cells(item: Choice) -> Row:
     )  # fmt: skip
 
 
+def steps_table(result: Tradeoff) -> tuple[Sequence[str], list[Row]]:
+    """Return heads and rows of the cheapest step with which each method meets each target."""
+    rows = list[Row]()
+    for one in result.series:
+        best = (cheapest_run([one], target) for target in result.targets)
+        steps = ("-" if trial is None else number(trial.point.step, 3) for trial in best)
+        least = min((trial.error for trial in trials_of([one])), default=None)
+        stable = number(one.stable_step, 3, missing="-")
+        row = (one.scene, f"{one.engine} {one.model}", one.method, stable, least, *steps)
+        rows += [] if one.settings else [row]
+    return (*EACH, *(f"{percent(target)} [s]" for target in result.targets)), rows
+
+
 def stability_table(shifts: Sequence[StabilityShift]) -> tuple[Sequence[str], list[Row]]:
-    """Return heads and rows of the shifts of boundaries, over steps in a period."""
+    """Return heads and rows of the shifts of boundaries, by the step as a share of the period T."""
     counts = list(shifts[0].shifts) if shifts else []
-    heads = ("scene", "shift of", "engine, model", "method", "order", *counts, "fitted", "floor")
+    steps = [f"T/{count}" for count in counts]
+    heads = ("scene", "shift of", "engine, model", "method", "order", *steps, "fitted", "floor")
     rows: list[Row] = [
         (
             one.scene,
@@ -196,15 +225,16 @@ relative to the size of each, against the scene's reference. A time is the media
 stepping per simulated second on one machine; compare times by their ratios only.
 
 *Cheapest settings*: the cheapest setting whose error meets the target, as with all shorter steps;
-the shortest step of all counts only at its floor. *limited by*: the largest part of the error, from
-the step or from a limit that no step removes. *margin*: largest stable step by theory over this
-step. *Smallest models*: the fewest segments and the coarsest option of an engine from which on all
-models meet the target, with the cheapest step. *What may be left out*: errors of a model with a
-part and without it, by the same short step, and the cost of both; errors of theories are against
-the one with the part. *What limits the methods*: the order fitted above the floor, the floor and
-its name, and the step from which on halving is wasted. *What a step costs in stability*: shift of
-the parameter at which a periodic orbit loses its stability, by the number of steps in a period; the
-order of the last halving above the floor, which is round-off.
+the shortest step of all counts only at its floor. *Step of each method*: the same of one method
+alone, without other options, for each target; `-`: none meets it. *limited by*: the largest part of
+the error, from the step or from a limit that no step removes. *margin*: largest stable step by
+theory over this step. *Smallest models*: the fewest segments and the coarsest option of an engine
+from which on all models meet the target, with the cheapest step. *What may be left out*: errors of
+a model with a part and without it, by the same short step, and the cost of both; errors of theories
+are against the one with the part. *What limits the methods*: the order fitted above the floor, the
+floor and its name, and the step from which on halving is wasted. *What a step costs in stability*:
+shift of the parameter at which a periodic orbit loses its stability, by steps of a share of the
+period T; the order of the last halving above the floor, which is round-off.
 """
 
 

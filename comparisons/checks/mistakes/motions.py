@@ -61,6 +61,16 @@ SHIFTED: tuple[tuple[str, dict[str, Any]], ...] = (
 )
 """Shifts of the force in time."""
 
+SUBSTEPS = {
+    2: "two of half the size",
+    3: "three of a third of the size",
+    4: "four of a quarter of the size",
+    5: "five of a fifth of the size",
+    8: "eight of an eighth of the size",
+    10: "ten of a tenth of the size",
+}
+"""Steps by which an engine may replace each one that it was given."""
+
 STARTS: dict[str, Callable[[str], bool]] = {
     "": bool,
     "the rates of the start are ignored: it moves as from rest": lambda name: (
@@ -112,6 +122,8 @@ class Hypothesis:
         Number of steps over which a sampled drive is constant.
     stretch : float
         Relative excess of the length of steps.
+    parts : int
+        Number of shorter steps that replace each one.
     """
 
     case: Case
@@ -124,6 +136,7 @@ class Hypothesis:
     frozen: float | None = None
     hold: int = 1
     stretch: float = 0.0
+    parts: int = 1
 
     def rows_of(self, runs: EngineRuns) -> Array:
         """Return observables (k, n) in place of those of runs."""
@@ -133,7 +146,7 @@ class Hypothesis:
         """Return observables (k, n) after these numbers of steps [s]."""
         scene = self.scene or setup.bound.equations.scene
         own = ModelEquations(scene, setup.bound.equations.parameters)
-        scheme, parts = self.scheme or setup.scheme, 1
+        scheme, parts = self.scheme or setup.scheme, self.parts
         step = step * (1 + self.stretch)
         if scheme is None:
             scheme, parts = "RK44", PARTS
@@ -206,6 +219,8 @@ def mistakes(seen: EngineRuns) -> Iterator[tuple[str, Callable[[Part], Hypothesi
             "the time of the start is ignored: the force begins as at t = 0",
             lambda part: changed(part, late=part.case.start_time / seen.step),
         )
+    for count, words in SUBSTEPS.items() if setup.scheme else ():
+        yield f"each step is made of {words}", partial(changed, parts=count)
     for scheme in schemes.SCHEMES:
         if setup.scheme not in (None, scheme):
             yield f"its steps are those of {scheme}", partial(changed, scheme=scheme)

@@ -663,28 +663,26 @@ def on_parts(where: Any, among: Any = True) -> Any:
     return np.nan_to_num(np.stack(parts, axis=-1))
 
 
-def unstable_regions(session: Session, plate: bool, printed: str) -> Numbers:
-    """Count unstable regions by each solution, on our axes and grid, and on parts of them.
+def unstable_regions(session: Session, plate: bool, count: int) -> Numbers:
+    """Count unstable regions by each solution on our axes and grid.
 
-    The value is that of the printed solution, of (55) as printed if it fits.
+    And with other choices: on parts of our axes, at every other point, and of other least sizes;
+    their range, and the share of them that has so many regions.
     """
     unstable = {name: ~stable(session, plate, name) for name in STABILITIES}
-    counts = {name: len(regions(where)) for name, where in unstable.items()}
     choices = np.array(
         [
-            len(regions(part(unstable[name], x, y)[::every, ::every], least))
-            for name, x, y, every, least in product(
-                (*CORRECTED, "exact"), PARTS, PARTS, (1, 2), (1, 2, 3)
+            len(regions(part(where, x, y)[::every, ::every], least))
+            for where, x, y, every, least in product(
+                unstable.values(), PARTS, PARTS, (1, 2), (1, 2, 3)
             )
         ]
     )
     return {
-        "value": counts["printed" if counts["printed"] == int(printed) else "paper"],
-        "choices": choices,
+        "counts": {STABILITIES[name]: len(regions(where)) for name, where in unstable.items()},
         "least": choices.min(),
         "largest": choices.max(),
-        "spread": np.ptp(choices),
-        "counts": {words: counts[name] for name, words in STABILITIES.items()},
+        "fitting": np.mean(choices == count),
     }
 
 

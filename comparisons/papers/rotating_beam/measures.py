@@ -307,12 +307,6 @@ def foreshortening(session: Session) -> Numbers:
     return {"errors": errors, "order": np.log10(errors[1] / errors[0])}
 
 
-def pull_of_hub(session: Session) -> Numbers:
-    """Return the first frequency by (18), with the D_1 of that equation, and the converged one."""
-    own, exact = first_frequency(numbers(BEAM), MODES), first_frequency(numbers(BEAM))
-    return {"own": own, "exact": exact, "error": abs(own / exact - 1)}
-
-
 def bending_stiffness(session: Session) -> Numbers:
     """Return the first frequency of (21), dimensionless, without and with K_2, and its errors.
 
@@ -367,11 +361,6 @@ def extension(session: Session) -> Numbers:
 
 THRESHOLD = 0.67
 """Printed place at which the curves of figure 3 cross."""
-
-
-def axial_ratio(session: Session) -> Numbers:
-    """Return the first axial frequency over that of bending, at rest."""
-    return {"ratio": FIRST_AXIAL * UNIT / first_frequency(loaded(0.0, 0.0))}
 
 
 def softening(session: Session, who: str) -> Numbers:
@@ -687,11 +676,6 @@ def pulses(session: Session, **hubs: Sequence[float]) -> Numbers:
 
 
 # Readings
-
-
-def peaks_by_mass(session: Session) -> Numbers:
-    """Return the largest deflections [m] of figures 4 and 5, by mass."""
-    return {f"figure_{n}": by_mass(session, REFERENCE, n)["peak"] for n in CASES}
 
 
 def models_of_figure_4(session: Session) -> Numbers:

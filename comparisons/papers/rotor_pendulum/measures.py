@@ -608,19 +608,14 @@ def coupling_torques(session: Session) -> Numbers:
     """Return the torques by which vibration couples the rotors of each case [N m].
 
     Constant part and amplitude with the dampers; the amplitude by (34), without them; the largest
-    torque (26) on a rotor, and its share of those of section 5.2; case 3's share of case 2's. And
-    the amplitude over the constant part in cases 2 and 3, with the dampers.
+    torque (26) on a rotor, and its share of those of section 5.2; case 3's share of case 2's.
     """
     harmonics = [[complex(one) for one in vibration.coupling_harmonics(p)] for p in CASES.values()]
     undamped = np.array([float(theory.coupling_amplitude(p)) for p in CASES.values()])
-    coupled, overcome = (abs(first) / mean.real for mean, first in harmonics[1:])
     return {
         "mean": [mean.real for mean, _ in harmonics],
         "amplitude": [abs(first) for _, first in harmonics],
         "undamped": undamped,
-        "coupled": coupled,
-        "overcome": overcome,
-        "of_case_3": undamped[2],
         "share": undamped[2] / undamped[1],
         "on_a_rotor": undamped[:2] / 2,
         "of_torque": undamped[:2] / 2 / (3.08, 3.23),
@@ -711,10 +706,11 @@ BEFORE, AFTER, ANY = (0.1, 1.0), (1.0, 7.0), (0.0, 8.0)
 def kinds_in_regions(
     session: Session, who: str, angle: str, regions: Sequence[tuple[Span, Span]]
 ) -> Numbers:
-    """Return shares of the kinds of synchronism in regions of (n_x, n_phi).
+    """Return shares of the kinds of synchronism, for each region of (n_x, n_phi).
 
-    By the orbits of the reference or an engine, and by theory, which alone is judged; with mu_1 as
-    printed the lesser share.
+    By the orbits of the reference or an engine, and by theory, which alone is judged: in the whole
+    region, ``theory``, and away from resonance, ``apart``, and there with mu_1 as printed. Other
+    shares are those away from resonance, but for ``lesser_anywhere``, of the less frequent kind.
     """
     beta = BETAS[angle]
     plane = phase_map(session, beta, who)
@@ -722,25 +718,31 @@ def kinds_in_regions(
     shares = [class_shares(plane, where) if np.any(where) else "no point there" for where in places]
     if who != REFERENCE:
         return {"orbits": shares}
-    synphase, far, by_print = [], [], []
+    synphase: list[list[float]] = []  # of each region in whole, and away from resonance
     for region in regions:
         n_x, n_phi = np.meshgrid(*(np.linspace(*ends, FINE + 2)[1:-1] for ends in region))
+        far = (abs(n_x - 1) > SMALL) & (abs(n_phi - 1) > SMALL)
         n = theory.Ratios(n_x, n_phi, beta=beta)
-        kinds, printed = (
-            np.cos(theory.stable_phase_difference(n, as_printed)) > 0
-            for as_printed in (False, True)
+        own, by_print = (
+            np.cos(theory.stable_phase_difference(n, how)) > 0 for how in (False, True)
         )
-        synphase.append(np.mean(kinds))
-        far.append(np.mean(kinds[(abs(n_x - 1) > SMALL) & (abs(n_phi - 1) > SMALL)]))
-        by_print.append(min(np.mean(printed), 1 - np.mean(printed)))
+        synphase.append([np.mean(own), np.mean(own[far]), np.mean(by_print[far])])
+    whole, apart, printed = np.array(synphase).T
+    kinds = {
+        name: [{"synphase": one, "antiphase": 1 - one} for one in own]
+        for name, own in (("theory", whole), ("apart", apart), ("by_print", printed))
+    }
     return {
         "orbits": shares,
-        "theory": [{"synphase": one, "antiphase": 1 - one} for one in synphase],
-        "apart": [{"synphase": one, "antiphase": 1 - one} for one in far],
-        "by_print": min(by_print),
+        **kinds,
         "turn": 1 / np.cos(beta),
-        "synphase": synphase,
-        "antiphase": [1 - one for one in synphase],
+        "synphase": apart,
+        "antiphase": 1 - apart,
+        "printed_synphase": printed,
+        "printed_antiphase": 1 - printed,
+        "lesser": np.minimum(apart, 1 - apart),
+        "printed_lesser": np.minimum(printed, 1 - printed),
+        "lesser_anywhere": np.minimum(whole, 1 - whole),
     }
 
 

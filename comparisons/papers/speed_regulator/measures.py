@@ -196,12 +196,6 @@ def opening(session: Session, who: str) -> Numbers | str:
     return "" if violation is None else {"opening": np.max(violation)}
 
 
-def crank_angle_error(session: Session, who: str) -> float:
-    """Return the largest error of the crank angle within 10 s from 8 rad/s [rad]."""
-    truth, own = (recorded_motion(session, "start_8", name) for name in (REFERENCE, who))
-    return float(np.max(abs(own.observables["phi"] - truth.observables["phi"])[truth.times <= 10]))
-
-
 def largest_difference(own: Any, exact: Any) -> float:
     """Return the largest difference of two arrays, relative to the largest value of the second."""
     return float(np.max(np.abs(own - exact)) / np.max(np.abs(exact)))
@@ -406,12 +400,6 @@ def linear_law(session: Session, away: float) -> Numbers:
     return {"bend": far, "near": near, "apart": max(apart), "least": least}
 
 
-def speed_error(session: Session, who: str) -> Numbers:
-    """Return the largest relative error of the speeds of figure 3."""
-    own, true = (speed_map(session, name).variables["mean_speed"] for name in (who, REFERENCE))
-    return {"gap": np.nanmax(abs(own / true - 1))}
-
-
 @once
 def limits(session: Session) -> list[Threshold]:
     """Return the least torque of a rotation for each damper of figure 5, with its bound."""
@@ -440,13 +428,6 @@ def last_speeds(session: Session, who: str) -> Numbers:
     speeds = [float(np.mean(turns[-10:])) for turns in runs]
     drift = float(abs(runs[-1][-1] / runs[-1][-11] - 1))
     return {"speeds": speeds, "spread": np.ptp(speeds), "drift": drift}
-
-
-def variation_of_runs(session: Session, who: str) -> Numbers:
-    """Return the range of the speed over its mean in the last turn of each run of figure 5."""
-    runs = (recorded_motion(session, f"damping_{c:g}", who) for c in DAMPINGS)
-    speeds = [last_turn(run, ("phi_dot",)) for run in runs]
-    return {"last": [np.ptp(speed) / np.mean(speed) for speed in speeds]}
 
 
 # Figures 6, 7, and conclusions

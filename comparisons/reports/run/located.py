@@ -24,6 +24,9 @@ FAILED = {
 }
 """Heading of a level on which all failures are errors of such a kind."""
 
+COUNTED = ("work_count: ", "step_count: ")
+"""Beginnings of reasons that name the cause of deviations on other levels, and come first."""
+
 MASS_SHARES = ("mass.", "inertia.", "products.", "armature.")
 """Beginnings of the names of shares of a mass matrix."""
 
@@ -48,7 +51,8 @@ def located(results: Sequence[Result]) -> list[str]:
         before = [name for name in list(KINDS)[: list(KINDS).index(level)] if name in ran]
         right = f", {' and '.join(before)} right" if before else ""
         lines.append(f"{engine}: {head(level, here)}{right}")
-        wrong_things = list(faults(here, mine))
+        counted = [one for one in mine if one.reason.startswith(COUNTED) and one not in here][:1]
+        wrong_things = [*faults([*counted, *here], mine)]
         lines += [f"  {line}" for line in wrong_things[:MOST]]
         if len(wrong_things) > MOST:
             lines.append(f"  and {len(wrong_things) - MOST} more")

@@ -112,6 +112,7 @@ def test_a_file_of_another_boundary_is_left_alone(folder: Path, small: dict[str,
     done = invoke(other, "-o", folder / "small.json")
     assert done.exit_code == 2
     assert "another boundary (y)" in done.stderr
+    assert "looks for" not in done.stderr
     assert json.loads((folder / "small.json").read_text()) == small
 
 

@@ -66,6 +66,7 @@ def test_a_map_of_the_window_agrees(folder: Path, small: dict[str, Any]) -> None
         f"map hula_hoop {line} -o map.nc --plot map.png --boundary", folder / "small.json"
     )
     assert "but for 0 of" in printed
+    assert "curves of symmetry breaking part no classes" in printed
     done = invoke(
         f"map hula_hoop {line} -o m.nc --set stiffness=9 --boundary", folder / "small.json"
     )

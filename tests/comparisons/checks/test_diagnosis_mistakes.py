@@ -217,6 +217,15 @@ def test_every_kind_names_a_level(kind: str, words: str) -> None:
     assert "algebra" not in located([*right, partly, wrong])[0].partition("is wrong")[2]
 
 
+def test_counted_evaluations_are_located_first() -> None:
+    steps = result(verdict="deviation", kind="step", quantity="q", error=0.25)
+    reason = "work_count: the engine evaluated forces 8 times, 4 make 1 steps of 4 each"
+    counted = result(verdict="error", error=None, kind="trajectory", reason=reason)
+    head, *lines = located([steps, counted])
+    assert head == "mujoco: a single step from a right state is wrong"
+    assert lines == [f"  {reason} (hula_hoop)", "  RK4 q off by 0.25 rad (hula_hoop)"]
+
+
 @pytest.mark.parametrize(
     ("reason", "traceback", "words"),
     [

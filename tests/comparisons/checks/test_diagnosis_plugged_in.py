@@ -95,6 +95,42 @@ def test_the_declared_tableau_passes() -> None:
     assert not bad(results(explicit(KUTTA), "hula_hoop", ("step",), HULA))
 
 
+class Divided(Explicit):
+    """Several shorter steps in the place of each one."""
+
+    parts = 2
+
+    def stepped(self, system: Any, begin: float, x: Any, step: float) -> Any:
+        """Return the state (2, n) after all of them."""
+        short = step / self.parts
+        for part in range(self.parts):
+            x = super().stepped(system, begin + part * short, x, short)
+        return x
+
+
+SCHEMES = {
+    "RK44": (4, KUTTA),
+    "RK33": (3, (((), (1 / 3,), (0, 2 / 3)), (1 / 4, 0, 3 / 4))),
+    "ExplicitMidpoint": (2, (((), (1 / 2,)), (0, 1))),
+}
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize(("parts", "words"), [(2, "two of half"), (3, "three of a third of")])
+def test_steps_that_are_divided_are_named(scheme: str, parts: int, words: str) -> None:
+    order, tableau = SCHEMES[scheme]
+    methods = (mbcheck.Method(scheme, order, scheme),)
+    engine = type("Own", (Divided,), {"tableau": tableau, "parts": parts, "methods": methods})()
+    found = results(engine, "hula_hoop", ("step",), HULA)
+    assert causes(found) == {f"each step is made of {words} the size"}
+
+
+def test_steps_that_are_divided_are_not_named_where_others_explain_them_as_well() -> None:
+    found = results(type("Own", (Divided,), {"parts": 7})(), "hula_hoop", ("step",), HULA)
+    assert causes(found)
+    assert not any("each step is made" in words for words in causes(found))
+
+
 def test_a_tableau_is_not_blamed_for_forces_that_are_wrong() -> None:
     class Weak(Explicit):
         def accelerations(self, system: Any, time: float, q: Any, v: Any) -> Any:

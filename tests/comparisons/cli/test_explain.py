@@ -26,6 +26,7 @@ from mbcheck.comparisons.reports.item import Level
 from mbcheck.comparisons.reports.run.located import HEADS
 from mbcheck.comparisons.reports.run.sections import REASON_HEADS, RESULT_HEADS
 from mbcheck.comparisons.tradeoff import pages, table
+from mbcheck.comparisons.tradeoff.report import Tradeoff
 from mbcheck.tests.support.command import SMALL, invoke, succeeds
 
 
@@ -61,6 +62,13 @@ def test_every_quantity_of_a_check_is_explained() -> None:
         ("theta_dot", "hula_hoop [rad/s]"),
         ("step_limit", FINDINGS["step_limit"].why),
         ("dead_centre", CAUTIONS["dead_centre"].meaning),
+        ("tree", "without loops"),
+        ("forced", "function of time"),
+        ("bound", "in the same row"),
+        ("synphase", "within 90 degrees of 0"),
+        ("chordwise", "in the plane of its rotation"),
+        ("none met", "still reduced the error"),
+        ("T/40", "40 steps per period"),
     ],
 )
 def test_a_term_is_explained(term: str, words: str) -> None:
@@ -148,6 +156,7 @@ def test_every_head_of_a_table_is_explained(
 def test_every_word_of_tradeoff_check_compare_and_diff_is_explained() -> None:
     heads = [*pages.CHOICE, *pages.LIMIT, *pages.RUNS, *pages.LEFT_OUT, *HEADS, *RESULT_HEADS]
     heads += [*REASON_HEADS, *pages.stability_table([])[0]]
+    heads += pages.steps_table(Tradeoff((0.01, 1e-4), (), ()))[0]
     heads += ["difference", "effect on accelerations", "element, A, B", "state"]  # of compare
     words = words_of(heads) | {*get_args(Level), *get_args(ModeKind), *SORTS.values()}
     words |= {table.STEP, table.MODEL, table.ROUND_OFF, table.FAILED, table.percent(None)}

@@ -142,6 +142,10 @@ def helper(size):
 )
 
 
+RAISED_AT = RAISES[: RAISES.index("raise ValueError")].count("\n") + 1
+"""Line on which it is raised."""
+
+
 @pytest.mark.parametrize(
     ("message", "seen"),
     [
@@ -165,6 +169,7 @@ def test_an_author_sees_the_lines_of_the_engine(folder: Path, message: str, seen
         assert "\n" not in item["reason"]
         assert len(item["traceback"]) <= 8000
         assert seen in item["traceback"]
+        assert item["reason"].endswith(f" (bad.py:{RAISED_AT})")
         assert "\x1b" not in item["traceback"]
         first, second = item["traceback"].split("direct cause")
         for part in (first, second):

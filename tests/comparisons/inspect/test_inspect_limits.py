@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -13,6 +15,7 @@ import pytest
 from mbcheck.comparisons.inspect.inspection import ModelFinding, inspect
 from mbcheck.comparisons.inspect.mujoco.model import load
 from mbcheck.comparisons.inspect.rules.remedies import stays_finite
+from mbcheck.comparisons.inspect.views import growing, growth_in_run, state_views
 from mbcheck.tests.support.command import invoke
 from mbcheck.tests.support.mjcf.mistakes import JOINT, KEY, MISTAKES, written
 
@@ -67,6 +70,36 @@ def test_limits_are_those_of_runs(
     assert limit.place == setter
     assert not grows(path, "Euler", 0.98 * limit.limit)
     assert grows(path, "Euler", 1.02 * limit.limit)
+
+
+WELDED = """<mujoco><worldbody>
+  <body name="a"><freejoint/><geom size="1" pos="7 0 0"/></body>
+  <body name="b"><freejoint/><geom size="1" pos="8.5 0 0"/></body></worldbody>
+  <equality><weld body1="a" body2="b"/></equality></mujoco>"""
+
+TIED = """<mujoco><option timestep="0.002"><flag contact="disable"/></option><worldbody>
+  <body name="a"><freejoint/><geom size="0.1" mass="1"/><site name="a"/></body>
+  <body name="b" pos="9 0 0"><freejoint/><geom size="0.1" mass="1"/><site name="b"/></body>
+  </worldbody><tendon><spatial stiffness="2000"><site site="a"/><site site="b"/></spatial></tendon>
+  </mujoco>"""
+
+
+def test_roundoff_of_rigid_modes_limits_no_step(tmp_path: Path) -> None:
+    """Welded spheres that overlap, in free fall: they part as fast with a fifth of the step."""
+    path = tmp_path / "model.xml"
+    path.write_text(WELDED)
+    result = inspect(path)
+    assert not [one for one in result.findings if one.rule == "step_limit"]
+    assert not [mode for view in result.views for mode in view.modes if mode.kind == "unstable"]
+    assert not grows(path, "Euler", 0.002)
+
+
+def test_rigid_modes_hide_no_limit(tmp_path: Path) -> None:
+    """Two free bodies on a spring: omega = sqrt(2 k / m), stable up to 2 / omega."""
+    path = tmp_path / "model.xml"
+    path.write_text(TIED)
+    limit = next(one for one in inspect(path).steps if one.of_file)
+    assert limit.limit == pytest.approx(2 / math.sqrt(4000), rel=1e-3)
 
 
 def test_a_closure_that_the_step_softens_sets_no_limit(tmp_path: Path) -> None:
@@ -290,6 +323,33 @@ def test_growth_beside_a_stiff_joint_is_seen(tmp_path: Path) -> None:
     assert one.fix == "reverse the sign of kp of s"
     assert grows(path, "Euler", 0.0002, 12000)
     assert not grows(stiff(tmp_path, kp=5), "Euler", 0.0002, 12000)
+
+
+class Counted:
+    """MuJoCo's library, with the number of its steps."""
+
+    steps = 0
+
+    def __getattr__(self, name: str) -> Any:
+        """Return a member of the library."""
+        return getattr(mujoco, name)
+
+    def mj_step(self, *arguments: Any) -> None:
+        """Make a step."""
+        self.steps += 1
+        mujoco.mj_step(*arguments)
+
+
+def test_a_run_that_confirms_growth_resolves_no_other_mode(tmp_path: Path) -> None:
+    """RK4 must only not feed them: 2 steps in 1 / omega of the fastest, where 40 were made."""
+    loaded = load(stiff(tmp_path))
+    (view,) = [one for one in state_views(loaded, None, None) if growing(one)]
+    (mode,), fastest = growing(view), max(one.omega for one in view.simulated)
+    library, horizon = Counted(), 4 / mode.rate.real
+    factor = growth_in_run(replace(loaded, mujoco=library), view, mode, horizon)
+    assert factor is not None
+    assert factor > math.exp(3)
+    assert library.steps <= 2 * (2 * fastest * horizon + horizon / 0.0002)
 
 
 def test_what_grows_of_itself_comes_before_the_step(tmp_path: Path) -> None:

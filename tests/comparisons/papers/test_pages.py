@@ -109,11 +109,3 @@ def test_every_parameter_has_a_provenance(scene: str) -> None:
         (line,) = re.findall(rf"^.*\| `{name}` \|$", page, re.MULTILINE)
         source = line.split("|")[3].strip().split(":")[0]
         assert source in ("printed", "chosen", "calibrated", "derived")
-
-
-def test_figures_of_a_row() -> None:
-    assert pages.figures_of("5.1, figures 2(a), 3(a)") == [2, 3]
-    assert pages.figures_of("figures 2-5") == [2, 3, 4, 5]
-    assert pages.figures_of("caption of figure 4") == [4]
-    assert pages.figures_of("figure 4, 5.2") == [4]
-    assert pages.figures_of("equation (4), section 5") == []

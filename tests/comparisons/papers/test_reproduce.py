@@ -164,6 +164,7 @@ def test_verb_exits_with_1_if_something_failed(tmp_path: Path) -> None:
     done = invoke("", *line)
     assert done.exit_code == 1
     assert "exploded" in done.stderr
+    assert re.match(r"\d+ figures? and \d+ rows? of hula_hoop: about ", done.stderr)
     found = validated("reproduce", json.loads((tmp_path / "a.json").read_text()))
     assert found["rows"][0]["verdict"] == ledger.REPRODUCED
     assert (tmp_path / "summary.md").exists()

@@ -17,7 +17,7 @@ from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import run
 from mbcheck.comparisons.faults.variants import Misread
 from mbcheck.comparisons.reports.files import Destination
-from mbcheck.comparisons.tradeoff.pages import write
+from mbcheck.comparisons.tradeoff.pages import steps_table, write
 from mbcheck.comparisons.tradeoff.report import Tradeoff, tradeoff
 from mbcheck.comparisons.tradeoff.request import TradeoffRequest
 from mbcheck.comparisons.tradeoff.sweep import (
@@ -184,6 +184,18 @@ def test_the_cheapest_that_meets_the_target() -> None:
     assert not none.met
     assert none.error == 9e-6
     assert "RK4" in none.limit
+
+
+def test_the_step_of_each_method_is_listed() -> None:
+    one = series((0.1, 1e-2, 1.0), (0.05, 1e-3, 2.0), (0.02, 1e-5, 3.0))
+    other = replace(series((0.2, 5e-3, 1.0), (0.1, 1e-3, 2.0)), method="Euler", stable_step=0.5)
+    result = Tradeoff((1e-2, 1e-3), (one.scene,), (one.engine,), series=[one, other])
+    heads, rows = steps_table(result)
+    assert heads[-2:] == ("1 % [s]", "0.1 % [s]")
+    names = [row[2] for row in rows]
+    assert names == [one.method, "Euler"]
+    assert [row[-2:] for row in rows] == [("0.1", "0.05"), ("0.2", "-")]
+    assert [row[3] for row in rows] == ["-", "0.5"]
 
 
 def test_an_error_that_is_small_by_chance_is_not_chosen() -> None:

@@ -125,6 +125,16 @@ def test_regions_are_connected_and_sorted() -> None:
     assert not measures.near(where, 1)[5, 3]
 
 
+def test_regions_are_counted_with_several_choices(monkeypatch: pytest.MonkeyPatch) -> None:
+    calm = np.ones((20, 20), dtype=bool)
+    calm[np.ix_([0, 1, 2, 17, 18, 19], [0, 1, 2, 17, 18, 19])] = False
+    monkeypatch.setattr(measures, "stable", lambda *which: calm)
+    found = [measures.unstable_regions(Session(), False, count) for count in (4, 9)]
+    assert set(found[0]["counts"].values()) == {4}
+    assert 0 < found[0]["fitting"] < 1
+    assert found[1]["fitting"] == 0
+
+
 COUNT = 6
 """Points along an axis of maps that are made up."""
 

@@ -12,12 +12,12 @@ from mbcheck.comparisons.engines.registry import REFERENCE
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.papers.assess import assess
 from mbcheck.comparisons.papers.claims import read_paper
-from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED
+from mbcheck.comparisons.papers.ledger import DEPENDS, NOT_REPRODUCED, REPRODUCED
 from mbcheck.comparisons.papers.rotor_pendulum import measures
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.comparisons.queries.query import choose_engine, choose_method
 from mbcheck.comparisons.scenes.rotor_pendulum.phase import PHASES
-from mbcheck.reference.rotor_pendulum import CASE_1, CASE_2
+from mbcheck.reference.rotor_pendulum import CASE_1, CASE_2, theory
 from mbcheck.reference.rotor_pendulum.phase import coupling_torque
 from mbcheck.reference.scene import Case
 
@@ -25,17 +25,34 @@ BY_NAME = {row.name: row for row in read_paper("rotor_pendulum").rows}
 
 
 def test_shares_of_a_region() -> None:
-    session = Session(points=2)
-    level = measures.kinds_in_regions(session, REFERENCE, "0", [((0.1, 1.0), (0.1, 7.0))])
+    session, before = Session(points=2), (0.1, 1.0)
+    level = measures.kinds_in_regions(session, REFERENCE, "0", [(before, (0.1, 7.0))])
     assert (level["synphase"], level["antiphase"]) == ([0.0], [1.0])
     steep = measures.kinds_in_regions(session, REFERENCE, "pi/3", [((1.0, 7.0), (1.0, 7.0))])
-    assert steep["antiphase"] == [pytest.approx(1 / 6, abs=0.02)]  # n_phi < 2
+    assert steep["antiphase"] == pytest.approx(0.9 / 5.9, abs=0.005)  # n_phi from 1.1 to 2
+    strip = measures.kinds_in_regions(session, REFERENCE, "pi/6", [(before, before)])
+    assert strip["lesser_anywhere"] > 0.02
+    assert strip["lesser"] == strip["synphase"] == [0.0]
 
 
-def test_orbits_are_known() -> None:
-    session = Session()
-    assert measures.orbit_in_words(session, CASE_1).startswith("antiphase, -3.1293 rad at 153.79")
-    assert measures.orbit_in_words(session, CASE_2).startswith("synphase, 0.0636 rad at 153.20")
+def test_rows_of_figure_3_fail_where_the_other_kind_is_stable(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    row, right = BY_NAME["fig_3c_antiphase"], theory.stable_phase_difference
+    assert assess(row, Session(points=2)).verdict == REPRODUCED
+    monkeypatch.setattr(theory, "stable_phase_difference", lambda *n: right(*n) + np.pi)
+    assert assess(row, Session(points=2)).verdict == NOT_REPRODUCED
+
+
+def test_coupling_is_absent_by_one_measure() -> None:
+    rows = [BY_NAME[name] for name in ("case_3_no_coupling", "critical_conclusion")]
+    assert all(row.judgement == BY_NAME["level_rod_coupling"].judgement for row in rows)
+
+
+def test_an_upright_rod_has_a_stable_orbit_with_the_springs_of_case_1() -> None:
+    p = CASE_1.replace(installation_angle=np.pi / 2)
+    assert measures.kind_of(measures.synchronous_orbit(Session(), p)) == "antiphase"
+    assert assess(BY_NAME["critical_phase"], Session()).verdict == DEPENDS
 
 
 def test_curve_of_the_motor_has_the_slope_of_14_and_its_largest_torque() -> None:
