@@ -113,10 +113,7 @@ def sections(result: Tradeoff | ModelTradeoff) -> list[Section]:
                     for one in result.series
                 ],
             ),
-            (
-                "What a step costs in stability (T: period)",
-                *stability_table(result.stability),
-            ),
+            ("What a step costs in stability", *stability_table(result.stability)),
         ]
         targets = ", ".join(map(percent, result.targets))
         lines, last = [f"targets: {targets} of the motion (--target)"], list[str]()
