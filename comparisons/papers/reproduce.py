@@ -163,8 +163,8 @@ class Folder:
 
 Progress = Callable[[int, int, str], None]
 
-FIGURE_TIME, SLOW_ROW_TIME = 90.0, 15.0
-"""Mean times [s] of the figures, and of the rows that take more than two seconds, of all papers."""
+FIGURE_TIME, SLOW_ROW_TIME = 80.0, 5.0
+"""Mean times [s] of a figure and of a row that is marked as slow, of all papers on two cores."""
 
 
 @dataclass(frozen=True)
