@@ -103,7 +103,9 @@ class DartEngine(mbcheck.Engine):
             body.setGravityMode(
                 not armature
             )  # which has no weight, and leaves none to a mass of 1 g
-            inertial = inertials[body.getName()]
+            inertial = inertials.get(body.getName())
+            if inertial is None:
+                raise mbcheck.Unsupported(f"body {body.getName()} has no inertial to read it from")
             mass, place = float(inertial.get("mass")) + armature, vector(inertial.get("pos"))
             body.setInertia(self.dart.dynamics.Inertia(mass, place, tensor(inertial)))
 

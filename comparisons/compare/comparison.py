@@ -247,17 +247,19 @@ class ModelComparison:
         return items or [ReportItem(RULE, RULE, self.b, "pass", None, "", file=file)]
 
 
-def compare(a: str, b: str, install: bool = False, waivers: str | None = None) -> ModelComparison:
+def compare(
+    a: str | Path, b: str | Path, install: bool = False, waivers: str | Path | None = None
+) -> ModelComparison:
     """Compare two readings of one model.
 
     Parameters
     ----------
-    a, b : str
+    a, b : str or Path
         ``FILE``, or ``FILE@READER``: ``mujoco``, ``mujoco==3.3.7``, or a path of a Python that has
         MuJoCo and NumPy.
     install : bool
         Make an environment for a missing release, in the user's cache.
-    waivers : str or None
+    waivers : str or Path, optional
         File of waivers, each with its reason.
 
     Raises
@@ -267,7 +269,8 @@ def compare(a: str, b: str, install: bool = False, waivers: str | None = None) -
     EngineError
         If a process that reads a file ends, or does not answer in time.
     """
-    operands = [Operand.parse(text) for text in (a, b)]
+    names = str(a), str(b)
+    operands = [Operand.parse(text) for text in names]
     if operands[0].is_engine:
         raise UsageError(
             f"an engine is compared with MuJoCo: mbcheck compare {operands[0].file} {a}"
@@ -280,7 +283,7 @@ def compare(a: str, b: str, install: bool = False, waivers: str | None = None) -
             )
             for one in operands
         )
-        return with_waivers(compared(first, second, (a, b)), allowed)
+        return with_waivers(compared(first, second, names), allowed)
 
 
 def with_waivers(result: ModelComparison, waivers: Sequence[Waiver]) -> ModelComparison:

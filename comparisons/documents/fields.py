@@ -180,14 +180,30 @@ def descriptions(kind: type) -> dict[str, str]:
 def takes_fields_of(
     request: Callable[P, Request],
 ) -> Callable[[Callable[[Request], Outcome]], Callable[P, Outcome]]:
-    """Return a decorator: a function of a request takes the fields of the request instead."""
+    """Return a decorator: a function of a request takes the fields of the request instead.
+
+    Paths in lists become texts; one value in place of a list is a `UsageError`.
+    """
+    signature = inspect.signature(request)
 
     def decorate(function: Callable[[Request], Outcome]) -> Callable[P, Outcome]:
         @wraps(function)
         def call(*values: P.args, **named: P.kwargs) -> Outcome:
-            return function(request(*values, **named))
+            given = signature.bind(*values, **named)
+            for one in option_fields(request):  # type: ignore[arg-type]
+                value: Any = given.arguments.get(one.name)
+                if not one.is_repeatable or one.kind is Mapping or value is None:
+                    continue
+                if isinstance(value, str | os.PathLike):
+                    text = repr(os.fspath(value))
+                    raise UsageError(
+                        f"{one.name} must be a list, not {text}; did you mean [{text}]?"
+                    )
+                texts = [os.fspath(v) if isinstance(v, os.PathLike) else v for v in value]
+                given.arguments[one.name] = tuple(texts)
+            return function(request(*given.args, **given.kwargs))
 
-        call.__signature__ = inspect.signature(request)  # type: ignore[attr-defined]
+        call.__signature__ = signature  # type: ignore[attr-defined]
         return call
 
     return decorate

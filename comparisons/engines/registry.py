@@ -162,8 +162,6 @@ def lent(engines: Sequence[Any]) -> Iterator[tuple[str, ...]]:
     UsageError
         If one does not follow the protocol, or two have the same name.
     """
-    if isinstance(engines, str):
-        raise UsageError(f"engines must be a list, not {engines!r}; did you mean [{engines!r}]?")
     objects: dict[str, Adapter] = {}
     for engine in engines:
         if not isinstance(engine, str):

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+import mbcheck
 from mbcheck.comparisons.engines.adapter import Adapter, adapt
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.examples import dart_engine
 from mbcheck.examples.dart_engine import DartEngine
+from mbcheck.reference.errors import MbcheckError
 from mbcheck.tests.support.engines.examples import QUICK, TOO_FINE, results
 
 TREES = ("hula_hoop", "rotor_pendulum", "ball_hoop")
@@ -53,3 +57,11 @@ def test_orientations_that_its_reader_drops_are_seen(monkeypatch: pytest.MonkeyP
     for scene, deviate in (("hula_hoop", False), ("rotor_pendulum", True)):
         found = results(engine(), scene, ("parts", "algebra"))
         assert any(item.verdict == "deviation" for item in found) == deviate
+
+
+def test_a_body_without_inertial_is_refused_in_words(tmp_path: Path) -> None:
+    file = tmp_path / "model.xml"
+    body = '<body name="cart"><joint name="slide" type="slide"/><geom size=".1"/></body>'
+    file.write_text(f"<mujoco><worldbody>{body}</worldbody></mujoco>")
+    with pytest.raises(MbcheckError, match="body cart has no inertial"):
+        mbcheck.compare(file, f"{file}@mbcheck.examples.dart_engine:DartEngine")

@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable
 from copy import deepcopy
 from functools import cache
+from pathlib import Path
 from types import MappingProxyType, SimpleNamespace
 from typing import Any
 
@@ -14,12 +15,13 @@ import jsonschema
 import numpy as np
 import pytest
 
+import mbcheck
 from mbcheck.comparisons.documents import DOCUMENTS, document, schema
 from mbcheck.comparisons.queries.frequencies import frequencies
 from mbcheck.comparisons.queries.orbit import orbit
 from mbcheck.comparisons.queries.simulate import simulate
 from mbcheck.comparisons.reports.run.outcome import Report
-from mbcheck.reference.errors import MbcheckError
+from mbcheck.reference.errors import MbcheckError, UsageError
 from mbcheck.tests.support.documents import validated
 from mbcheck.tests.support.results import MIXED, VERSIONS
 
@@ -143,3 +145,31 @@ def test_digits_survive() -> None:
     numbers = [0.1 + 0.2, 1e-300, 1.7976931348623157e308, 2.0**-1074]
     written = document("frequencies", modes(dict(zip("abcd", numbers, strict=True))), **NAMES)
     assert list(json.loads(json.dumps(written))["state"].values()) == numbers
+
+
+TRADEOFF: Callable[..., Any] = mbcheck.tradeoff
+"""As someone calls it who reads no types."""
+
+
+@pytest.mark.parametrize(
+    ("call", "field"),
+    [
+        (lambda: mbcheck.check(scenes="hula_hoop"), "scenes"),
+        (lambda: mbcheck.check(engines="hula_hoop"), "engines"),
+        (lambda: mbcheck.reproduce("hula_hoop"), "scenes"),
+        (lambda: TRADEOFF(Path("hula_hoop")), "scenes"),
+        (lambda: mbcheck.inspect("model.xml", select="hula_hoop"), "select"),
+    ],
+)
+def test_one_value_in_place_of_a_list_is_refused(call: Callable[[], Any], field: str) -> None:
+    words = rf"{field} must be a list, not 'hula_hoop'; did you mean \['hula_hoop'\]\?"
+    with pytest.raises(UsageError, match=words):
+        call()
+
+
+def test_files_may_be_paths(tmp_path: Path) -> None:
+    file = tmp_path / "model.xml"
+    file.write_text('<mujoco><worldbody><light name="sun"/></worldbody></mujoco>')
+    assert mbcheck.compare(file, file).exit_code == 0
+    with pytest.raises(MbcheckError, match="nothing moves in it"):
+        TRADEOFF([file])
