@@ -189,9 +189,9 @@ def takes_fields_of(
     def decorate(function: Callable[[Request], Outcome]) -> Callable[P, Outcome]:
         @wraps(function)
         def call(*values: P.args, **named: P.kwargs) -> Outcome:
-            given = signature.bind(*values, **named)
+            bound = signature.bind(*values, **named)
             for one in option_fields(request):  # type: ignore[arg-type]
-                value: Any = given.arguments.get(one.name)
+                value: Any = bound.arguments.get(one.name)
                 if not one.is_repeatable or one.kind is Mapping or value is None:
                     continue
                 if isinstance(value, str | os.PathLike):
@@ -200,8 +200,8 @@ def takes_fields_of(
                         f"{one.name} must be a list, not {text}; did you mean [{text}]?"
                     )
                 texts = [os.fspath(v) if isinstance(v, os.PathLike) else v for v in value]
-                given.arguments[one.name] = tuple(texts)
-            return function(request(*given.args, **given.kwargs))
+                bound.arguments[one.name] = tuple(texts)
+            return function(request(*bound.args, **bound.kwargs))
 
         call.__signature__ = signature  # type: ignore[attr-defined]
         return call

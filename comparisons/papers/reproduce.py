@@ -164,7 +164,7 @@ class Folder:
 Progress = Callable[[int, int, str], None]
 
 FIGURE_TIME, SLOW_ROW_TIME = 80.0, 5.0
-"""Mean times [s] of a figure and of a row that is marked as slow, of all papers on two cores."""
+"""Mean times [s] of a figure and of a row marked as slow, of all papers on two cores."""
 
 
 @dataclass(frozen=True)
