@@ -76,19 +76,18 @@ def boundary(
         if before:
             result.restore(before)
 
-    click.echo(
-        f"looks for bifurcations of {' and '.join(result.networks)} along "
-        f"{len(result.networks) * len(result.lines)} lines, then follows the curves through them: "
-        "minutes mostly; finished lines give an estimate",
-        err=True,
-    )
-
     def write() -> None:
         if output and not output.standard_output:
             output.write(json_text(result.as_json()))
 
     try:
         with within(budget):
+            click.echo(
+                f"looks for bifurcations of {' and '.join(result.networks)} along "
+                f"{len(result.networks) * len(result.lines)} lines, then follows the curves "
+                "through them: minutes mostly; finished lines give an estimate",
+                err=True,
+            )
             complete = finished(now_and_then(write, result.work(workers)), "")
     finally:
         text = result.as_json()

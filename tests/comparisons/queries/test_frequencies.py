@@ -74,7 +74,7 @@ def test_an_engine_that_raises_is_named(monkeypatch: pytest.MonkeyPatch) -> None
         raise ValueError("no such body\nand more")
 
     monkeypatch.setattr(BoundModel, "linearise", broken)
-    with pytest.raises(EngineError, match=r"ValueError: no such body$"):
+    with pytest.raises(EngineError, match=r"ValueError: no such body \(test_frequencies.py:\d+\)$"):
         mbcheck.frequencies("hula_hoop", engine="mujoco")
 
 
