@@ -15,6 +15,7 @@ from traceback import TracebackException, walk_tb
 from typing import Any, TypeVar
 
 import numpy as np
+import scipy
 
 from ...reference.errors import EngineError, MbcheckError, UsageError
 from ...reference.scene import Array
@@ -28,6 +29,9 @@ VIOLATIONS = ("position_violation", "velocity_violation")
 
 OURS = f"{Path(__file__).parents[2]}{os.sep}"
 """Folder of this package."""
+
+SOLVERS = tuple(f"{Path(str(one.__file__)).parent}{os.sep}" for one in (np, scipy))
+"""Folders of the libraries by which this package calls an engine's equations."""
 
 LOADERS = ("<frozen importlib", importlib.__file__)
 """Beginnings of the names of files whose code imports modules."""
@@ -215,10 +219,10 @@ def describe(error: BaseException) -> str:
 def place_of(error: BaseException) -> str:
     """Return the file and line in an engine's module that led to an exception; empty if none did.
 
-    The module is the first outside this package; the line is the last that was reached there.
+    The module is the first that is not ours; the line is the last that was reached there.
     """
     frames = [(at.f_code.co_filename, line) for at, line in walk_tb(error.__traceback__)]
-    modules = [name for name, _ in frames if not name.startswith((OURS, *LOADERS))]
+    modules = [name for name, _ in frames if not name.startswith((OURS, *LOADERS, *SOLVERS))]
     lines = [line for name, line in frames if name == next(iter(modules), None)]
     return f" ({printable_text(Path(modules[0]).name, 80)}:{lines[-1]})" if lines else ""
 

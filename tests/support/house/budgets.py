@@ -40,14 +40,14 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
     ".": (34, 122),
     "benchmarks": (322, 497),
     "comparisons": (1, 1),
-    "comparisons/boundary": (484, 994),  # a hint where no curve is found; says what it follows
+    "comparisons/boundary": (484, 993),  # a hint where no curve is found; says what it follows
     "comparisons/check": (383, 729),
     "comparisons/checks": (4932, 8799),  # mistakes of checks and judge; sub-steps as causes (#39)
     "comparisons/cli": (474, 968),  # `explain` and its glossary (#39)
     "comparisons/compare": (1762, 3024),  # 1,300 granted; engines as readers (#38)
     "comparisons/diff": (278, 497),
     "comparisons/documents": (333, 673),  # waivers of inspect, for compare too (#38)
-    "comparisons/engines": (2725, 5058),  # errors name the line of the engine
+    "comparisons/engines": (2728, 5062),  # errors name the line of the engine
     "comparisons/extremes": (101, 187),
     "comparisons/faults": (616, 1127),  # those of tests came in: audits need them
     "comparisons/inspect": (3596, 7012),  # fixes are tried displaced; rigid modes apart (#39)
@@ -63,7 +63,7 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
     "examples": (500, 783),
     "models": (1989, 3720),
     "reference": (8206, 16317),  # arrays in a third of the time: constants of their type
-    "tests": (25059, 43330),  # engines as readers, import bugs, pages, 80 columns (#38, #39)
+    "tests": (25063, 43336),  # engines as readers, import bugs, pages, 80 columns (#38, #39)
 }
 """Folder -> statements and lines of Python."""
 
@@ -78,7 +78,7 @@ CLAIMS: Mapping[str, int] = {
 WORDS: Mapping[str, int] = {
     "Return what": 0,
     "Of the": 0,
-    "that is": 0,
+    "that is": 1,
     "what is": 1,
     "asked": 1,
     "told": 0,
