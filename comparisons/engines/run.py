@@ -219,7 +219,7 @@ def describe(error: BaseException) -> str:
 def place_of(error: BaseException) -> str:
     """Return the file and line in an engine's module that led to an exception; empty if none did.
 
-    The module is the first that is not ours; the line is the last that was reached there.
+    The module is the first of others than us; the line is the last reached in it.
     """
     frames = [(at.f_code.co_filename, line) for at, line in walk_tb(error.__traceback__)]
     modules = [name for name, _ in frames if not name.startswith((OURS, *LOADERS, *SOLVERS))]

@@ -78,7 +78,7 @@ CLAIMS: Mapping[str, int] = {
 WORDS: Mapping[str, int] = {
     "Return what": 0,
     "Of the": 0,
-    "that is": 1,
+    "that is": 0,
     "what is": 1,
     "asked": 1,
     "told": 0,
