@@ -47,6 +47,7 @@ def reproduce_papers(json_file: Destination | None, **options: Any) -> int:
 
     out = Path(options["out"])
     papers = selected(options["scenes"] or scenes_with_ledger(), options["figure"], options["rows"])
+    contents(out)  # refuses a folder that cannot be written
     click.echo(announced(papers, options["full"]), err=True)
     try:
         with progress_bar(True, "figures and rows", lines=True) as advance:

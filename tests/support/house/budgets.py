@@ -53,7 +53,7 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
     "comparisons/inspect": (3596, 7012),  # fixes are tried displaced; rigid modes apart (#39)
     "comparisons/judge": (649, 1242),
     "comparisons/maps": (801, 1486),  # curves that part no classes
-    "comparisons/papers": (3284, 6268),
+    "comparisons/papers": (3285, 6269),
     "comparisons/queries": (600, 1279),  # refuses models unsuitable for parameters
     "comparisons/reports": (1552, 2761),  # 80 columns, a badge (#39); deviations before errors
     "comparisons/scenes": (1887, 4192),
