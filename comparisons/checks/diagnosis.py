@@ -236,10 +236,10 @@ def of_order(deviation: Deviation) -> str:
     wrong = wrong_forces(setup)
     if shrinks and last < EXPLAINED * off and off > LEAST:
         return "" if wrong is False else ANOTHER_MODEL
-    coarse = [Part(one, np.array([counts[0]])) for one in cases]
-    runs = with_expected(setup, length / counts[0], coarse, answers[0])
-    if scheme and (named := explanation(runs)):
-        return named
+    if scheme:
+        coarse = [Part(one, np.array([counts[0]])) for one in cases]
+        if named := explanation(with_expected(setup, length / counts[0], coarse, answers[0])):
+            return named
     measured = order_of(away)
     if not measured or (not scheme and measured >= order) or wrong:
         return ""

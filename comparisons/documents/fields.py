@@ -11,7 +11,7 @@ import os
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
-from functools import wraps
+from functools import cache, wraps
 from types import NoneType, UnionType
 from typing import (
     Annotated,
@@ -177,6 +177,14 @@ def descriptions(kind: type) -> dict[str, str]:
     return {name: text.removesuffix(".") for name, text in meanings.items()}
 
 
+@cache
+def lists_of(request: type) -> tuple[str, ...]:
+    """Return the names of the fields of a request that are lists."""
+    return tuple(
+        one.name for one in option_fields(request) if one.is_repeatable and one.kind is not Mapping
+    )
+
+
 def takes_fields_of(
     request: Callable[P, Request],
 ) -> Callable[[Callable[[Request], Outcome]], Callable[P, Outcome]]:
@@ -190,17 +198,14 @@ def takes_fields_of(
         @wraps(function)
         def call(*values: P.args, **named: P.kwargs) -> Outcome:
             bound = signature.bind(*values, **named)
-            for one in option_fields(request):  # type: ignore[arg-type]
-                value: Any = bound.arguments.get(one.name)
-                if not one.is_repeatable or one.kind is Mapping or value is None:
-                    continue
+            for name in lists_of(request):
+                value: Any = bound.arguments.get(name)
                 if isinstance(value, str | os.PathLike):
                     text = repr(os.fspath(value))
-                    raise UsageError(
-                        f"{one.name} must be a list, not {text}; did you mean [{text}]?"
-                    )
-                texts = [os.fspath(v) if isinstance(v, os.PathLike) else v for v in value]
-                bound.arguments[one.name] = tuple(texts)
+                    raise UsageError(f"{name} must be a list, not {text}; did you mean [{text}]?")
+                if value is not None:
+                    texts = (os.fspath(v) if isinstance(v, os.PathLike) else v for v in value)
+                    bound.arguments[name] = tuple(texts)
             return function(request(*bound.args, **bound.kwargs))
 
         call.__signature__ = signature  # type: ignore[attr-defined]

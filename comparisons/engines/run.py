@@ -221,10 +221,10 @@ def place_of(error: BaseException) -> str:
 
     The module is the first of others than us; the line is the last reached in it.
     """
-    frames = [(at.f_code.co_filename, line) for at, line in walk_tb(error.__traceback__)]
-    modules = [name for name, _ in frames if not name.startswith((OURS, *LOADERS, *SOLVERS))]
-    lines = [line for name, line in frames if name == next(iter(modules), None)]
-    return f" ({printable_text(Path(modules[0]).name, 80)}:{lines[-1]})" if lines else ""
+    every = ((at.f_code.co_filename, line) for at, line in walk_tb(error.__traceback__))
+    frames = [one for one in every if not one[0].startswith((OURS, *LOADERS, *SOLVERS))]
+    lines = [line for name, line in frames if name == frames[0][0]]
+    return f" ({printable_text(Path(frames[0][0]).name, 80)}:{lines[-1]})" if frames else ""
 
 
 def traceback_of(error: BaseException) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import logging
 import shutil
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from datetime import date
 from pathlib import Path
@@ -216,7 +216,7 @@ def reproduce(request: ReproduceRequest) -> Findings:
         installed.
     """
     import_pyplot()
-    papers = selected(request.scenes or scenes_with_ledger(), request.figure, request.rows)
+    papers = selected(request)
     made = Made(versions(available()), request.full, date.today().isoformat(), own_commit())
     folder = Folder(Path(request.out), made)
     items = [(scene, item) for scene, paper in papers.items() for item in paper.items]
@@ -241,14 +241,15 @@ def reproduce(request: ReproduceRequest) -> Findings:
     return folder.selection(papers)
 
 
-def announced(papers: Papers, full: bool) -> str:
-    """Return the figures and rows of papers in numbers, and an estimate of their time."""
+def announced(request: ReproduceRequest) -> str:
+    """Return the figures and rows of a request in numbers, and an estimate of their time."""
+    papers = selected(request)
     figures = sum(len(paper.figures) for paper in papers.values())
     rows = [row for paper in papers.values() for row in paper.rows]
     seconds = FIGURE_TIME * figures + SLOW_ROW_TIME * sum(row.slow for row in rows)
     about = f"about {words(seconds)}" if seconds else "a few seconds"
     what = f"{plural(figures, 'figure')} and {plural(len(rows), 'row')} of {', '.join(papers)}"
-    return f"{what}: {about}{', and hours for maps at full size' if full else ''}"
+    return f"{what}: {about}{', and hours for maps at full size' if request.full else ''}"
 
 
 def contents(out: str | Path) -> Findings:
@@ -256,7 +257,7 @@ def contents(out: str | Path) -> Findings:
     return Folder(Path(out), Made(versions(available()))).contents
 
 
-def selected(scenes: Sequence[str], figure: int | None, rows: Collection[str]) -> Papers:
+def selected(request: ReproduceRequest) -> Papers:
     """Return the selected figures and rows; all of the scenes by default.
 
     Raises
@@ -264,7 +265,8 @@ def selected(scenes: Sequence[str], figure: int | None, rows: Collection[str]) -
     UsageError
         If none of the papers has them, or a scene has no paper.
     """
-    papers = {scene: read_paper(scene) for scene in scenes}
+    figure, rows = request.figure, request.rows
+    papers = {scene: read_paper(scene) for scene in request.scenes or scenes_with_ledger()}
     for scene, paper in papers.items():
         if not paper.rows:
             own = ", ".join(scenes_with_ledger())

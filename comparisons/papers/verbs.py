@@ -19,8 +19,7 @@ from ..terminal.program import (
     progress_bar,
     to_stdout,
 )
-from .claims import scenes_with_ledger
-from .reproduce import ReproduceRequest, announced, contents, reproduce, selected
+from .reproduce import ReproduceRequest, announced, contents, reproduce
 
 if TYPE_CHECKING:
     from .outcomes import Findings
@@ -46,9 +45,9 @@ def reproduce_papers(json_file: Destination | None, **options: Any) -> int:
     from . import pages
 
     out = Path(options["out"])
-    papers = selected(options["scenes"] or scenes_with_ledger(), options["figure"], options["rows"])
+    plan = announced(ReproduceRequest(**options))
     contents(out)  # refuses a folder that cannot be written
-    click.echo(announced(papers, options["full"]), err=True)
+    click.echo(plan, err=True)
     try:
         with progress_bar(True, "figures and rows", lines=True) as advance:
             result = reproduce(**options, progress=advance)

@@ -142,13 +142,12 @@ def choice_cells(item: Choice) -> Row:
 def steps_table(result: Tradeoff) -> tuple[Sequence[str], list[Row]]:
     """Return heads and rows of the cheapest step with which each method meets each target."""
     rows = list[Row]()
-    for one in result.series:
+    for one in (one for one in result.series if not one.settings):
         best = (cheapest_run([one], target) for target in result.targets)
         steps = ("-" if trial is None else number(trial.point.step, 3) for trial in best)
         least = min((trial.error for trial in trials_of([one])), default=None)
         stable = number(one.stable_step, 3, missing="-")
-        row = (one.scene, f"{one.engine} {one.model}", one.method, stable, least, *steps)
-        rows += [] if one.settings else [row]
+        rows.append((one.scene, f"{one.engine} {one.model}", one.method, stable, least, *steps))
     return (*EACH, *(f"{percent(target)} [s]" for target in result.targets)), rows
 
 

@@ -175,8 +175,8 @@ def source(
     text = f"def function({inputs}):\n{''.join(lines[::-1])}    return [{', '.join(ends)}]\n"
     space = dict(functions)
     for name, value in trace.constants.values():
-        plain = np.array(value, kind)
-        space[name] = value if plain.ndim else plain.item() if kind is None else plain
+        number = value if np.ndim(value) else np.array(value, kind)
+        space[name] = number.item() if kind is None and not np.ndim(value) else number
     exec(compiled(text), space)
     function: Rates = space["function"]
     return function

@@ -51,7 +51,7 @@ def located(results: Sequence[Result]) -> list[str]:
         before = [name for name in list(KINDS)[: list(KINDS).index(level)] if name in ran]
         right = f", {' and '.join(before)} right" if before else ""
         lines.append(f"{engine}: {head(level, here)}{right}")
-        counted = [one for one in mine if one.reason.startswith(COUNTED) and one not in here][:1]
+        counted = [r for r in mine if r.kind != level and r.reason.startswith(COUNTED)][:1]
         wrong_things = [*faults([*counted, *here], mine)]
         lines += [f"  {line}" for line in wrong_things[:MOST]]
         if len(wrong_things) > MOST:

@@ -31,7 +31,7 @@ class FileReader(mbcheck.Engine):
         return model
 
     def accelerations(self, system: mbcheck.System, time: float, q: Any, v: Any) -> Any:
-        """Return what MuJoCo computes after the edit."""
+        """Return MuJoCo's accelerations (n,) after the edit."""
         model = self.read(system)
         data = mujoco.MjData(model)
         data.qpos, data.qvel, data.ctrl = q, v, system.controls(time)

@@ -46,19 +46,19 @@ FOLDERS: Mapping[str, tuple[int, int]] = {
     "comparisons/cli": (474, 968),  # `explain` and its glossary (#39)
     "comparisons/compare": (1762, 3024),  # 1,300 granted; engines as readers (#38)
     "comparisons/diff": (278, 497),
-    "comparisons/documents": (333, 673),  # waivers of inspect, for compare too (#38)
+    "comparisons/documents": (335, 678),  # waivers for compare too; lists and paths in Python (#39)
     "comparisons/engines": (2728, 5062),  # errors name the line of the engine
     "comparisons/extremes": (101, 187),
     "comparisons/faults": (616, 1127),  # those of tests came in: audits need them
     "comparisons/inspect": (3596, 7012),  # fixes are tried displaced; rigid modes apart (#39)
     "comparisons/judge": (649, 1242),
     "comparisons/maps": (801, 1486),  # curves that part no classes
-    "comparisons/papers": (3285, 6269),
+    "comparisons/papers": (3286, 6270),
     "comparisons/queries": (600, 1279),  # refuses models unsuitable for parameters
     "comparisons/reports": (1552, 2761),  # 80 columns, a badge (#39); deviations before errors
     "comparisons/scenes": (1887, 4192),
     "comparisons/terminal": (308, 508),
-    "comparisons/tradeoff": (1701, 3234),  # the step of each method (#39)
+    "comparisons/tradeoff": (1700, 3233),  # the step of each method (#39)
     "docs": (611, 1337),  # generated tables of pages, a picture (#39)
     "examples": (500, 783),
     "models": (1989, 3720),
